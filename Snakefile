@@ -1,0 +1,26 @@
+# The study, the rules, and what a run makes.
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+# A study given by --configfile stands alone: it inherits nothing from config.yaml.
+if not workflow.overwrite_configfiles:
+
+    configfile: "config.yaml"
+
+
+# Steps run in the environment that `make` sets up; --lint wants one named here.
+container: None
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/recordings.smk"
+include: "workflow/rules/signals.smk"
+include: "workflow/rules/dynamics.smk"
+include: "workflow/rules/force.smk"
+include: "workflow/rules/report.smk"
+
+
+rule all:
+    input:
+        rules.make_tables.output, expand(rules.draw_figures.output, recording=RECORDINGS),

@@ -1,0 +1,1 @@
+"""Dynamics, friction and contact force of Universal Robots arms, from recordings."""

@@ -1,0 +1,1 @@
+"""Batched kinematics and dynamics: the only room that imports torch."""

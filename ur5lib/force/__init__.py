@@ -1,0 +1,1 @@
+"""Force sensor and contact wrench."""

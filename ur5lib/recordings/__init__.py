@@ -1,0 +1,1 @@
+"""Readers of raw device files, frame repair, quality."""

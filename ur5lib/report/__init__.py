@@ -1,0 +1,1 @@
+"""Result tables, figures, and the document in HTML and PDF."""

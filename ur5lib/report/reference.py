@@ -1,0 +1,52 @@
+"""Published values and errata, to stand beside what a study finds."""
+
+from pathlib import Path
+
+import yaml
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from ur5lib.errors import InputError
+
+
+class Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class PrintedTable(Part):
+    """A published table: by model or estimate, six values, joints or components in order."""
+
+    source: str
+    recording: str
+    values: dict[str, tuple[float, float, float, float, float, float]]
+
+
+class Printed(Part):
+    torque_mae: PrintedTable | None = None
+    force_mae: PrintedTable | None = None
+    force_max: PrintedTable | None = None
+
+
+class Erratum(Part):
+    """An error in the published work, and what is done about it here."""
+
+    place: str
+    error: str
+    choice: str
+
+
+class Reference(Part):
+    printed: Printed = Printed()
+    errata: list[Erratum] = []
+
+
+def read_reference(path: str | Path | None) -> Reference:
+    """Read a file of published values; without one, nothing is published.
+
+    Raises InputError when the file is wrong.
+    """
+    if path is None:
+        return Reference()
+    try:
+        return Reference.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
+    except (ValidationError, yaml.YAMLError) as error:
+        raise InputError(f"{path} is no file of published values: {error}") from error

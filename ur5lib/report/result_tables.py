@@ -1,0 +1,117 @@
+"""The tables of results: tidy, one value a row, SI units, joints 1 to 6."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.metrics import mean_absolute_error
+from ur5lib.report.reference import PrintedTable
+from ur5lib.tables import channel
+
+Row = dict[str, object]
+MOTIONS = ("target", "measured")
+
+
+def quality_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
+    """Findings of every recording, from its quality.json."""
+    columns = ["recording", "device", "finding", "severity", "count", "detail"]
+    rows = [
+        {"recording": recording, **finding}
+        for recording, quality in qualities.items()
+        for finding in quality["findings"]
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def clock_table(clocks: Mapping[str, Any]) -> pd.DataFrame:
+    """How each device's clock runs against the robot's, from clocks.json."""
+    columns = "recording device offset_s offset_std_s drift_ppm drift_std_ppm method".split()
+    rows = [
+        {
+            "recording": recording,
+            "device": device,
+            "offset_s": clock["offset"],
+            "offset_std_s": clock["offset_std"],
+            "drift_ppm": _ppm(clock["drift"]),
+            "drift_std_ppm": _ppm(clock["drift_std"]),
+            "method": clock["method"],
+        }
+        for recording, devices in clocks.items()
+        for device, clock in devices.items()
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _ppm(drift: float | None) -> float | None:
+    return None if drift is None else 1e6 * drift
+
+
+def torque_errors(
+    recording: str, torques: pd.DataFrame, signals: pd.DataFrame, printed: PrintedTable | None
+) -> Iterator[Row]:
+    """MAE of the modelled torques against `target_moment`, beside print and a torque of zero.
+
+    Frames that were interpolated are left out.
+    """
+    received = ~signals["interpolated"].to_numpy()
+    moment = channel(signals, "target_moment")[received]
+    zero = mean_absolute_error(np.zeros_like(moment), moment)
+    published = _published(printed, recording)
+    models = dict.fromkeys(name.split("_")[2] for name in torques.filter(like="tau_target_"))
+    for motion in MOTIONS:
+        for model in models:
+            torque = channel(torques, f"tau_{motion}_{model}")[received]
+            mae = mean_absolute_error(torque, moment)
+            print_ = published.get(model, [None] * 6) if motion == "target" else [None] * 6
+            yield from _joints(recording, motion, model, mae, print_, zero)
+    for model in published.keys() - models.keys():
+        yield from _joints(recording, "closed_loop", model, [None] * 6, published[model], zero)
+
+
+def _joints(recording: str, motion: str, model: str, mae: Any, printed: Any, zero: Any) -> Iterator[Row]:
+    for joint in range(6):
+        yield {
+            "recording": recording,
+            "motion": motion,
+            "model": model,
+            "joint": joint + 1,
+            "mae": mae[joint],
+            "printed": printed[joint],
+            "zero_mae": zero[joint],
+        }
+
+
+def force_errors(
+    recording: str,
+    summary: Mapping[str, Any],
+    printed_mae: PrintedTable | None,
+    printed_max: PrintedTable | None,
+) -> Iterator[Row]:
+    """Errors of the force estimates against the sensor, from forces.json."""
+    published_mae = _published(printed_mae, recording)
+    published_max = _published(printed_max, recording)
+    for kind, estimates in summary["errors"].items():
+        for estimate, figures in estimates.items():
+            for i, component in enumerate(figures["mae"]):
+                print_mae, print_max = (
+                    table[estimate][i] if kind == "printed" and estimate in table else None
+                    for table in (published_mae, published_max)
+                )
+                yield {
+                    "recording": recording,
+                    "kind": kind,
+                    "estimate": estimate,
+                    "component": component,
+                    **{name: values[component] for name, values in figures.items()},
+                    "coverage95": None,
+                    "printed_mae": print_mae,
+                    "printed_max": print_max,
+                }
+
+
+def _published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:
+    if printed is None or printed.recording != recording:
+        return {}
+    return dict(printed.values)

@@ -1,0 +1,1 @@
+"""Arms as data, and what follows from it."""

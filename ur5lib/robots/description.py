@@ -1,0 +1,152 @@
+"""An arm as data: the YAML files of this folder, read and checked."""
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from ur5lib.errors import InputError
+
+FOLDER = Path(__file__).parent
+
+Vector3 = tuple[float, float, float]
+PerJoint = tuple[float, float, float, float, float, float]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class DenavitHartenberg(Part):
+    """Link length a [m], link offset d [m] and link twist alpha [rad] of Equation 2.19."""
+
+    a: float
+    d: float
+    alpha: float
+
+
+class Motor(Part):
+    """What the maker says of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm."""
+
+    position_max: Positive
+    velocity_max: Positive
+    acceleration_max: Positive
+    torque_max: Positive
+    static_friction: float
+    dynamic_friction: float
+    viscous_friction: float
+    dynamic_friction_backdrive: float
+    viscous_friction_backdrive: float
+    torque_constant: Positive
+
+
+class Cylinder(Part):
+    """A homogeneous cylinder [kg, m]; `offset` is its centroid seen from the link's centre of mass."""
+
+    axis: Literal["x", "y", "z"]
+    mass: Positive
+    height: Positive
+    radius: Positive
+    offset: Vector3 = (0.0, 0.0, 0.0)
+
+
+class Model(Part):
+    """One way to distribute the mass of the six links; centres of mass [m] in the link's frame."""
+
+    description: str
+    centers_of_mass: tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3]
+    cylinders: tuple[
+        list[Cylinder],
+        list[Cylinder],
+        list[Cylinder],
+        list[Cylinder],
+        list[Cylinder],
+        list[Cylinder],
+    ]
+
+
+class Mounting(Part):
+    """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6."""
+
+    imu: Vector3
+    force_sensor: Vector3
+
+
+class CurrentToTorque(Part):
+    """Equation 6.6, tau = torque_constant i + offset [Nm/A, Nm]; and Equation 6.3."""
+
+    torque_constant: PerJoint
+    offset: PerJoint
+    preliminary_torque_constant: PerJoint
+
+
+class Friction(Part):
+    """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
+
+    coulomb: PerJoint
+    viscous: PerJoint
+    dead_zone: float
+
+
+class Gains(Part):
+    """Diagonals of K0 [1/s²] and K1 [1/s] in Equation 2.73."""
+
+    position: PerJoint
+    velocity: PerJoint
+
+
+class Robot(Part):
+    """A six-joint arm: geometry, masses, link models and the constants published for it."""
+
+    name: str
+    gravity: Vector3
+    denavit_hartenberg: tuple[
+        DenavitHartenberg,
+        DenavitHartenberg,
+        DenavitHartenberg,
+        DenavitHartenberg,
+        DenavitHartenberg,
+        DenavitHartenberg,
+    ]
+    joints: tuple[str, str, str, str, str, str]
+    motors: dict[str, Motor]
+    masses: tuple[Positive, Positive, Positive, Positive, Positive, Positive]
+    models: dict[str, Model]
+    mounting: Mounting
+    current_to_torque: CurrentToTorque
+    friction: Friction
+    closed_loop_gains: dict[str, Gains]
+
+    @model_validator(mode="after")
+    def joints_have_motors(self) -> Self:
+        unknown = sorted(set(self.joints) - set(self.motors))
+        if unknown:
+            raise ValueError(f"joints name motors that are not described: {', '.join(unknown)}")
+        return self
+
+    def motor(self, joint: int) -> Motor:
+        """The motor of joint 1 to 6."""
+        return self.motors[self.joints[joint - 1]]
+
+
+def robot_names() -> list[str]:
+    """Names of the arms described in this folder."""
+    return sorted(path.stem for path in FOLDER.glob("*.yaml"))
+
+
+def robot_path(name: str) -> Path:
+    """The YAML file that describes an arm."""
+    return FOLDER / f"{name}.yaml"
+
+
+def load_robot(path: str | Path) -> Robot:
+    """Read one arm's description, e.g. from `robot_path("ur5")`.
+
+    Raises InputError when the file is wrong.
+    """
+    try:
+        return Robot.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
+    except (ValidationError, yaml.YAMLError) as error:
+        raise InputError(f"{path} does not describe an arm: {error}") from error

@@ -1,0 +1,83 @@
+"""From cylinders to the mass, centre of mass and inertia tensor of each link."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.robots.description import Cylinder, Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RigidBodies:
+    """The six links of an arm as rigid bodies, each in its own Denavit-Hartenberg frame.
+
+    mass: (6,) [kg]; center_of_mass: (6, 3) [m];
+    inertia: (6, 3, 3) [kg m²] about the centre of mass.
+    """
+
+    mass: Array
+    center_of_mass: Array
+    inertia: Array
+
+
+def cylinder_inertia(axis: str, mass: float, height: float, radius: float) -> Array:
+    """Inertia tensor (3, 3) of a homogeneous cylinder about its centroid (Equation 2.48)."""
+    across = mass / 12 * (3 * radius**2 + height**2)
+    principal = np.full(3, across)
+    principal["xyz".index(axis)] = mass / 2 * radius**2
+    return np.diag(principal)
+
+
+def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
+    """Parallel-axis theorem (Equations 2.45, 2.46).
+
+    inertia: (3, 3) about the centroid; offset: (3,) from the new reference point to the centroid.
+    """
+    return inertia + mass * (offset @ offset * np.eye(3) - np.outer(offset, offset))
+
+
+def combine_cylinders(cylinders: list[Cylinder]) -> Array:
+    """Inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
+    return sum(
+        (
+            shift_inertia(
+                cylinder_inertia(part.axis, part.mass, part.height, part.radius),
+                part.mass,
+                np.array(part.offset),
+            )
+            for part in cylinders
+        ),
+        start=np.zeros((3, 3)),
+    )
+
+
+def split_heights(
+    mass: float, mass_2: float, height: float, center_of_mass: float
+) -> tuple[float, float]:
+    """Heights h1, h2 of two cylinders that put the combined centre of mass where it is.
+
+    Section 2.2.4: a cylinder of `mass` and `height` is cut across its axis; the second part
+    weighs `mass_2`, the first the rest. `center_of_mass` (x_M) is measured along the axis from
+    the first part's end. x_B = 2 x_M - h m2 / M (2.54); h1 = x_B, h2 = h - x_B (2.55).
+    Raises ValueError when no such cut lies inside the cylinder.
+    """
+    border = 2 * center_of_mass - height * mass_2 / mass
+    if not 0 < border < height:
+        raise ValueError(
+            f"a part of {mass_2} kg of {mass} kg cannot put the centre of mass "
+            f"at {center_of_mass} of {height} m"
+        )
+    return border, height - border
+
+
+def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
+    """The links of an arm under one of its models, e.g. "A", "B" or "C"."""
+    links = robot.models[model]
+    return RigidBodies(
+        mass=np.array(robot.masses),
+        center_of_mass=np.array(links.centers_of_mass),
+        inertia=np.stack([combine_cylinders(parts) for parts in links.cylinders]),
+    )

@@ -1,0 +1,1 @@
+"""Clocks, resampling, low-pass, motion."""

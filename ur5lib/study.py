@@ -1,0 +1,195 @@
+"""A study: the recordings to analyse, and the settings of every step.
+
+The model below is the whole truth about `config.yaml`; `workflow/study.schema.json` is made from
+it. All errors of a study are reported at once, each with its key, its value, what is allowed,
+and the nearest valid name.
+"""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import robot_names
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$", description="letters, digits, _ . -")]
+
+
+def _existing_folder(folder: str) -> str:
+    if not Path(folder).is_dir():
+        raise ValueError("an existing folder; fetch it (`ur5 fetch thesis`) or correct the path")
+    return folder
+
+
+def _existing_file(path: str) -> str:
+    if not Path(path).is_file():
+        raise ValueError("an existing file")
+    return path
+
+
+def _known_robot(name: str) -> str:
+    if name not in robot_names():
+        raise ValueError("one of " + ", ".join(robot_names()))
+    return name
+
+
+class Part(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Recording(Part):
+    """One run of an arm, as its devices wrote it down."""
+
+    name: Name
+    robot: Annotated[str, AfterValidator(_known_robot)] = Field(
+        description="an arm described in ur5lib/robots/", json_schema_extra={"enum": [*robot_names()]}
+    )
+    format: Literal["thesis-csv"] = Field(description="how the files of `folder` are written")
+    folder: Annotated[str, AfterValidator(_existing_folder)] = Field(
+        description="the folder that holds the device files"
+    )
+    role: Literal["fit", "validate", "contact"] = Field(
+        description="fit: contact-free, for fitting; validate: contact-free, never fitted on; "
+        "contact: something touches the arm"
+    )
+
+
+class RepairFrames(Part):
+    """Putting frames back on the controller's grid."""
+
+    max_gap_s: float = Field(
+        0.1, ge=0, le=1, description="gaps up to this are interpolated, longer ones split"
+    )
+
+
+class FilterSignals(Part):
+    """Zero-phase Butterworth low-pass of the measured signals."""
+
+    order: int = Field(4, ge=1, le=12)
+    cutoff_hz: float = Field(10.0, gt=0, lt=62.5)
+
+
+class EstimateForces(Part):
+    """Contact forces from motor currents, and the sensor they are compared with."""
+
+    order: int = Field(5, ge=1, le=12, description="of the low-pass on the external torque")
+    cutoff_hz: float = Field(1.454, gt=0, lt=62.5)
+    bias_window_s: float = Field(
+        1.0, gt=0, le=60, description="contact-free start of a run, where the sensor's bias is read"
+    )
+    min_singular_value: float = Field(
+        0.01, gt=0, le=1, description="of the Jacobian; below it the torques tell no force"
+    )
+
+
+class Settings(Part):
+    """Settings of the steps, by rule."""
+
+    repair_frames: RepairFrames = RepairFrames()
+    filter_signals: FilterSignals = FilterSignals()
+    estimate_forces: EstimateForces = EstimateForces()
+
+
+class Study(Part):
+    """What `snakemake` analyses; results lie in `results/<study>/`."""
+
+    study: Name
+    title: str
+    recordings: list[Recording] = Field(min_length=1)
+    reference: Annotated[str, AfterValidator(_existing_file)] | None = Field(
+        None, description="YAML file of published values and errata to show beside the results"
+    )
+    settings: Settings = Settings()
+
+
+def parse_study(raw: Mapping[str, Any], source: str) -> Study:
+    """The study that a configuration describes.
+
+    raw: the configuration as plain data; source: the file it came from, for the messages.
+    Raises InputError with one line for each error found.
+    """
+    problems = [f"recordings: {problem}" for problem in _repeated_names(raw)]
+    try:
+        study = Study.model_validate(raw)
+    except ValidationError as error:
+        schema = Study.model_json_schema()
+        problems = [_explain(detail, schema) for detail in error.errors()] + problems
+    if problems:
+        raise InputError("\n".join(f"{source}: {problem}" for problem in problems))
+    return study
+
+
+def schema_text() -> str:
+    """The JSON schema of a study, as committed in workflow/study.schema.json."""
+    return json.dumps(Study.model_json_schema(), indent=2) + "\n"
+
+
+def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
+    recordings = raw.get("recordings")
+    entries = recordings if isinstance(recordings, list) else []
+    names = [entry["name"] for entry in entries if isinstance(entry, dict) and "name" in entry]
+    for name in sorted({str(name) for name in names if names.count(name) > 1}):
+        yield f"two are named {name!r}; give each its own name"
+
+
+def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
+    """One sentence for one error: key, value, what is allowed, the nearest valid name."""
+    key = _key(error["loc"])
+    if error["type"] == "extra_forbidden":
+        known = _node(schema, error["loc"][:-1])["properties"]
+        return f"unknown key `{key}`{_near(error['loc'][-1], known)}; known: {', '.join(known)}"
+    node = _node(schema, error["loc"])
+    if error["type"] == "missing":
+        return f"`{key}` is missing; give {_allowed(node)}"
+    near = _near(error["input"], node.get("enum", []))
+    allowed = error["ctx"]["error"] if error["type"] == "value_error" else _allowed(node)
+    return f"`{key}` is {_shown(error['input'])}{near}; give {allowed}"
+
+
+def _key(location: Iterable[str | int]) -> str:
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    return "".join(parts).lstrip(".")
+
+
+def _node(schema: dict[str, Any], location: Iterable[str | int]) -> dict[str, Any]:
+    """The part of a JSON schema that describes what lies at a location."""
+    node = schema
+    for part in location:
+        node = node["items"] if isinstance(part, int) else node["properties"].get(part, {})
+        if "$ref" in node:
+            node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
+    return node
+
+
+def _near(value: object, candidates: Iterable[str]) -> str:
+    matches = get_close_matches(str(value), list(candidates), n=1, cutoff=0.5)
+    return f" (did you mean `{matches[0]}`?)" if matches else ""
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _allowed(node: dict[str, Any]) -> str:
+    if "enum" in node or "const" in node:
+        return "one of " + ", ".join(node.get("enum", [node.get("const")]))
+    bounds = {
+        "minimum": "at least",
+        "exclusiveMinimum": "above",
+        "maximum": "at most",
+        "exclusiveMaximum": "below",
+        "minItems": "with entries, at least",
+    }
+    limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
+    kind = {"array": "a list", "object": "a mapping"}.get(
+        node.get("type", ""), f"a {node.get('type', 'value')}"
+    )
+    if "pattern" in node:
+        limits.append(f"of {node['description']}")
+    return f"{kind.replace('a integer', 'an integer')} {' and '.join(limits)}".strip()

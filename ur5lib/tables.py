@@ -1,0 +1,157 @@
+"""The pipeline's tables: the only code that reads or writes them.
+
+Signals are Parquet, one column a channel under its RTDE name with a zero-based suffix, `time` [s]
+first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written
+aside and renamed, so that no reader ever meets half of one.
+"""
+
+import contextlib
+import json
+import math
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from ur5lib.errors import InputError
+
+Array = NDArray[np.float64]
+
+UNITS = {  # of a channel, by its name without suffix
+    "time": "s",
+    "segment": "1",
+    "interpolated": "1",
+    "actual_q": "rad",
+    "actual_qd": "rad/s",
+    "actual_current": "A",
+    "actual_TCP_force": "N, Nm",
+    "actual_TCP_speed": "m/s, rad/s",
+    "actual_TCP_pose": "m, rad",
+    "target_q": "rad",
+    "target_qd": "rad/s",
+    "target_qdd": "rad/s2",
+    "target_current": "A",
+    "target_moment": "Nm",
+    "ft_f": "N",
+    "ft_t": "Nm",
+    "imu_a": "m/s2",
+    "imu_g": "rad/s",
+    "imu_m": "1",
+    "q": "rad",
+    "qd": "rad/s",
+    "qdd": "rad/s2",
+    "o6": "m",
+    "R6": "1",
+    "J": "m, 1",
+    "sigma_min": "1",
+    "tau_target": "Nm",
+    "tau_measured": "Nm",
+    "printed": "N, Nm",
+    "corrected": "N, Nm",
+}
+
+
+def unit(column: str) -> str:
+    """The unit of a channel; the longest known name that the column begins with decides."""
+    names = [name for name in UNITS if re.match(rf"{name}(_|[xyz]?$)", column)]
+    if not names:
+        raise ValueError(f"no unit is known for column {column!r}")
+    return UNITS[max(names, key=len)]
+
+
+def write_table(table: pd.DataFrame, path: str | Path) -> None:
+    """Write signals as Parquet, with the unit of each column."""
+    arrow = pa.Table.from_pandas(table, preserve_index=False)
+    fields = [field.with_metadata({"unit": unit(field.name)}) for field in arrow.schema]
+    schema = pa.schema(fields, metadata=arrow.schema.metadata)
+    _write_aside(path, lambda aside: pq.write_table(arrow.cast(schema), aside))
+
+
+def read_table(path: str | Path) -> pd.DataFrame:
+    """Read a table of signals."""
+    return pd.read_parquet(path)
+
+
+def period(table: pd.DataFrame) -> float:
+    """The cycle [s] of a table on a uniform grid."""
+    return round(float(table["time"].diff().median()), 9)
+
+
+def columns(name: str, count: int = 6) -> list[str]:
+    """Names of a channel's columns: name_0, name_1, ..."""
+    return [f"{name}_{index}" for index in range(count)]
+
+
+def channel(table: pd.DataFrame, name: str, count: int = 6) -> Array:
+    """A channel as an array (N, count)."""
+    return table[columns(name, count)].to_numpy(np.float64)
+
+
+def named(values: Array, name: str) -> dict[str, Array]:
+    """An array (N, M), or (N, ...) flattened row by row, as named columns."""
+    flat = values.reshape(len(values), -1)
+    return dict(zip(columns(name, flat.shape[1]), flat.T, strict=True))
+
+
+def write_csv(table: pd.DataFrame, path: str | Path) -> None:
+    """Write a table of results: one value a row, an empty cell where none applies."""
+    _write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format="%.9g"))
+
+
+def read_csv(path: str | Path) -> pd.DataFrame:
+    """Read a table of results."""
+    return pd.read_csv(path)
+
+
+def write_json(data: object, path: str | Path) -> None:
+    """Write a summary; what is not a number becomes null."""
+    text = json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
+    write_text(text, path)
+
+
+def read_json(path: str | Path) -> Any:
+    """Read a summary."""
+    return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def write_text(text: str, path: str | Path) -> None:
+    """Write a text file."""
+    _write_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+
+
+def write_bytes(data: bytes, path: str | Path) -> None:
+    """Write a binary file."""
+    _write_aside(path, lambda aside: aside.write_bytes(data))
+
+
+def _write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
+    path = Path(path)
+    aside = path.with_name(f".{path.name}.part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write(aside)
+        os.replace(aside, path)
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be written ({error.strerror}); free the disk or the permission"
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            aside.unlink()
+
+
+def _plain(data: object) -> object:
+    if isinstance(data, dict):
+        return {key: _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_plain(value) for value in data]
+    if isinstance(data, np.generic | np.ndarray):
+        return _plain(data.tolist())
+    return None if isinstance(data, float) and not math.isfinite(data) else data

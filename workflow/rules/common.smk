@@ -1,0 +1,71 @@
+# The study as a typed model, and what every rule needs: its files, its settings, its code.
+import ast
+import re
+from functools import cache
+
+from snakemake.exceptions import WorkflowError
+
+from ur5lib.errors import InputError
+from ur5lib.study import parse_study
+
+try:
+    STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
+except InputError as error:
+    raise WorkflowError(f"the study has errors\n{error}")
+
+RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
+RESULTS = f"results/{STUDY.study}"
+SETTINGS = STUDY.settings
+REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
+
+
+wildcard_constraints:
+    recording="|".join(map(re.escape, RECORDINGS)),
+
+
+def result(name):
+    """Path of a file that each recording has, with the recording as a wildcard."""
+    return f"{RESULTS}/{{recording}}/{name}"
+
+
+def results(name):
+    """Paths of a file that each recording has, one for each recording."""
+    return [f"{RESULTS}/{recording}/{name}" for recording in RECORDINGS]
+
+
+def recording_of(wildcards):
+    return RECORDINGS[wildcards.recording]
+
+
+def raw_files(wildcards):
+    """Everything below a recording's folder."""
+    folder = Path(recording_of(wildcards).folder)
+    return sorted(str(path) for path in folder.rglob("*") if path.is_file())
+
+
+def arm_file(wildcards):
+    return f"ur5lib/robots/{recording_of(wildcards).robot}.yaml"
+
+
+def code(step):
+    """The script of a step and the library modules it uses, directly or not."""
+    script = f"workflow/scripts/{step}.py"
+    modules, unseen = set(), {script}
+    while unseen:
+        modules |= unseen
+        unseen = {used for module in unseen for used in imported_modules(module)} - modules
+    return [script, *sorted(modules - {script})]
+
+
+@cache
+def imported_modules(path):
+    """Files of the ur5lib modules that a Python file imports; nothing is imported for it."""
+    names = set()
+    for node in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+    paths = (name.replace(".", "/") for name in names if name.split(".")[0] == "ur5lib")
+    candidates = (f for path in paths for f in (f"{path}.py", f"{path}/__init__.py"))
+    return {candidate for candidate in candidates if Path(candidate).is_file()}

@@ -1,0 +1,47 @@
+FIGURES = [
+    "torques",
+    "torque_errors",
+    *(
+        f"{figure}_{kind}"
+        for kind in ("printed", "corrected")
+        for figure in ("forces", "forces_friction", "force_errors")
+    ),
+]
+TABLES = ["quality", "clocks", "torque_mae", "force_mae"]
+
+
+rule draw_figures:
+    input:
+        signals=result("signals.parquet"),
+        torques=result("torques.parquet"),
+        forces=result("forces.parquet"),
+        code=code("draw_figures"),
+    output:
+        **{name: f"{RESULTS}/figures/{{recording}}/{name}.svg" for name in FIGURES},
+    log:
+        f"{RESULTS}/logs/draw_figures/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_figures/{{recording}}.tsv"
+    script:
+        "../scripts/draw_figures.py"
+
+
+rule make_tables:
+    input:
+        quality=results("quality.json"),
+        clocks=results("clocks.json"),
+        signals=results("signals.parquet"),
+        torques=results("torques.parquet"),
+        forces=results("forces.json"),
+        code=code("make_tables"),
+        **REFERENCE,
+    output:
+        **{name: f"{RESULTS}/tables/{name}.csv" for name in TABLES},
+    params:
+        recordings=list(RECORDINGS),
+    log:
+        f"{RESULTS}/logs/make_tables.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/make_tables.tsv"
+    script:
+        "../scripts/make_tables.py"
