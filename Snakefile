@@ -9,8 +9,8 @@ if not workflow.overwrite_configfiles:
     configfile: "config.yaml"
 
 
-# Steps run in the environment that `make` sets up; --lint wants one named here.
-container: None
+# Steps run in .venv; only `--sdm apptainer` uses this, for an image with requirements.lock in it.
+container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
@@ -23,4 +23,6 @@ include: "workflow/rules/report.smk"
 
 rule all:
     input:
-        rules.make_tables.output, expand(rules.draw_figures.output, recording=RECORDINGS),
+        rules.write_report.output,
+        rules.make_tables.output,
+        expand(rules.draw_figures.output, recording=RECORDINGS),

@@ -11,11 +11,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import robot_names
+from ur5lib.strict import Strict
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$", description="letters, digits, _ . -")]
 
@@ -38,16 +39,13 @@ def _known_robot(name: str) -> str:
     return name
 
 
-class Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Recording(Part):
+class Recording(Strict):
     """One run of an arm, as its devices wrote it down."""
 
     name: Name
     robot: Annotated[str, AfterValidator(_known_robot)] = Field(
-        description="an arm described in ur5lib/robots/", json_schema_extra={"enum": [*robot_names()]}
+        description="an arm described in ur5lib/robots/",
+        json_schema_extra={"enum": [*robot_names()]},
     )
     format: Literal["thesis-csv"] = Field(description="how the files of `folder` are written")
     folder: Annotated[str, AfterValidator(_existing_folder)] = Field(
@@ -59,7 +57,7 @@ class Recording(Part):
     )
 
 
-class RepairFrames(Part):
+class RepairFrames(Strict):
     """Putting frames back on the controller's grid."""
 
     max_gap_s: float = Field(
@@ -67,14 +65,14 @@ class RepairFrames(Part):
     )
 
 
-class FilterSignals(Part):
+class FilterSignals(Strict):
     """Zero-phase Butterworth low-pass of the measured signals."""
 
     order: int = Field(4, ge=1, le=12)
     cutoff_hz: float = Field(10.0, gt=0, lt=62.5)
 
 
-class EstimateForces(Part):
+class EstimateForces(Strict):
     """Contact forces from motor currents, and the sensor they are compared with."""
 
     order: int = Field(5, ge=1, le=12, description="of the low-pass on the external torque")
@@ -87,7 +85,7 @@ class EstimateForces(Part):
     )
 
 
-class Settings(Part):
+class Settings(Strict):
     """Settings of the steps, by rule."""
 
     repair_frames: RepairFrames = RepairFrames()
@@ -95,7 +93,7 @@ class Settings(Part):
     estimate_forces: EstimateForces = EstimateForces()
 
 
-class Study(Part):
+class Study(Strict):
     """What `snakemake` analyses; results lie in `results/<study>/`."""
 
     study: Name

@@ -133,7 +133,7 @@ def write_bytes(data: bytes, path: str | Path) -> None:
 
 def _write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
     path = Path(path)
-    aside = path.with_name(f".{path.name}.part")
+    aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(aside)

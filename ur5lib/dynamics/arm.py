@@ -60,10 +60,9 @@ def read_urdf(text: str, dtype: torch.dtype) -> pk.Chain:
     for name in chain.get_frame_names(exclude_fixed=False):
         chain.find_frame(name).link.offset = None  # places the link's drawing, in single precision
     for joint in ElementTree.fromstring(text).iter("joint"):
-        child, origin = joint.find("child"), joint.find("origin")
-        assert child is not None and origin is not None, "urdf() writes both"
-        frame = chain.find_frame(child.attrib["link"])
-        frame.joint.offset = _transform(origin.attrib["xyz"], origin.attrib["rpy"], dtype)
+        child, origin = (joint.findall(name)[0].attrib for name in ("child", "origin"))
+        frame = chain.find_frame(child["link"])
+        frame.joint.offset = _transform(origin["xyz"], origin["rpy"], dtype)
     return chain
 
 

@@ -5,6 +5,7 @@ from typing import Literal
 
 Device = Literal["robot", "force", "imu"]
 
+
 @dataclass(frozen=True)
 class Finding:
     """One kind of defect in one device's files.

@@ -153,7 +153,7 @@ def _parse(data: bytes, names: list[str]) -> pd.DataFrame:
     table = pacsv.read_csv(
         io.BytesIO(data),
         read_options=pacsv.ReadOptions(column_names=names),
-        parse_options=pacsv.ParseOptions(invalid_row_handler=lambda row: "skip"),
+        parse_options=pacsv.ParseOptions(invalid_row_handler=lambda _: "skip"),
         convert_options=pacsv.ConvertOptions(column_types=dict.fromkeys(names, pa.string())),
     ).to_pandas()
     numbers = table.apply(pd.to_numeric, errors="coerce")

@@ -1,29 +1,31 @@
 """Figures of a recording, in one house style."""
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 
 matplotlib.use("svg")
 
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.figure import Figure  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from ur5lib.tables import write_bytes  # noqa: E402
+from ur5lib.tables import write_bytes
 
 Array = NDArray[np.float64]
 
 # Okabe and Ito's palette: told apart by colour-blind readers; dashes tell them apart in print.
-STYLES = {
+STYLES: dict[str, Any] = {
     "measured": {"color": "#000000", "linewidth": 1.1},
     "first": {"color": "#0072B2", "linewidth": 1.0, "linestyle": (0, (5, 1.2))},
     "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
     "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
 }
-HOUSE_STYLE = {
+HOUSE_STYLE: Any = {
     "axes.grid": True,
     "axes.spines.right": False,
     "axes.spines.top": False,
@@ -35,28 +37,28 @@ HOUSE_STYLE = {
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 
-JOINTS = [(f"joint {joint}", "Nm") for joint in range(1, 7)]
-COMPONENTS = [(f"{quantity}$_{axis}$", unit) for quantity, unit in (("F", "N"), ("n", "Nm")) for axis in "xyz"]
+COMPONENTS = [
+    (f"{quantity}_{axis}", unit) for quantity, unit in (("F", "N"), ("n", "Nm")) for axis in "xyz"
+]
 
 Series = Mapping[str, tuple[Array, str]]
 
 
-def joint_panels(time: Array, series: Series, quantity: str) -> Figure:
+def joint_panels(time: Array, series: Series, symbol: str) -> Figure:
     """Six panels, joints 1 to 6. series: by label, values (N, 6) [Nm] and a style."""
-    return _panels(time, series, [(f"{quantity}, {name}", unit) for name, unit in JOINTS])
+    return _panels(time, series, [f"${symbol}_{joint}$ [Nm]" for joint in range(1, 7)])
 
 
 def wrench_panels(time: Array, series: Series, prefix: str = "") -> Figure:
     """Six panels, forces left and moments right. series: by label, values (N, 6) and a style."""
     order = [0, 3, 1, 4, 2, 5]
     reordered = {label: (values[:, order], style) for label, (values, style) in series.items()}
-    return _panels(time, reordered, [(prefix + COMPONENTS[i][0], COMPONENTS[i][1]) for i in order])
+    names = [f"${prefix}{COMPONENTS[i][0]}$ [{COMPONENTS[i][1]}]" for i in order]
+    return _panels(time, reordered, names)
 
 
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure as SVG, byte for byte the same for the same data."""
-    from io import BytesIO
-
     buffer = BytesIO()
     with plt.rc_context(HOUSE_STYLE):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
@@ -64,13 +66,13 @@ def save(figure: Figure, path: str | Path) -> None:
     write_bytes(buffer.getvalue(), path)
 
 
-def _panels(time: Array, series: Series, labels: list[tuple[str, str]]) -> Figure:
+def _panels(time: Array, series: Series, labels: list[str]) -> Figure:
     with plt.rc_context(HOUSE_STYLE):
-        figure, axes = plt.subplots(3, 2, figsize=(7.2, 5.2), sharex=True)
-        for i, (axis, (name, unit)) in enumerate(zip(axes.flat, labels, strict=True)):
+        figure, axes = plt.subplots(3, 2, figsize=(7.2, 4.4), sharex=True)
+        for i, (axis, name) in enumerate(zip(axes.flat, labels, strict=True)):
             for label, (values, style) in series.items():
                 axis.plot(time, values[:, i], label=label, **STYLES[style])
-            axis.set_ylabel(f"{name} [{unit}]")
+            axis.set_ylabel(name)
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")
         handles, names = axes[0, 0].get_legend_handles_labels()

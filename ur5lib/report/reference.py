@@ -3,16 +3,13 @@
 from pathlib import Path
 
 import yaml
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import ValidationError
 
 from ur5lib.errors import InputError
+from ur5lib.strict import Strict
 
 
-class Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class PrintedTable(Part):
+class PrintedTable(Strict):
     """A published table: by model or estimate, six values, joints or components in order."""
 
     source: str
@@ -20,13 +17,15 @@ class PrintedTable(Part):
     values: dict[str, tuple[float, float, float, float, float, float]]
 
 
-class Printed(Part):
+class Printed(Strict):
+    """The published tables that are compared with."""
+
     torque_mae: PrintedTable | None = None
     force_mae: PrintedTable | None = None
     force_max: PrintedTable | None = None
 
 
-class Erratum(Part):
+class Erratum(Strict):
     """An error in the published work, and what is done about it here."""
 
     place: str
@@ -34,9 +33,11 @@ class Erratum(Part):
     choice: str
 
 
-class Reference(Part):
+class Reference(Strict):
+    """What is published about the recordings of a study."""
+
     printed: Printed = Printed()
-    errata: list[Erratum] = []
+    errata: tuple[Erratum, ...] = ()
 
 
 def read_reference(path: str | Path | None) -> Reference:

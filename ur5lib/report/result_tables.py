@@ -27,7 +27,8 @@ def quality_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
 
 def clock_table(clocks: Mapping[str, Any]) -> pd.DataFrame:
     """How each device's clock runs against the robot's, from clocks.json."""
-    columns = "recording device offset_s offset_std_s drift_ppm drift_std_ppm method".split()
+    columns = ["recording", "device", "offset_s", "offset_std_s"]
+    columns += ["drift_ppm", "drift_std_ppm", "method"]
     rows = [
         {
             "recording": recording,
@@ -70,7 +71,9 @@ def torque_errors(
         yield from _joints(recording, "closed_loop", model, [None] * 6, published[model], zero)
 
 
-def _joints(recording: str, motion: str, model: str, mae: Any, printed: Any, zero: Any) -> Iterator[Row]:
+def _joints(
+    recording: str, motion: str, model: str, mae: Any, printed: Any, zero: Any
+) -> Iterator[Row]:
     for joint in range(6):
         yield {
             "recording": recording,

@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, model_validator
 
 from ur5lib.errors import InputError
+from ur5lib.strict import Strict
 
 FOLDER = Path(__file__).parent
 
@@ -15,11 +16,7 @@ PerJoint = tuple[float, float, float, float, float, float]
 Positive = Annotated[float, Field(gt=0)]
 
 
-class Part(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class DenavitHartenberg(Part):
+class DenavitHartenberg(Strict):
     """Link length a [m], link offset d [m] and link twist alpha [rad] of Equation 2.19."""
 
     a: float
@@ -27,7 +24,7 @@ class DenavitHartenberg(Part):
     alpha: float
 
 
-class Motor(Part):
+class Motor(Strict):
     """What the maker says of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm."""
 
     position_max: Positive
@@ -42,8 +39,8 @@ class Motor(Part):
     torque_constant: Positive
 
 
-class Cylinder(Part):
-    """A homogeneous cylinder [kg, m]; `offset` is its centroid seen from the link's centre of mass."""
+class Cylinder(Strict):
+    """A homogeneous cylinder [kg, m]; `offset`: its centroid from the link's centre of mass."""
 
     axis: Literal["x", "y", "z"]
     mass: Positive
@@ -52,7 +49,7 @@ class Cylinder(Part):
     offset: Vector3 = (0.0, 0.0, 0.0)
 
 
-class Model(Part):
+class Model(Strict):
     """One way to distribute the mass of the six links; centres of mass [m] in the link's frame."""
 
     description: str
@@ -67,14 +64,14 @@ class Model(Part):
     ]
 
 
-class Mounting(Part):
+class Mounting(Strict):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6."""
 
     imu: Vector3
     force_sensor: Vector3
 
 
-class CurrentToTorque(Part):
+class CurrentToTorque(Strict):
     """Equation 6.6, tau = torque_constant i + offset [Nm/A, Nm]; and Equation 6.3."""
 
     torque_constant: PerJoint
@@ -82,7 +79,7 @@ class CurrentToTorque(Part):
     preliminary_torque_constant: PerJoint
 
 
-class Friction(Part):
+class Friction(Strict):
     """Equations 6.2 and 6.4: Coulomb [Nm], viscous [Nm s/rad], dead zone [rad/s]."""
 
     coulomb: PerJoint
@@ -90,14 +87,14 @@ class Friction(Part):
     dead_zone: float
 
 
-class Gains(Part):
+class Gains(Strict):
     """Diagonals of K0 [1/s²] and K1 [1/s] in Equation 2.73."""
 
     position: PerJoint
     velocity: PerJoint
 
 
-class Robot(Part):
+class Robot(Strict):
     """A six-joint arm: geometry, masses, link models and the constants published for it."""
 
     name: str
@@ -120,7 +117,7 @@ class Robot(Part):
     closed_loop_gains: dict[str, Gains]
 
     @model_validator(mode="after")
-    def joints_have_motors(self) -> Self:
+    def _joints_have_motors(self) -> Self:
         unknown = sorted(set(self.joints) - set(self.motors))
         if unknown:
             raise ValueError(f"joints name motors that are not described: {', '.join(unknown)}")

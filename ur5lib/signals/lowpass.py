@@ -35,7 +35,7 @@ def by_segment(
     values: (N, M); segment: (N,) labels. A row with NaN stays NaN and breaks its segment.
     """
     result = np.full_like(values, np.nan)
-    finite = np.isfinite(values).all(axis=1)
+    finite = np.asarray(np.isfinite(values).all(axis=1))
     breaks = 1 + np.flatnonzero((np.diff(segment) != 0) | (np.diff(finite) != 0))
     for rows in np.split(np.arange(len(values)), breaks):
         if finite[rows[0]]:

@@ -3,6 +3,7 @@ import ast
 import re
 from functools import cache
 
+import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
@@ -16,6 +17,7 @@ except InputError as error:
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
+STUDY_YAML = yaml.safe_dump(STUDY.model_dump(), sort_keys=False, allow_unicode=True)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 
 

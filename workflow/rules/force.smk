@@ -9,14 +9,14 @@ rule estimate_forces:
     output:
         forces=result("forces.parquet"),
         summary=result("forces.json"),
+    log:
+        f"{RESULTS}/logs/estimate_forces/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimate_forces/{{recording}}.tsv"
     params:
         order=SETTINGS.estimate_forces.order,
         cutoff_hz=SETTINGS.estimate_forces.cutoff_hz,
         bias_window_s=SETTINGS.estimate_forces.bias_window_s,
         min_singular_value=SETTINGS.estimate_forces.min_singular_value,
-    log:
-        f"{RESULTS}/logs/estimate_forces/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_forces/{{recording}}.tsv"
     script:
         "../scripts/estimate_forces.py"

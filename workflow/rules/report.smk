@@ -28,20 +28,44 @@ rule draw_figures:
 
 rule make_tables:
     input:
+        **REFERENCE,
         quality=results("quality.json"),
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
         forces=results("forces.json"),
         code=code("make_tables"),
-        **REFERENCE,
     output:
         **{name: f"{RESULTS}/tables/{name}.csv" for name in TABLES},
-    params:
-        recordings=list(RECORDINGS),
     log:
         f"{RESULTS}/logs/make_tables.log",
     benchmark:
         f"{RESULTS}/benchmarks/make_tables.tsv"
+    params:
+        recordings=list(RECORDINGS),
     script:
         "../scripts/make_tables.py"
+
+
+rule write_report:
+    input:
+        **REFERENCE,
+        tables=rules.make_tables.output,
+        quality=results("quality.json"),
+        figures=expand(rules.draw_figures.output, recording=RECORDINGS),
+        templates=[
+            "ur5lib/report/templates/report.html.jinja",
+            "ur5lib/report/templates/report.typ",
+        ],
+        code=code("write_report"),
+    output:
+        html=f"{RESULTS}/report.html",
+        pdf=f"{RESULTS}/report.pdf",
+    log:
+        f"{RESULTS}/logs/write_report.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/write_report.tsv"
+    params:
+        study=STUDY_YAML,
+    script:
+        "../scripts/write_report.py"

@@ -22,13 +22,13 @@ rule filter_signals:
         code=code("filter_signals"),
     output:
         filtered=result("filtered.parquet"),
-    params:
-        order=SETTINGS.filter_signals.order,
-        cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
     log:
         f"{RESULTS}/logs/filter_signals/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/filter_signals/{{recording}}.tsv"
+    params:
+        order=SETTINGS.filter_signals.order,
+        cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
     script:
         "../scripts/filter_signals.py"
 

@@ -9,7 +9,7 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, named, read_table, write_table
+from ur5lib.tables import Array, channel, named, read_table, write_table
 
 STATES = {
     "target": ("target_q", "target_qd", "target_qdd"),
@@ -20,7 +20,7 @@ STATES = {
 def compute_torques(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
     tables = {"target": read_table(input.signals), "measured": read_table(input.motion)}
-    columns = {}
+    columns: dict[str, Array] = {}
     for model in robot.models:
         arm = build_arm(robot, model)
         for motion, names in STATES.items():

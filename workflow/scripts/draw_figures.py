@@ -27,9 +27,9 @@ def draw_torques(signals: pd.DataFrame, torques: pd.DataFrame, output: Any) -> N
     moment = unbroken(signals, channel(signals, "target_moment"))
     model = unbroken(signals, channel(torques, "tau_target_C"))
     values = {"controller's target_moment": (moment, "measured"), "Model C": (model, "first")}
-    save(joint_panels(time, values, "torque"), output.torques)
-    error = {"target_moment − Model C": (moment - model, "second")}
-    save(joint_panels(time, error, "difference"), output.torque_errors)
+    save(joint_panels(time, values, r"\tau"), output.torques)
+    error = {"target_moment − Model C": (moment - model, "measured")}
+    save(joint_panels(time, error, r"\Delta\tau"), output.torque_errors)
 
 
 def draw_forces(forces: pd.DataFrame, kind: str, output: Any) -> None:
@@ -49,7 +49,7 @@ def draw_forces(forces: pd.DataFrame, kind: str, output: Any) -> None:
     errors = {label: (reference - values, style) for label, (values, style) in series.items()}
     save(wrench_panels(time, without), output[f"forces_{kind}"])
     save(wrench_panels(time, with_friction), output[f"forces_friction_{kind}"])
-    save(wrench_panels(time, errors, "error of "), output[f"force_errors_{kind}"])
+    save(wrench_panels(time, errors, r"\Delta "), output[f"force_errors_{kind}"])
 
 
 def unbroken(table: pd.DataFrame, values: Any) -> Any:

@@ -61,7 +61,11 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
 
 
 def as_printed(
-    robot: Robot, signals: pd.DataFrame, torques: pd.DataFrame, kinematics: pd.DataFrame, params: Any
+    robot: Robot,
+    signals: pd.DataFrame,
+    torques: pd.DataFrame,
+    kinematics: pd.DataFrame,
+    params: Any,
 ) -> Wrenches:
     """F^u, F and F* the way the published script makes them (errata 5, 6 and 13)."""
     torque = motor_torque_as_published(channel(signals, "actual_current"), robot.current_to_torque)
@@ -127,11 +131,12 @@ def sensor_wrenches(
 
 def error_figures(estimate: Array, reference: Array) -> dict[str, dict[str, Array]]:
     """Errors by component, beside those of an estimate that always says "no force"."""
-    estimate = np.where(np.isfinite(reference), estimate, np.nan)
+    zero = np.zeros_like(reference)
     figures = {
         "mae": mean_absolute_error(estimate, reference),
         "max": largest_error(estimate, reference),
-        "zero_mae": mean_absolute_error(np.zeros_like(reference), reference),
+        "zero_mae": mean_absolute_error(zero, reference),
+        "zero_max": largest_error(zero, reference),
         "correlation": correlation(estimate, reference),
     }
     return {name: dict(zip(COMPONENTS, values, strict=True)) for name, values in figures.items()}

@@ -9,11 +9,9 @@ from ur5lib.report.result_tables import clock_table, force_errors, quality_table
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_csv
 
-TORQUE_COLUMNS = "recording motion model joint mae printed zero_mae".split()
-FORCE_COLUMNS = (
-    "recording kind estimate component mae max zero_mae correlation coverage95 "
-    "printed_mae printed_max"
-).split()
+TORQUE_COLUMNS = ["recording", "motion", "model", "joint", "mae", "printed", "zero_mae"]
+FORCE_COLUMNS = ["recording", "kind", "estimate", "component", "mae", "max", "zero_mae"]
+FORCE_COLUMNS += ["zero_max", "correlation", "coverage95", "printed_mae", "printed_max"]
 
 
 def make_tables(input: Any, output: Any, params: Any) -> None:
@@ -25,7 +23,9 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
 
     torque_rows = [
         row
-        for recording, torques, signals in zip(recordings, input.torques, input.signals, strict=True)
+        for recording, torques, signals in zip(
+            recordings, input.torques, input.signals, strict=True
+        )
         for row in torque_errors(
             recording, read_table(torques), read_table(signals), printed.torque_mae
         )

@@ -1,0 +1,47 @@
+# The project's commands; `make help` lists them.
+PYTHON ?= python3
+DATA ?=
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+PIP := .venv/bin/python -m pip --quiet --disable-pip-version-check
+
+all: thesis ## set up, build the default study (today the thesis's), name its report
+
+thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), build its study
+	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
+	snakemake --quiet
+	@echo "report: results/thesis/report.html, results/thesis/report.pdf"
+
+test: lint ## run every check
+	pytest
+
+lint: .venv/ready ## check style, types and the workflow's form
+	pre-commit run --all-files
+	snakemake --quiet --lint
+
+bench: .venv/ready ## measure speed side by side
+	python benchmarks/dynamics.py
+
+schema: .venv/ready ## write the JSON schema of a study anew
+	ur5 schema > workflow/study.schema.json
+
+lock: ## pin the newest versions that pyproject.toml allows
+	rm -rf .venv && $(PYTHON) -m venv .venv
+	$(PIP) install --editable '.[dev]' 'setuptools>=77'
+	.venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//' > requirements.lock
+
+clean: ## remove results and the environment; recordings stay
+	rm -rf .venv .snakemake results .mypy_cache .pytest_cache .ruff_cache .hypothesis
+
+help: ## list these commands
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-7s %s\n", $$1, $$2}' Makefile
+
+.venv/ready: requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
+		"Python 3.11 or newer is needed; name one: make PYTHON=python3.11"; exit 1; }
+	@echo "setting up .venv; this takes a minute or two"
+	@$(PYTHON) -m venv .venv
+	@$(PIP) install --requirement requirements.lock
+	@$(PIP) install --no-build-isolation --no-deps --editable .
+	@touch $@
+
+.PHONY: all thesis test lint bench schema lock clean help

@@ -1,0 +1,28 @@
+"""Numbers as they stand in the report's tables."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ur5lib.report.document import Cell, Mark
+
+SMALLEST_DIFFERENCE = 5e-5  # what four decimals can show
+
+
+def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
+    """A value, or a dash where there is none."""
+    return Cell("–" if np.isnan(value) else f"{value:.{digits}f}", mark)
+
+
+def signed(value: float, digits: int, unit: str = "") -> Cell:
+    """A difference, with its sign."""
+    return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
+
+
+def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:
+    """Which entry is the lowest and which the highest; none where they agree."""
+    marks: dict[str, Mark | None] = dict.fromkeys(values)
+    lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
+    if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:
+        marks |= {lowest: "lowest", highest: "highest"}
+    return marks

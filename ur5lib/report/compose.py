@@ -1,0 +1,65 @@
+"""The whole report of a study, from its results."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from ur5lib.report.document import Block, Cell, Code, Document, Items, Paragraph, Section, Table
+from ur5lib.report.force_section import force_blocks
+from ur5lib.report.recordings_section import recording_blocks
+from ur5lib.report.reference import Erratum
+from ur5lib.report.torque_section import torque_blocks
+from ur5lib.report.verdict import findings
+
+
+def compose(
+    study: Mapping[str, Any],
+    tables: Mapping[str, pd.DataFrame],
+    qualities: Mapping[str, Any],
+    figures: Path,
+    errata: Sequence[Erratum],
+    provenance: list[Block],
+) -> Document:
+    """The report of a study.
+
+    study: the configuration; tables: results by name; qualities: quality.json by recording;
+    figures: holds a folder of figures for each recording.
+    """
+    torque, force, quality = tables["torque_mae"], tables["force_mae"], tables["quality"]
+    roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
+    sections = [
+        Section("What was found", [Items(findings(torque, force, quality))]),
+        Section(
+            "Recordings and their quality",
+            recording_blocks(roles, qualities, quality, tables["clocks"]),
+        ),
+        Section("Joint torques", torque_blocks(torque, figures)),
+        Section("Contact forces", force_blocks(force, figures)),
+        *([_errata_section(errata)] if errata else []),
+        Section("Provenance", [*provenance, *_configuration(study)]),
+    ]
+    subtitle = f"Study “{study['study']}”, recordings: {len(roles)}"
+    return Document(study["title"], subtitle, sections).numbered()
+
+
+def versions_blocks(commit: str, versions: Mapping[str, str]) -> list[Block]:
+    """Which code and which packages made the results."""
+    rows = [[Cell(name), Cell(version)] for name, version in versions.items()]
+    return [
+        Paragraph(f"Made by commit {commit}."),
+        Table("Versions of what the numbers depend on.", ["package", "version"], rows),
+    ]
+
+
+def _errata_section(errata: Sequence[Erratum]) -> Section:
+    items = [f"{erratum.place}: {erratum.error} Here: {erratum.choice}" for erratum in errata]
+    introduction = Paragraph("Errors found in the published work, each with the choice made here.")
+    return Section("Errata", [introduction, Items(items, numbered=True)])
+
+
+def _configuration(study: Mapping[str, Any]) -> list[Block]:
+    text = yaml.safe_dump(dict(study), sort_keys=False, allow_unicode=True)
+    return [Paragraph("The configuration, with every default filled in:"), Code(text)]

@@ -1,0 +1,83 @@
+"""The report's section on joint torques: Table 5.6, Figures 5.11 and 5.12."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.document import Block, Cell, Paragraph, Picture, Table
+
+INTRODUCTION = (
+    "Mean absolute error of each link model against the controller's own torque (target_moment, "
+    "itself a model). “Zero” is the error of a torque of zero. ▼ marks the smallest error of the "
+    "compared models in a row, ▲ the largest."
+)
+
+
+def torque_blocks(torque: pd.DataFrame, figures: Path) -> list[Block]:
+    """torque: the table torque_mae; figures: holds a folder for each recording."""
+    blocks: list[Block] = [Paragraph(INTRODUCTION)]
+    for recording, rows in torque.groupby("recording", sort=False):
+        computed = rows[rows["mae"].notna()]
+        if rows["printed"].notna().any():
+            blocks.append(_printed_table(recording, rows))
+        blocks.append(_table(recording, computed))
+        blocks += _pictures(recording, figures / recording)
+    return blocks
+
+
+def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
+    """Table 5.6: printed, rebuilt, their difference."""
+    target = rows[rows["motion"] == "target"]
+    others = rows[rows["mae"].isna()]  # printed, but not to be rebuilt
+    models, older = target["model"].unique(), others["model"].unique()
+    header = ["joint", *(f"{model} printed" for model in older)]
+    header += [f"{model} {what}" for model in models for what in ("printed", "rebuilt", "diff.")]
+    body = []
+    for joint, group in target.groupby("joint"):
+        line = [Cell(str(joint))]
+        line += [number(value, 4) for value in others.loc[others["joint"] == joint, "printed"]]
+        marks = extremes(dict(zip(group["model"], group["mae"], strict=True)))
+        for row in group.itertuples():
+            line += [
+                number(row.printed, 4),
+                number(row.mae, 4, marks[row.model]),
+                signed(row.mae - row.printed, 4),
+            ]
+        body.append([*line, number(group["zero_mae"].iloc[0], 4)])
+    caption = (
+        f"Torque error [Nm] on {recording} beside Table 5.6: printed (in closed loop), rebuilt at "
+        "the target motion, and their difference. [21] is an older model whose equations are not "
+        "printed."
+    )
+    return Table(caption, [*header, "zero"], body)
+
+
+def _table(recording: str, rows: pd.DataFrame) -> Table:
+    """Every model, at the target and at the measured motion."""
+    pairs = rows[["motion", "model"]].drop_duplicates().itertuples(index=False)
+    header = ["joint", *(f"{model}, {motion}" for motion, model in pairs), "zero"]
+    body = []
+    for joint, group in rows.groupby("joint"):
+        line = [Cell(str(joint))]
+        for _, part in group.groupby("motion", sort=False):
+            marks = extremes(dict(zip(part["model"], part["mae"], strict=True)))
+            line += [number(row.mae, 4, marks[row.model]) for row in part.itertuples()]
+        body.append([*line, number(group["zero_mae"].iloc[0], 4)])
+    caption = f"Torque error [Nm] on {recording}, at the target and at the measured motion."
+    return Table(caption, header, body)
+
+
+def _pictures(recording: str, folder: Path) -> list[Block]:
+    return [
+        Picture(
+            f"Torque of Model C and of the controller on {recording} (after Figure 5.11).",
+            folder / "torques.svg",
+            "Six panels, one a joint: the controller's torque and Model C's torque over time.",
+        ),
+        Picture(
+            f"What Model C misses of the controller's torque on {recording} (after Figure 5.12).",
+            folder / "torque_errors.svg",
+            "Six panels, one a joint: the controller's torque minus Model C's over time.",
+        ),
+    ]

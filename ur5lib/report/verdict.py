@@ -1,0 +1,76 @@
+"""What a study found, in sentences; every number comes from its tables."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.report.cells import SMALLEST_DIFFERENCE
+from ur5lib.report.force_section import ESTIMATES
+
+
+def findings(torque: pd.DataFrame, force: pd.DataFrame, quality: pd.DataFrame) -> list[str]:
+    """The verdict, one sentence a finding. torque, force, quality: the tables of these names."""
+    return [
+        _best_model(torque),
+        *_against_printed_torques(torque),
+        *_against_printed_forces(force),
+        *_against_no_force(force),
+        _data_quality(quality),
+    ]
+
+
+def _best_model(torque: pd.DataFrame) -> str:
+    """Which model misses the controller's torque least, joint by joint."""
+    target = torque[torque["motion"] == "target"]
+    mean = target.pivot_table("mae", "joint", "model", aggfunc="mean")
+    differ = mean.max(axis="columns") - mean.min(axis="columns") > SMALLEST_DIFFERENCE
+    best = mean.idxmin(axis="columns")[differ]
+    winner = best.mode()[0]
+    errors = {model: ", ".join(f"{value:.2f}" for value in mean[model]) for model in mean}
+    others = "; ".join(f"Model {model}: {errors[model]}" for model in errors if model != winner)
+    return (
+        f"Model {winner} comes nearest to the controller's torques on {(best == winner).sum()} of "
+        f"the {len(best)} joints where the models differ: at the target motion it misses them by "
+        f"{errors[winner]} Nm on joints 1 to 6 (mean over the recordings; {others} Nm)."
+    )
+
+
+def _against_printed_torques(torque: pd.DataFrame) -> Iterator[str]:
+    rows = torque[torque["mae"].notna() & torque["printed"].notna()]
+    if len(rows):
+        gap = (rows["mae"] - rows["printed"]).abs()
+        worst = rows.loc[gap.idxmax()]
+        yield (
+            f"The published torque errors are met within {gap.max():.3f} Nm; the largest "
+            f"difference is Model {worst['model']}'s on joint {worst['joint']}."
+        )
+
+
+def _against_printed_forces(force: pd.DataFrame) -> Iterator[str]:
+    for figure, name in (("mae", "mean"), ("max", "largest")):
+        rows = force[force[f"printed_{figure}"].notna()]
+        if len(rows):
+            gap = 100 * (rows[figure] / rows[f"printed_{figure}"] - 1).abs()
+            widest = gap.groupby(rows["estimate"]).max()
+            parts = [f"{label} within {widest[name]:.1f} %" for name, label in ESTIMATES.items()]
+            yield f"The published {name} force errors are met: {', '.join(parts)}."
+
+
+def _against_no_force(force: pd.DataFrame) -> Iterator[str]:
+    """Whether any estimate is better than saying "no force"."""
+    forces = force[(force["kind"] == "corrected") & force["component"].str.startswith("F")]
+    for recording, rows in forces.groupby("recording", sort=False):
+        zero = rows.drop_duplicates("component")["zero_mae"]
+        better = rows[rows["mae"] < rows["zero_mae"]]
+        names = [f"{ESTIMATES[row.estimate]} in {row.component}" for row in better.itertuples()]
+        yield (
+            f"On {recording}, an estimate that always says “no force” is wrong by "
+            f"{', '.join(f'{value:.2f}' for value in zero)} N in x, y, z. With the sensor's bias "
+            f"removed and without delay, {', '.join(names) or 'no estimate'} does better."
+        )
+
+
+def _data_quality(quality: pd.DataFrame) -> str:
+    counts = quality["severity"].value_counts()
+    parts = [f"{counts.get(name, 0)} {name}s" for name in ("error", "warning", "note")]
+    return f"Findings about the recordings' files: {', '.join(parts)}."

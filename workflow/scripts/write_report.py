@@ -1,0 +1,57 @@
+"""The study's report, as HTML and as PDF."""
+
+import platform
+import subprocess
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from ur5lib.report.compose import compose, versions_blocks
+from ur5lib.report.reference import read_reference
+from ur5lib.report.render import write_html, write_pdf
+from ur5lib.steps import run_step
+from ur5lib.tables import read_csv, read_json
+
+PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
+PACKAGES += ["torch", "pytorch-kinematics", "matplotlib", "typst"]
+
+
+def write_report(input: Any, output: Any, params: Any) -> None:
+    study = yaml.safe_load(params.study)
+    names = [recording["name"] for recording in study["recordings"]]
+    document = compose(
+        study,
+        tables={Path(path).stem: read_csv(path) for path in input.tables},
+        qualities=dict(zip(names, map(read_json, input.quality), strict=True)),
+        figures=Path(input.figures[0]).parents[1],
+        errata=read_reference(input.get("reference")).errata,
+        provenance=versions_blocks(commit(), versions()),
+    )
+    write_html(document, output.html)
+    write_pdf(document, output.pdf)
+
+
+def versions() -> dict[str, str]:
+    """Versions of what the numbers depend on."""
+    return {"Python": platform.python_version()} | {
+        name: metadata.version(name) for name in PACKAGES
+    }
+
+
+def commit() -> str:
+    """The commit of the code, with "+ changes" when the files differ from it."""
+    try:
+        name = subprocess.check_output(
+            ["git", "describe", "--always", "--abbrev=12", "--dirty= + changes"],
+            text=True,
+            stderr=subprocess.DEVNULL,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "(unknown)"
+    return name.strip()
+
+
+if __name__ == "__main__":
+    run_step(write_report, snakemake)  # type: ignore[name-defined]  # noqa: F821
