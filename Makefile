@@ -8,7 +8,7 @@ all: thesis ## set up, build the default study (today the thesis's), name its re
 
 thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), build its study
 	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
-	snakemake --quiet
+	snakemake --quiet rules host reason
 	@echo "report: results/thesis/report.html, results/thesis/report.pdf"
 
 test: lint ## run every check

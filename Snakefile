@@ -21,8 +21,16 @@ include: "workflow/rules/force.smk"
 include: "workflow/rules/report.smk"
 
 
+# Intermediate tables are results too: what is deleted is made again.
 rule all:
     input:
         rules.write_report.output,
         rules.make_tables.output,
         expand(rules.draw_figures.output, recording=RECORDINGS),
+        expand(rules.estimate_forces.output, recording=RECORDINGS),
+        expand(rules.compute_torques.output, recording=RECORDINGS),
+        expand(rules.compute_kinematics.output, recording=RECORDINGS),
+        expand(rules.smooth_motion.output, recording=RECORDINGS),
+        expand(rules.filter_signals.output, recording=RECORDINGS),
+        expand(rules.align_signals.output, recording=RECORDINGS),
+        expand(rules.repair_frames.output, recording=RECORDINGS),

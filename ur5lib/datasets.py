@@ -54,7 +54,7 @@ def fetch(dataset: Dataset, target: Path, source: Path | None = None) -> int:
     if missing and source is None:
         _download(dataset, target, missing)
     elif missing and source is not None:
-        _copy(dataset, target, missing, source)
+        _copy(dataset, target, missing, source, str(source))
     return len(missing)
 
 
@@ -72,6 +72,7 @@ def _is_there(dataset: Dataset, target: Path, file: str) -> bool:
 
 def _download(dataset: Dataset, target: Path, files: list[str]) -> None:
     members = [f"{dataset.folder}/{file}" for file in files]
+    pooch.get_logger().setLevel("WARNING")
     with tempfile.TemporaryDirectory() as folder:
         try:
             pooch.retrieve(
@@ -87,15 +88,15 @@ def _download(dataset: Dataset, target: Path, files: list[str]) -> None:
                 f"{dataset.archive} could not be downloaded ({type(error).__name__}); check the "
                 "network, or copy the recordings from a folder with --from"
             ) from error
-        _copy(dataset, target, files, Path(folder) / dataset.folder)
+        _copy(dataset, target, files, Path(folder) / dataset.folder, dataset.archive)
 
 
-def _copy(dataset: Dataset, target: Path, files: list[str], source: Path) -> None:
+def _copy(dataset: Dataset, target: Path, files: list[str], source: Path, origin: str) -> None:
     absent = [file for file in files if not (source / file).is_file()]
     if absent:
         raise InputError(
-            f"{source} lacks {len(absent)} of {len(files)} files, e.g. {absent[0]}; "
-            "give the folder that holds all the recordings"
+            f"{origin} lacks {len(absent)} of {len(files)} files, e.g. {absent[0]}; "
+            "give a folder that holds all of them with --from"
         )
     for file in files:
         _copy_verified(source / file, target / file, dataset.checksums[file])
@@ -113,7 +114,8 @@ def _copy_verified(source: Path, target: Path, checksum: str) -> None:
         os.replace(aside, target)
     except OSError as error:
         raise InputError(
-            f"{target} cannot be written ({error.strerror}); free the disk or the permission"
+            f"{target} cannot be written ({error.strerror}); "
+            "free the name, the disk or the permission"
         ) from error
     finally:
         if aside.exists():

@@ -1,10 +1,11 @@
 """What every workflow script has in common: its log, and how it fails."""
 
+import contextlib
 import sys
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ur5lib.errors import InputError
 
@@ -14,18 +15,25 @@ Step = Callable[[Any, Any, Any], None]
 def run_step(step: Step, snakemake: Any) -> None:
     """Run `step(input, output, params)` for a Snakemake job.
 
-    What it prints goes to the job's log. A wrong input is told there in its own sentence, any
-    other failure with its traceback; both end the process with status 1.
+    What it prints goes to the job's log, the traceback of an unexpected error too; the terminal
+    gets one sentence on what went wrong. A failed step ends the process with status 1.
     """
     log = Path(snakemake.log[0])
-    log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open("w", encoding="utf-8") as stream:
-        sys.stdout = sys.stderr = stream
+    with (
+        log.open("w", encoding="utf-8") as stream,
+        contextlib.redirect_stdout(stream),
+        contextlib.redirect_stderr(stream),
+    ):
         try:
             step(snakemake.input, snakemake.output, snakemake.params)
         except InputError as error:
-            print(error, file=stream)
-            sys.exit(1)
-        except Exception:
-            traceback.print_exc(file=stream)
-            sys.exit(1)
+            _fail(f"{snakemake.rule}: {error}")
+        except Exception as error:
+            traceback.print_exc()
+            _fail(f"{snakemake.rule}: {type(error).__name__}: {error} (traceback in {log})")
+
+
+def _fail(sentence: str) -> NoReturn:
+    print(sentence)
+    print(sentence, file=sys.__stderr__)
+    sys.exit(1)

@@ -18,7 +18,13 @@ from ur5lib.errors import InputError
 from ur5lib.robots.description import robot_names
 from ur5lib.strict import Strict
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.-]+$", description="letters, digits, _ . -")]
+Name = Annotated[  # it becomes a folder's name
+    str,
+    Field(
+        pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
+        description="letters, digits, _ - and, but for the first, .",
+    ),
+]
 
 
 def _existing_folder(folder: str) -> str:
@@ -144,7 +150,7 @@ def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
     node = _node(schema, error["loc"])
     if error["type"] == "missing":
         return f"`{key}` is missing; give {_allowed(node)}"
-    near = _near(error["input"], node.get("enum", []))
+    near = _near(error["input"], _choices(node))
     allowed = error["ctx"]["error"] if error["type"] == "value_error" else _allowed(node)
     return f"`{key}` is {_shown(error['input'])}{near}; give {allowed}"
 
@@ -174,9 +180,13 @@ def _shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
+def _choices(node: dict[str, Any]) -> list[str]:
+    return node.get("enum", [node["const"]] if "const" in node else [])
+
+
 def _allowed(node: dict[str, Any]) -> str:
-    if "enum" in node or "const" in node:
-        return "one of " + ", ".join(node.get("enum", [node.get("const")]))
+    if choices := _choices(node):
+        return "one of " + ", ".join(choices)
     bounds = {
         "minimum": "at least",
         "exclusiveMinimum": "above",

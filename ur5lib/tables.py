@@ -90,8 +90,8 @@ def columns(name: str, count: int = 6) -> list[str]:
 
 
 def channel(table: pd.DataFrame, name: str, count: int = 6) -> Array:
-    """A channel as an array (N, count)."""
-    return table[columns(name, count)].to_numpy(np.float64)
+    """A channel as an array (N, count) of its own."""
+    return table[columns(name, count)].to_numpy(np.float64, copy=True)
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
@@ -140,7 +140,8 @@ def _write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
         os.replace(aside, path)
     except OSError as error:
         raise InputError(
-            f"{path} cannot be written ({error.strerror}); free the disk or the permission"
+            f"{path} cannot be written ({error.strerror}); "
+            "free the name, the disk or the permission"
         ) from error
     finally:
         with contextlib.suppress(OSError):

@@ -156,7 +156,7 @@ def _parse(data: bytes, names: list[str]) -> pd.DataFrame:
         parse_options=pacsv.ParseOptions(invalid_row_handler=lambda _: "skip"),
         convert_options=pacsv.ConvertOptions(column_types=dict.fromkeys(names, pa.string())),
     ).to_pandas()
-    numbers = table.apply(pd.to_numeric, errors="coerce")
+    numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
     return numbers[numbers.abs().lt(math.inf).all(axis="columns")].reset_index(drop=True)
 
 

@@ -1,6 +1,8 @@
-# The study as a typed model, and what every rule needs: its files, its settings, its code.
+# The study as a typed model, and the files, settings and code that all steps need.
 import ast
+import os
 import re
+import tempfile
 from functools import cache
 
 import yaml
@@ -13,6 +15,15 @@ try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
+
+results_folder = Path("results") if os.path.lexists("results") else Path(".")
+try:
+    tempfile.TemporaryFile(dir=results_folder).close()
+except OSError as error:
+    raise WorkflowError(
+        f"results cannot be written to {results_folder.absolute()} ({error.strerror}); "
+        "free the name, the disk or the permission"
+    )
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 RESULTS = f"results/{STUDY.study}"
@@ -27,12 +38,12 @@ wildcard_constraints:
 
 def result(name):
     """Path of a file that each recording has, with the recording as a wildcard."""
-    return f"{RESULTS}/{{recording}}/{name}"
+    return f"{RESULTS}/recordings/{{recording}}/{name}"
 
 
 def results(name):
     """Paths of a file that each recording has, one for each recording."""
-    return [f"{RESULTS}/{recording}/{name}" for recording in RECORDINGS]
+    return [f"{RESULTS}/recordings/{recording}/{name}" for recording in RECORDINGS]
 
 
 def recording_of(wildcards):
@@ -68,6 +79,8 @@ def imported_modules(path):
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
-    paths = (name.replace(".", "/") for name in names if name.split(".")[0] == "ur5lib")
-    candidates = (f for path in paths for f in (f"{path}.py", f"{path}/__init__.py"))
-    return {candidate for candidate in candidates if Path(candidate).is_file()}
+    modules = (Path(*name.split(".")) for name in names if name.startswith("ur5lib."))
+    files = (
+        file for module in modules for file in (module.with_suffix(".py"), module / "__init__.py")
+    )
+    return {str(file) for file in files if file.is_file()}

@@ -1,0 +1,113 @@
+"""Where the tests find the project, the real recordings, and results to look at."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.synthetic import write_recording
+from ur5lib.robots.description import Robot, load_robot, robot_path
+
+PROJECT = Path(__file__).parents[1]
+COPIED = ["Snakefile", "config.yaml", "profiles", "workflow", "ur5lib", "pyproject.toml"]
+STUDY = """\
+study: small
+title: Two made-up recordings
+recordings:
+  - {name: still, robot: ur5, format: thesis-csv, folder: raw/still, role: validate}
+  - {name: pushed, robot: ur5, format: thesis-csv, folder: raw/pushed, role: contact}
+"""
+
+
+@pytest.fixture(scope="session")
+def ur5() -> Robot:
+    return load_robot(robot_path("ur5"))
+
+
+@pytest.fixture(scope="session")
+def thesis_data() -> Path:
+    """The thesis's real recordings, where they are at hand."""
+    for folder in (PROJECT / "raw" / "thesis", PROJECT.parent / "shared" / "thesis"):
+        if folder.is_dir():
+            return folder
+    pytest.skip("the thesis's recordings are not here: `make thesis` fetches them")
+
+
+def copy_project(target: Path) -> Path:
+    """The project's own files, without environment, recordings and results."""
+    target.mkdir()
+    for name in COPIED:
+        source = PROJECT / name
+        if source.is_dir():
+            shutil.copytree(source, target / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(source, target / name)
+    return target
+
+
+class Workflow:
+    """A copy of the project in which Snakemake can be run."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.environment = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+
+    def command(self, *arguments: str) -> list[str]:
+        return [sys.executable, "-m", "snakemake", *arguments]
+
+    def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            self.command(*arguments),
+            cwd=self.folder,
+            env=self.environment,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+
+    def build(self, *arguments: str) -> None:
+        done = self.run("--quiet", "rules", *arguments)
+        assert done.returncode == 0, done.stdout
+
+    def plan(self, *arguments: str) -> dict[str, int]:
+        """How many jobs of each rule the next run would do."""
+        done = self.run("--dry-run", *arguments)
+        assert done.returncode == 0, done.stdout
+        if "Nothing to be done" in done.stdout:
+            return {}
+        table = done.stdout.split("Job stats:")[1].split("total")[0].splitlines()[3:]
+        counts = {line.split()[0]: int(line.split()[1]) for line in table if line.strip()}
+        return {rule: count for rule, count in counts.items() if rule != "all"}
+
+
+@pytest.fixture(scope="session")
+def built_workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A small study of two made-up recordings, built once."""
+    folder = copy_project(tmp_path_factory.mktemp("small") / "project")
+    (folder / "config.yaml").unlink()
+    (folder / "config.yaml").write_text(STUDY)
+    write_recording(folder / "raw" / "still", seconds=3, seed=1)
+    write_recording(folder / "raw" / "pushed", seconds=4, seed=2, force_sensor=True)
+    workflow = Workflow(folder)
+    workflow.build()
+    return workflow
+
+
+@pytest.fixture
+def workflow(built_workflow: Workflow, tmp_path: Path) -> Workflow:
+    """The small study as built, in a copy of its own."""
+    return Workflow(Path(shutil.copytree(built_workflow.folder, tmp_path / "project")))
+
+
+@pytest.fixture(scope="session")
+def thesis_results(thesis_data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The thesis study, built from its real recordings."""
+    folder = copy_project(tmp_path_factory.mktemp("thesis") / "project")
+    (folder / "raw").mkdir()
+    (folder / "raw" / "thesis").symlink_to(thesis_data)
+    Workflow(folder).build("--configfile", "workflow/studies/thesis.yaml")
+    return folder / "results" / "thesis"

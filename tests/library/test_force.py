@@ -1,0 +1,130 @@
+"""From currents and from a sensor to the wrench on the arm."""
+
+import numpy as np
+import pytest
+import torch
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import jacobian
+from ur5lib.force.current_based import (
+    delay,
+    friction_torque,
+    motor_torque,
+    motor_torque_as_published,
+    wrench_from_torque,
+)
+from ur5lib.force.sensor import bias, move_to_frame_6, wrench_on_arm
+from ur5lib.metrics import correlation, largest_error, mean_absolute_error
+from ur5lib.robots.description import Robot
+
+RANDOM = np.random.default_rng(0)
+
+
+def rotations(count: int) -> np.ndarray:
+    return np.linalg.qr(RANDOM.normal(size=(count, 3, 3)))[0]
+
+
+def test_a_wrench_comes_back_from_its_torques(ur5: Robot) -> None:
+    """tau = J^T F (3.2), then F = J^-T tau (3.3)."""
+    q = torch.tensor(RANDOM.uniform(-3, 3, (200, 6)))
+    J = jacobian(build_arm(ur5, "C"), q).numpy()
+    wrench = RANDOM.normal(size=(200, 6))
+    torque = (J.transpose(0, 2, 1) @ wrench[..., None])[..., 0]
+    estimate = wrench_from_torque(J, torque, min_singular_value=1e-3)
+    seen = np.linalg.svd(J, compute_uv=False)[:, -1] >= 1e-3
+    np.testing.assert_allclose(estimate[seen], wrench[seen], rtol=1e-7, atol=1e-9)
+    assert np.isnan(estimate[~seen]).all()
+
+
+def test_no_wrench_is_told_at_a_singularity(ur5: Robot) -> None:
+    straight = torch.zeros(1, 6, dtype=torch.float64)  # elbow and wrist stretched
+    J = jacobian(build_arm(ur5, "C"), straight).numpy()
+    assert np.isnan(wrench_from_torque(J, np.ones((1, 6)), 1e-6)).all()
+
+
+def test_missing_torques_give_no_wrench() -> None:
+    J = np.tile(np.eye(6), (2, 1, 1))
+    torque = np.array([[1.0] * 6, [1.0] * 5 + [np.nan]])
+    estimate = wrench_from_torque(J, torque, 0.1)
+    np.testing.assert_array_equal(np.isnan(estimate[:, 0]), [False, True])
+
+
+def test_motor_torque_is_equation_6_6(ur5: Robot) -> None:
+    np.testing.assert_allclose(
+        motor_torque(np.ones((1, 6)), ur5.current_to_torque)[0],
+        [6.89, 22.8, 11.6, 3.64, 3.264, 3.499],
+    )
+
+
+def test_the_published_script_differs_on_joint_6_only(ur5: Robot) -> None:
+    """Erratum 6: 3.4 i6 times 0.099."""
+    current = RANDOM.normal(size=(50, 6))
+    printed = motor_torque(current, ur5.current_to_torque)
+    published = motor_torque_as_published(current, ur5.current_to_torque)
+    np.testing.assert_array_equal(published[:, :5], printed[:, :5])
+    np.testing.assert_allclose(published[:, 5], 3.4 * 0.099 * current[:, 5])
+
+
+def test_friction_opposes_motion_and_rests_in_the_dead_zone(ur5: Robot) -> None:
+    qd = RANDOM.uniform(-2, 2, (100, 6))
+    friction = friction_torque(qd, ur5.friction)
+    np.testing.assert_allclose(friction_torque(-qd, ur5.friction), -friction)
+    assert (friction * qd >= 0).all()
+    inside = np.full((1, 6), 0.02)  # delta of Equation 6.4
+    np.testing.assert_allclose(
+        friction_torque(inside, ur5.friction)[0] / 0.02, ur5.friction.viscous
+    )
+
+
+def test_delay_repeats_the_first_row() -> None:
+    np.testing.assert_array_equal(delay(np.arange(5), 2), [0, 0, 0, 1, 2])
+    np.testing.assert_array_equal(delay(np.arange(5), 0), np.arange(5))
+
+
+def test_bias_is_read_in_the_first_window() -> None:
+    time = np.arange(0, 3, 0.01)
+    reading = np.where(time[:, None] <= 1.0, [1.0, 2, 3, 4, 5, 6], 100.0)
+    reading[:5] = np.nan  # the sensor starts a little later
+    np.testing.assert_allclose(bias(reading, time, 0.5), [1, 2, 3, 4, 5, 6])
+
+
+def test_the_sensor_reads_the_arm_on_the_hand() -> None:
+    """Erratum 7: the wrench on the arm is the opposite, turned into base axes."""
+    rotation = rotations(20)
+    force, moment = RANDOM.normal(size=(20, 3)), RANDOM.normal(size=(20, 3))
+    reading = np.concatenate(
+        [-np.einsum("nji,nj->ni", rotation, half) for half in (force, moment)], axis=1
+    )
+    np.testing.assert_allclose(
+        wrench_on_arm(reading, rotation), np.concatenate([force, moment], axis=1), atol=1e-12
+    )
+
+
+def test_a_moved_wrench_does_the_same_work() -> None:
+    """Power of a wrench on a turning body does not depend on where the wrench is told."""
+    rotation, position = rotations(20), np.array([0.01, -0.02, 0.0286])
+    wrench, twist = RANDOM.normal(size=(20, 6)), RANDOM.normal(size=(20, 6))
+    velocity, omega = twist[:, :3], twist[:, 3:]
+    at_sensor = np.concatenate([velocity + np.cross(omega, rotation @ position), omega], axis=1)
+    moved = move_to_frame_6(wrench, rotation, position)
+    np.testing.assert_allclose((moved * twist).sum(1), (wrench * at_sensor).sum(1))
+
+
+# Errors
+
+
+def test_errors_count_only_what_both_know() -> None:
+    reference = np.array([[1.0], [2.0], [np.nan], [4.0]])
+    estimate = np.array([[2.0], [np.nan], [5.0], [1.0]])
+    assert mean_absolute_error(estimate, reference) == pytest.approx(2.0)
+    assert largest_error(estimate, reference) == pytest.approx(3.0)
+
+
+def test_correlation_does_not_see_scale_and_offset() -> None:
+    x = RANDOM.normal(size=(100, 2))
+    np.testing.assert_allclose(correlation(3 * x + 1, x), 1.0)
+    np.testing.assert_allclose(correlation(-x, x), -1.0)
+    np.testing.assert_allclose(
+        correlation(x, x[::-1]), [np.corrcoef(x[:, i], x[::-1, i])[0, 1] for i in (0, 1)]
+    )
+    assert np.isnan(correlation(np.ones((9, 1)), x[:9, :1])).all()

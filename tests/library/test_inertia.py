@@ -1,0 +1,105 @@
+"""Inertia tensors of the thesis's models: printed values, and what must hold for any cylinder."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import cylinder_inertia, rigid_bodies, shift_inertia, split_heights
+
+# Diagonals printed in Equations 5.7 and 5.8 [kg m²].
+PRINTED_A_AND_B = [
+    [0.0084, 0.0064, 0.0084],
+    [0.0078, 0.2100, 0.2100],
+    [0.0016, 0.0462, 0.0462],
+    [0.0016, 0.0016, 0.0009],
+    [0.0016, 0.0016, 0.0009],
+    [0.0001, 0.0001, 0.0001],
+]
+PRINTED_C = [
+    [0.0067, 0.0064, 0.0067],
+    [0.0149, 0.3564, 0.3553],
+    [0.0025, 0.0551, 0.0546],
+    [0.0012, 0.0012, 0.0009],
+    [0.0012, 0.0012, 0.0009],
+    [0.0001, 0.0001, 0.0001],
+]
+sizes = st.floats(0.01, 10)
+
+
+@pytest.mark.parametrize(
+    ("model", "diagonals", "products"),
+    [("A", PRINTED_A_AND_B, {}), ("B", PRINTED_A_AND_B, {}), ("C", PRINTED_C, {2: 0.0034})],
+)
+def test_tensors_are_the_printed_ones(
+    ur5: Robot, model: str, diagonals: list, products: dict
+) -> None:
+    printed = np.stack([np.diag(diagonal) for diagonal in diagonals])
+    for link, product in products.items():
+        printed[link, 0, 2] = printed[link, 2, 0] = product
+    assert np.array_equal(np.round(rigid_bodies(ur5, model).inertia, 4) + 0.0, printed)
+
+
+@pytest.mark.parametrize("model", ["A", "B", "C"])
+def test_tensors_are_those_of_a_body(ur5: Robot, model: str) -> None:
+    """Positive definite, and no principal moment above the sum of the other two."""
+    for inertia in rigid_bodies(ur5, model).inertia:
+        moments = np.linalg.eigvalsh(inertia)
+        assert moments[0] > 0
+        assert moments[2] <= moments[:2].sum() * (1 + 1e-12)
+
+
+@given(mass=sizes, height=sizes, radius=sizes, share=st.floats(0.1, 0.9))
+def test_a_cylinder_cut_in_two_keeps_its_inertia(
+    mass: float, height: float, radius: float, share: float
+) -> None:
+    whole = cylinder_inertia("x", mass, height, radius)
+    cut = share * height
+    parts = [(share * mass, cut, cut / 2), ((1 - share) * mass, height - cut, (cut + height) / 2)]
+    sum_of_parts = sum(
+        shift_inertia(cylinder_inertia("x", m, h, radius), m, np.array([x - height / 2, 0, 0]))
+        for m, h, x in parts
+    )
+    np.testing.assert_allclose(sum_of_parts, whole, rtol=1e-9)
+
+
+@given(mass=sizes, height=sizes, share=st.floats(0.05, 0.95), border=st.floats(0.05, 0.95))
+def test_split_puts_the_center_of_mass_where_it_is(
+    mass: float, height: float, share: float, border: float
+) -> None:
+    """Equations 2.49 to 2.55: the two parts' common centre of mass is the given one."""
+    mass_1, mass_2 = (1 - share) * mass, share * mass
+    cut = border * height
+    center = (mass_1 * cut / 2 + mass_2 * (cut + height) / 2) / mass
+    np.testing.assert_allclose(
+        split_heights(mass, mass_2, height, center), [cut, height - cut], rtol=1e-6, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("link", "axis", "height"),  # heights of the whole links: Table C.1
+    [(0, 1, 0.130), (3, 2, 0.105), (4, 2, 0.105)],
+)
+def test_split_gives_the_heights_of_table_c3(
+    ur5: Robot, link: int, axis: int, height: float
+) -> None:
+    first, second = ur5.models["C"].cylinders[link]
+    shift = ur5.models["C"].centers_of_mass[link][axis]
+    centroid = ur5.models["A"].centers_of_mass[link][axis]
+    center = height / 2 - abs(shift - centroid)  # measured from the heavy end
+    heights = split_heights(first.mass + second.mass, second.mass, height, center)
+    np.testing.assert_allclose(heights, [first.height, second.height], atol=5e-6)
+
+
+def test_split_refuses_an_impossible_center() -> None:
+    with pytest.raises(ValueError, match="cannot put the centre of mass"):
+        split_heights(mass=1.0, mass_2=0.9, height=1.0, center_of_mass=0.1)
+
+
+def test_cylinders_of_model_c_leave_link_2_off_center(ur5: Robot) -> None:
+    """Erratum 15: 0.93 mm, where the text says that both centres are equal."""
+    parts = ur5.models["C"].cylinders[1]
+    masses = np.array([part.mass for part in parts])
+    center = masses @ np.array([part.offset for part in parts]) / masses.sum()
+    np.testing.assert_allclose(1000 * center, [0, 0, -0.93], atol=0.005)

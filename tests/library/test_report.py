@@ -1,0 +1,169 @@
+"""The report: one content, two documents, safe from what stands in the data."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.errors import InputError
+from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.document import Cell, Code, Document, Items, Paragraph, Picture, Section, Table
+from ur5lib.report.figures import joint_panels, save, wrench_panels
+from ur5lib.report.reference import PrintedTable, read_reference
+from ur5lib.report.render import write_html, write_pdf
+from ur5lib.report.result_tables import torque_errors
+from ur5lib.tables import named
+
+HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
+
+
+@pytest.fixture
+def picture(tmp_path: Path) -> Path:
+    time = np.linspace(0, 1, 50)
+    values = np.outer(np.sin(time), np.ones(6))
+    figure = joint_panels(time, {"a": (values, "measured"), "b": (2 * values, "first")}, r"\tau")
+    save(figure, tmp_path / "figure.svg")
+    return tmp_path / "figure.svg"
+
+
+@pytest.fixture
+def document(picture: Path) -> Document:
+    table = Table(HOSTILE, ["joint", "mae"], [[Cell(HOSTILE), Cell("0.5", "lowest")]])
+    blocks = [
+        Paragraph(HOSTILE),
+        Items([HOSTILE], numbered=True),
+        table,
+        Picture(HOSTILE, picture, HOSTILE),
+        table,
+        Code(HOSTILE),
+    ]
+    return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)]).numbered()
+
+
+class Tags(HTMLParser):
+    """Every tag with its attributes, and all text."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict]] = []
+        self.text = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+
+
+def test_tables_and_figures_are_counted(document: Document) -> None:
+    numbers = [block.number for block in document.sections[0].blocks if hasattr(block, "number")]
+    assert numbers == [1, 1, 2]
+
+
+def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path) -> None:
+    write_html(document, tmp_path / "report.html")
+    page = Tags((tmp_path / "report.html").read_text())
+    assert not any(tag == "script" for tag, _ in page.tags)
+    # title, 2 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
+    assert page.text.count(HOSTILE) == 13
+    (image,) = [attributes for tag, attributes in page.tags if tag == "img"]
+    assert image["alt"] == HOSTILE
+    assert image["src"].startswith("data:image/svg+xml;base64,")
+
+
+def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
+    write_pdf(document, tmp_path / "report.pdf")
+    pdf = (tmp_path / "report.pdf").read_bytes()
+    assert pdf.startswith(b"%PDF")
+    write_pdf(document, tmp_path / "again.pdf")
+    assert (tmp_path / "again.pdf").read_bytes() == pdf
+
+
+def test_marks_are_more_than_colour(document: Document, tmp_path: Path) -> None:
+    write_html(document, tmp_path / "report.html")
+    assert "▼ 0.5" in (tmp_path / "report.html").read_text()
+
+
+def test_extremes_are_marked_where_values_differ() -> None:
+    assert extremes({"A": 1.0, "B": 2.0, "C": 3.0}) == {"A": "lowest", "B": None, "C": "highest"}
+    assert extremes({"A": 1.0, "B": 1.0}) == {"A": None, "B": None}
+
+
+def test_numbers_tell_their_sign_and_absence() -> None:
+    assert number(1.23456, 3) == Cell("1.235")
+    assert number(float("nan"), 3) == Cell("–")
+    assert signed(-0.5, 1, " %") == Cell("−0.5 %")
+    assert signed(0.5, 2) == Cell("+0.50")
+
+
+def test_columns_of_numbers_stand_right() -> None:
+    rows = [[Cell("Fx [N]"), Cell("−1.5"), Cell("–")], [Cell("Fy [N]"), Cell("2"), Cell("3 %")]]
+    assert Table("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
+
+
+def test_the_same_figure_is_the_same_file(picture: Path, tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 50)
+    values = np.outer(np.cos(time), np.ones(6))
+    for name in ("a.svg", "b.svg"):
+        save(wrench_panels(time, {"sensor": (values, "measured")}), tmp_path / name)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+
+
+def test_forces_stand_left_and_moments_right(tmp_path: Path) -> None:
+    time = np.linspace(0, 1, 50)
+    figure = wrench_panels(time, {"sensor": (np.tile(np.arange(6.0), (50, 1)), "measured")})
+    shown = {axis.get_ylabel(): axis.lines[0].get_ydata()[0] for axis in figure.axes}
+    assert list(shown.values()) == [0, 3, 1, 4, 2, 5]
+    assert [*shown][:2] == ["$F_x$ [N]", "$n_x$ [Nm]"]
+
+
+# Tables of results
+
+
+def torque_tables() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Target moments of 1 Nm; Model A is right, Model B 0.5 Nm too high; one invented frame."""
+    ones = np.ones((10, 6))
+    off = {"A": ones, "B": ones + 0.5}
+    torques = {
+        name: column
+        for motion in ("target", "measured")
+        for model, values in off.items()
+        for name, column in named(values, f"tau_{motion}_{model}").items()
+    }
+    moment = ones.copy()
+    moment[3] = 99.0
+    signals = pd.DataFrame(named(moment, "target_moment"))
+    signals["interpolated"] = np.arange(10) == 3
+    return pd.DataFrame(torques), signals
+
+
+def test_torque_errors_leave_out_invented_frames() -> None:
+    rows = pd.DataFrame(torque_errors("run", *torque_tables(), None))
+    mae = rows.groupby("model")["mae"]
+    assert mae.max().to_dict() == {"A": 0.0, "B": 0.5}
+    assert rows["zero_mae"].eq(1.0).all()
+    assert rows["printed"].isna().all()
+
+
+def test_published_values_stand_at_their_recording_only() -> None:
+    printed = PrintedTable(
+        source="Table", recording="run", values={"A": tuple(range(6)), "old": (9,) * 6}
+    )
+    rows = pd.DataFrame(torque_errors("run", *torque_tables(), printed))
+    at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
+    assert at_target["printed"].tolist() == [*range(6)]
+    assert rows[rows["model"] == "old"]["mae"].isna().all()
+    elsewhere = pd.DataFrame(torque_errors("other", *torque_tables(), printed))
+    assert elsewhere["printed"].isna().all()
+
+
+def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "reference.yaml"
+    path.write_text("printed: {torque_mae: {source: x}}")
+    with pytest.raises(InputError, match=re.escape(str(path))):
+        read_reference(path)
+    assert read_reference(None).errata == ()

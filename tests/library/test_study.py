@@ -1,0 +1,132 @@
+"""A study: all its errors at once, each with a remedy."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from tests.conftest import PROJECT
+from ur5lib.errors import InputError
+from ur5lib.study import Study, parse_study, schema_text
+
+
+@pytest.fixture
+def raw(tmp_path: Path) -> dict[str, Any]:
+    recording = {"name": "run", "robot": "ur5", "format": "thesis-csv", "role": "fit"}
+    return {
+        "study": "mine",
+        "title": "Mine",
+        "recordings": [recording | {"folder": str(tmp_path)}],
+        "settings": {"filter_signals": {"cutoff_hz": 5.0}},
+    }
+
+
+def complaints(raw: dict[str, Any]) -> list[str]:
+    with pytest.raises(InputError) as error:
+        parse_study(raw, "config.yaml")
+    return str(error.value).splitlines()
+
+
+def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
+    study = parse_study(raw, "config.yaml")
+    assert study.settings.filter_signals.cutoff_hz == 5.0
+    assert study.settings.filter_signals.order == 4
+    assert study.reference is None
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (
+            lambda raw: raw["settings"]["filter_signals"].update(cutof_hz=3),
+            "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?); "
+            "known: order, cutoff_hz",
+        ),
+        (
+            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz=-3),
+            "`settings.filter_signals.cutoff_hz` is -3; give a number above 0 and below 62.5",
+        ),
+        (
+            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz="fast"),
+            "`settings.filter_signals.cutoff_hz` is 'fast'; give a number above 0 and below 62.5",
+        ),
+        (
+            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz=float("nan")),
+            "`settings.filter_signals.cutoff_hz` is nan; give a number above 0 and below 62.5",
+        ),
+        (
+            lambda raw: raw["recordings"][0].update(role="contacts"),
+            "`recordings[0].role` is 'contacts' (did you mean `contact`?); "
+            "give one of fit, validate, contact",
+        ),
+        (
+            lambda raw: raw["recordings"][0].update(robot="ur55"),
+            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur5",
+        ),
+        (
+            lambda raw: raw["recordings"][0].update(format="thesis"),
+            "`recordings[0].format` is 'thesis' (did you mean `thesis-csv`?); "
+            "give one of thesis-csv",
+        ),
+        (
+            lambda raw: raw["recordings"][0].update(name="../run"),
+            "`recordings[0].name` is '../run'; "
+            "give a string of letters, digits, _ - and, but for the first, .",
+        ),
+        (
+            lambda raw: raw["recordings"][0].update(folder="raw/nowhere"),
+            "`recordings[0].folder` is 'raw/nowhere'; give an existing folder; fetch it "
+            "(`ur5 fetch thesis`) or correct the path",
+        ),
+        (lambda raw: raw["recordings"][0].pop("role"),
+         "`recordings[0].role` is missing; give one of fit, validate, contact"),
+        (lambda raw: raw.update(recordings=[]),
+         "`recordings` is []; give a list with entries, at least 1"),
+        (lambda raw: raw.update(recordings=raw["recordings"] * 2),
+         "recordings: two are named 'run'; give each its own name"),
+        (lambda raw: raw.update(settings=3), "`settings` is 3; give a mapping"),
+    ],
+)  # fmt: skip
+def test_an_error_names_key_value_range_and_near_name(
+    raw: dict[str, Any], change: Any, sentence: str
+) -> None:
+    change(raw)
+    assert complaints(raw) == [f"config.yaml: {sentence}"]
+
+
+def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:
+    raw["titel"] = raw.pop("title")
+    raw["recordings"][0] |= {"role": "x", "name": "a b"}
+    raw["recordings"] *= 2
+    raw["settings"]["repair_frames"] = {"max_gap_s": 9}
+    assert len(complaints(raw)) == 8
+
+
+@pytest.mark.parametrize("name", [".", "..", ".hidden", "a/b", "", "ä", "a b"])
+def test_a_name_can_be_a_folder(raw: dict[str, Any], name: str) -> None:
+    raw["recordings"][0]["name"] = name
+    assert "`recordings[0].name`" in complaints(raw)[0]
+
+
+def test_the_committed_schema_is_the_models() -> None:
+    committed = PROJECT / "workflow" / "study.schema.json"
+    assert committed.read_text() == schema_text(), "run `make schema`"
+
+
+def test_every_setting_is_documented_and_used() -> None:
+    """Each field of each step has a description or a name that tells it, and a rule passes it."""
+    rules = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
+    for step, field in Study.model_fields["settings"].annotation.model_fields.items():
+        for name in field.annotation.model_fields:
+            assert f"{name}=SETTINGS.{step}.{name}" in rules
+
+
+def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkeypatch: Any) -> None:
+    (tmp_path / "raw").mkdir()
+    (tmp_path / "raw" / "thesis").symlink_to(thesis_data)
+    (tmp_path / "workflow").symlink_to(PROJECT / "workflow")
+    monkeypatch.chdir(tmp_path)
+    studies = [PROJECT / "config.yaml", *(PROJECT / "workflow" / "studies").glob("thesis.yaml")]
+    for path in studies:
+        parse_study(yaml.safe_load(path.read_text()), path.name)

@@ -1,0 +1,86 @@
+"""Tables: units, provenance of names, and never half a file."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from ur5lib.errors import InputError
+from ur5lib.tables import (
+    channel,
+    named,
+    period,
+    read_json,
+    read_table,
+    unit,
+    write_csv,
+    write_json,
+    write_table,
+    write_text,
+)
+
+
+@pytest.fixture
+def table() -> pd.DataFrame:
+    time = np.arange(5) * 0.008
+    return pd.DataFrame({"time": time, **named(np.arange(30.0).reshape(5, 6), "actual_q")})
+
+
+def test_a_table_comes_back_with_its_units(table: pd.DataFrame, tmp_path: Path) -> None:
+    path = tmp_path / "signals.parquet"
+    write_table(table, path)
+    pd.testing.assert_frame_equal(read_table(path), table)
+    units = {field.name: field.metadata[b"unit"] for field in pq.read_schema(path)}
+    assert units == {"time": b"s"} | {f"actual_q_{j}": b"rad" for j in range(6)}
+
+
+def test_the_same_table_is_the_same_file(table: pd.DataFrame, tmp_path: Path) -> None:
+    write_table(table, tmp_path / "a.parquet")
+    write_table(table, tmp_path / "b.parquet")
+    assert (tmp_path / "a.parquet").read_bytes() == (tmp_path / "b.parquet").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("column", "expected"),
+    [("actual_q_0", "rad"), ("actual_qd_5", "rad/s"), ("ft_fx", "N"), ("ft_tz", "Nm"),
+     ("imu_gy", "rad/s"), ("q_1", "rad"), ("qdd_1", "rad/s2"), ("tau_target_C_3", "Nm"),
+     ("target_moment_0", "Nm"), ("sigma_min", "1"), ("printed_F*_Fx", "N, Nm")],
+)  # fmt: skip
+def test_units(column: str, expected: str) -> None:
+    assert unit(column) == expected
+
+
+def test_a_column_without_a_unit_is_refused() -> None:
+    with pytest.raises(ValueError, match="no unit is known"):
+        unit("something")
+
+
+def test_a_channel_is_its_columns_in_order(table: pd.DataFrame) -> None:
+    np.testing.assert_array_equal(channel(table, "actual_q"), np.arange(30).reshape(5, 6))
+    assert period(table) == 0.008
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_other(tmp_path: Path) -> None:
+    path = tmp_path / "tables" / "result.json"
+    write_json({"value": 1}, path)
+    with pytest.raises(TypeError):
+        write_json({"value": object()}, path)
+    with pytest.raises(ValueError, match="no unit"):
+        write_table(pd.DataFrame({"nonsense": [1.0]}), path)
+    assert read_json(path) == {"value": 1}
+    assert [file.name for file in path.parent.iterdir()] == ["result.json"]
+
+
+def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
+    (tmp_path / "results").write_text("a file where a folder should be")
+    with pytest.raises(InputError, match=r"report.html cannot be written \(File exists\); free"):
+        write_text("text", tmp_path / "results" / "report.html")
+
+
+def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:
+    write_json({"a": np.array([1.0, np.nan]), "b": [float("inf")]}, tmp_path / "x.json")
+    assert read_json(tmp_path / "x.json") == {"a": [1.0, None], "b": [None]}
+    write_csv(pd.DataFrame({"mae": [0.123456789012, None]}), tmp_path / "x.csv")
+    assert (tmp_path / "x.csv").read_text() == 'mae\n0.123456789\n""\n'

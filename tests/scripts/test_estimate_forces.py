@@ -1,0 +1,119 @@
+"""Force estimates against a wrench that is known."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from tests.scripts.conftest import script
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import jacobian, link_frames
+from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.force.current_based import friction_torque
+from ur5lib.robots.description import Robot, robot_path
+from ur5lib.tables import named, read_json, read_table, write_table
+
+PERIOD, COUNT = 0.008, 2500
+TIME = np.arange(COUNT) * PERIOD
+BIAS = np.array([-5.0, 2.0, -1.0, 0.1, 0.4, -0.1])
+FORCE = np.array([10.0, -5.0, 8.0])
+SETTINGS = SimpleNamespace(order=5, cutoff_hz=1.454, bias_window_s=1.0, min_singular_value=0.01)
+
+
+def truth() -> tuple[np.ndarray, ...]:
+    """A slow, singularity-free motion; from 3 s on, a force pushes at the origin of frame 6."""
+    angle = 0.4 * TIME[:, None] + np.arange(6)
+    home = np.array([0.3, -1.2, 1.1, -0.9, 1.4, 0.2])
+    q, qd, qdd = home + 0.2 * np.sin(angle), 0.08 * np.cos(angle), -0.032 * np.sin(angle)
+    wrench = np.where(TIME[:, None] > 3.0, np.append(FORCE, [0, 0, 0]), 0.0)
+    return q, qd, qdd, wrench
+
+
+@pytest.fixture(scope="module")
+def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> tuple[pd.DataFrame, dict]:
+    q, qd, qdd, wrench = truth()
+    arm = build_arm(ur5, "C")
+    tensors = [torch.tensor(x) for x in (q, qd, qdd)]
+    torque = inverse_dynamics(arm, *tensors).numpy()
+    J = jacobian(arm, tensors[0]).numpy()
+    rotation = link_frames(arm, tensors[0])[0][:, 6].numpy()
+
+    constants = ur5.current_to_torque
+    total = torque + friction_torque(qd, ur5.friction) + np.einsum("nij,ni->nj", J, wrench)
+    current = (total - constants.offset) / constants.torque_constant
+    # The sensor sits 28.6 mm out and reads the arm on the hand.
+    lever = rotation @ np.array(ur5.mounting.force_sensor)
+    moment = wrench[:, 3:] - np.cross(lever, wrench[:, :3])
+    reading = -np.concatenate(
+        [np.einsum("nji,nj->ni", rotation, half) for half in (wrench[:, :3], moment)], axis=1
+    )
+    signals = {
+        "time": TIME,
+        "segment": np.zeros(COUNT, dtype=int),
+        **named(current, "actual_current"),
+        **named(qd, "target_qd"),
+        **named(wrench + 1.0, "actual_TCP_force"),
+    }
+    signals |= dict(
+        zip([f"ft_{a}{b}" for a in "ft" for b in "xyz"], (reading + BIAS).T, strict=True)
+    )
+    tables = {
+        "signals": signals,
+        "motion": {"time": TIME, **named(qd, "qd")},
+        "torques": {
+            "time": TIME,
+            **named(torque, "tau_target_C"),
+            **named(torque, "tau_measured_C"),
+        },
+        "kinematics": {
+            "time": TIME,
+            **named(rotation, "R6"),
+            **named(J, "J"),
+            "sigma_min": np.linalg.svd(J, compute_uv=False)[:, -1],
+        },
+    }
+    folder = tmp_path_factory.mktemp("force")
+    for name, table in tables.items():
+        write_table(pd.DataFrame(table), folder / f"{name}.parquet")
+    inputs = {name: str(folder / f"{name}.parquet") for name in tables}
+    inputs["arm"] = str(robot_path("ur5"))
+    output = SimpleNamespace(forces=folder / "forces.parquet", summary=folder / "forces.json")
+    script("estimate_forces").estimate_forces(SimpleNamespace(**inputs), output, SETTINGS)
+    return read_table(output.forces), read_json(output.summary)
+
+
+def wrench_of(forces: pd.DataFrame, name: str) -> np.ndarray:
+    return forces[[f"{name}_{c}" for c in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]].to_numpy()
+
+
+def test_the_corrected_estimate_finds_the_force(results: tuple) -> None:
+    """Away from the push's edge, which the filter rounds."""
+    settled = (TIME > 6) & (TIME[-1] - 2 > TIME)
+    estimate = wrench_of(results[0], "corrected_F*")[settled]
+    np.testing.assert_allclose(estimate, truth()[3][settled], atol=0.1)
+
+
+def test_without_friction_the_estimate_is_off(results: tuple) -> None:
+    assert results[1]["errors"]["corrected"]["F"]["mae"]["Fx"] > 5
+
+
+def test_the_sensor_is_put_right(results: tuple) -> None:
+    np.testing.assert_allclose(results[1]["sensor_bias"], BIAS, atol=1e-9)
+    np.testing.assert_allclose(wrench_of(results[0], "corrected_sensor"), truth()[3], atol=1e-9)
+
+
+def test_the_printed_kind_keeps_the_bias_and_the_delay(results: tuple) -> None:
+    forces, summary = results
+    assert summary["errors"]["printed"]["Fu"]["zero_mae"]["Fx"] > 1
+    rising = np.argmax(wrench_of(forces, "corrected_F*")[:, 2] > 4) * PERIOD
+    late = np.argmax(wrench_of(forces, "printed_F*")[125:, 2] > 4) * PERIOD + 1
+    assert late - rising == pytest.approx(0.35, abs=0.1)
+
+
+def test_an_estimate_of_zero_stands_beside(results: tuple) -> None:
+    expected = np.abs(truth()[3]).mean(0)[:3]
+    figures = results[1]["errors"]["corrected"]["F*"]["zero_mae"]
+    np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=1e-6)
+    assert results[1]["errors"]["corrected"]["Fu"]["mae"]["Fx"] == pytest.approx(1.0)

@@ -1,0 +1,279 @@
+"""The workflow itself: what reruns and what does not, and what it does with bad input."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT, STUDY, Workflow
+
+RECORDINGS = 2
+EACH_RECORDING = [
+    "repair_frames",
+    "align_signals",
+    "compute_kinematics",
+    "filter_signals",
+    "smooth_motion",
+    "compute_torques",
+    "estimate_forces",
+    "draw_figures",
+]
+REPORT = {"make_tables": 1, "write_report": 1}
+
+
+def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
+    return dict.fromkeys(rules, recordings)
+
+
+def results(workflow: Workflow) -> dict[str, bytes]:
+    """What the user gets: tables and data, byte by byte, and the report in HTML."""
+    folder = workflow.folder / "results" / "small"
+    files = [
+        p for p in folder.rglob("*") if p.suffix in {".csv", ".parquet", ".json", ".svg", ".html"}
+    ]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in files}
+
+
+def append(path: Path, text: str) -> None:
+    path.write_text(path.read_text() + text)
+
+
+# What a run makes
+
+
+def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
+    done = workflow.run("--dry-run")
+    assert done.returncode == 0
+    assert "Nothing to be done" in done.stdout
+
+
+def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
+    shutil.rmtree(workflow.folder / "results")
+    assert workflow.plan() == jobs(*EACH_RECORDING) | REPORT
+
+
+def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
+    folder = built_workflow.folder / "results" / "small"
+    for step in EACH_RECORDING:
+        for recording in ("still", "pushed"):
+            assert (folder / "logs" / step / f"{recording}.log").read_text() == ""
+            assert (folder / "benchmarks" / step / f"{recording}.tsv").stat().st_size > 0
+
+
+def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
+    assert not [*(built_workflow.folder / "results").rglob("*.part")]
+
+
+# What reruns, and what does not
+
+
+@pytest.mark.parametrize(
+    ("module", "expected"),
+    [
+        ("ur5lib/signals/lowpass.py",
+         jobs("filter_signals", "smooth_motion", "compute_torques", "estimate_forces",
+              "draw_figures") | REPORT),
+        ("ur5lib/signals/resampling.py",
+         jobs("align_signals", "filter_signals", "smooth_motion", "compute_torques",
+              "estimate_forces", "draw_figures") | REPORT),
+        ("ur5lib/dynamics/rigid_body.py",
+         jobs("compute_torques", "estimate_forces", "draw_figures") | REPORT),
+        ("ur5lib/dynamics/kinematics.py",
+         jobs("compute_kinematics", "compute_torques", "estimate_forces", "draw_figures") | REPORT),
+        ("ur5lib/force/sensor.py", jobs("estimate_forces", "draw_figures") | REPORT),
+        ("ur5lib/report/figures.py", jobs("draw_figures") | {"write_report": 1}),
+        ("ur5lib/report/verdict.py", {"write_report": 1}),
+        ("ur5lib/cli.py", {}),
+        ("workflow/scripts/make_tables.py", REPORT),
+    ],
+)  # fmt: skip
+def test_editing_code_reruns_its_users(
+    workflow: Workflow, module: str, expected: dict[str, int]
+) -> None:
+    append(workflow.folder / module, "\n# edited\n")
+    assert workflow.plan() == expected
+
+
+def test_touching_code_reruns_nothing(workflow: Workflow) -> None:
+    for path in (workflow.folder / "ur5lib").rglob("*.py"):
+        path.touch()
+    assert workflow.plan() == {}
+
+
+def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
+    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {cutoff_hz: 2.0}}\n")
+    assert workflow.plan() == jobs("estimate_forces", "draw_figures") | REPORT
+    workflow.build()
+    (workflow.folder / "config.yaml").write_text(STUDY)
+    workflow.build()
+    assert workflow.plan() == {}
+
+
+def test_spelling_out_a_default_recomputes_nothing(workflow: Workflow) -> None:
+    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {order: 5}}\n")
+    assert workflow.plan() == {}
+
+
+def test_a_new_recording_runs_alone(workflow: Workflow) -> None:
+    shutil.copytree(workflow.folder / "raw" / "still", workflow.folder / "raw" / "new")
+    append(
+        workflow.folder / "config.yaml",
+        "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: fit}\n",
+    )
+    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
+
+
+def test_a_changed_raw_file_reruns_its_recording(workflow: Workflow) -> None:
+    append(workflow.folder / "raw/still/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
+    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
+
+
+@pytest.mark.parametrize(
+    ("file", "expected"),
+    [
+        ("recordings/still/torques.parquet",
+         jobs("compute_torques", "estimate_forces", "draw_figures", recordings=1) | REPORT),
+        ("tables/force_mae.csv", REPORT),
+        ("figures/still/torques.svg", {"draw_figures": 1, "write_report": 1}),
+        ("report.pdf", {"write_report": 1}),
+    ],
+)  # fmt: skip
+def test_a_deleted_file_is_made_again(
+    workflow: Workflow, file: str, expected: dict[str, int]
+) -> None:
+    before = results(workflow)
+    (workflow.folder / "results" / "small" / file).unlink()
+    assert workflow.plan() == expected
+    workflow.build()
+    assert results(workflow) == before
+
+
+def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
+    before = results(workflow)
+    folder = workflow.folder / "results" / "small"
+    shutil.rmtree(folder)
+    run = subprocess.Popen(
+        workflow.command(),
+        cwd=workflow.folder,
+        env=workflow.environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    while not [*folder.rglob("filtered.parquet")]:
+        assert run.poll() is None, "the run ended before it could be killed"
+        time.sleep(0.05)
+    os.killpg(run.pid, signal.SIGKILL)
+    run.wait()
+    assert not (folder / "report.html").exists()
+    remaining = workflow.plan()
+    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | REPORT).values())
+    workflow.build()
+    assert results(workflow) == before
+    assert workflow.plan() == {}
+
+
+# Other studies
+
+
+def test_another_study_inherits_nothing(workflow: Workflow) -> None:
+    append(workflow.folder / "config.yaml", "settings: {filter_signals: {cutoff_hz: 33.0}}\n")
+    other = STUDY.replace("study: small", "study: other").splitlines()[:-1]
+    (workflow.folder / "other.yaml").write_text("\n".join(other))
+    assert (
+        workflow.plan("--configfile", "other.yaml") == jobs(*EACH_RECORDING, recordings=1) | REPORT
+    )
+    workflow.build("--configfile", "other.yaml")
+    report = (workflow.folder / "results" / "other" / "report.html").read_text()
+    assert "33.0" not in report
+    assert "pushed" not in report
+
+
+# Bad input: one clear sentence, a non-zero exit, nothing destroyed
+
+
+def fails_with(workflow: Workflow, sentence: str, *arguments: str) -> None:
+    before = results(workflow)
+    done = workflow.run(*arguments)
+    assert done.returncode == 1
+    assert sentence in done.stdout
+    assert "Traceback" not in done.stdout
+    after = results(workflow)
+    assert {name: after[name] for name in before if name in after} == after
+
+
+def test_a_misspelt_key(workflow: Workflow) -> None:
+    append(workflow.folder / "config.yaml", "settings: {filter_signals: {cutof_hz: 3}}\n")
+    fails_with(
+        workflow, "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?)"
+    )
+    assert len(results(workflow)) == len(results(workflow))
+
+
+def test_a_missing_folder(workflow: Workflow) -> None:
+    shutil.rmtree(workflow.folder / "raw" / "still")
+    fails_with(workflow, "`recordings[0].folder` is 'raw/still'; give an existing folder")
+
+
+def test_a_missing_file(workflow: Workflow) -> None:
+    (workflow.folder / "raw/still/csv_files/log_m_target.csv").unlink()
+    fails_with(
+        workflow, "repair_frames: raw/still/csv_files/log_m_target.csv is missing; copy it there"
+    )
+
+
+@pytest.mark.parametrize("content", ["", "This is a letter, not a recording.\n", "0.0, 1.0, 2.0"])
+def test_a_recording_without_a_row(workflow: Workflow, content: str) -> None:
+    (workflow.folder / "raw/still/csv_files/log_i_actual.csv").write_text(content)
+    fails_with(
+        workflow, "raw/still/csv_files/log_i_actual.csv holds no complete row of 7 numbers; record"
+    )
+
+
+def test_a_study_that_is_no_study(workflow: Workflow) -> None:
+    (workflow.folder / "letter.yaml").write_text("Dear reader,\nthis is a letter.\n")
+    done = workflow.run("--configfile", "letter.yaml")
+    assert done.returncode == 1
+    assert "Config file must be given as JSON or YAML with keys at top level" in done.stdout
+
+
+def test_unwritable_results(workflow: Workflow) -> None:
+    shutil.rmtree(workflow.folder / "results")
+    (workflow.folder / "results").write_text("a file")
+    done = workflow.run()
+    assert done.returncode == 1
+    assert "results cannot be written to" in done.stdout
+    assert "Traceback" not in done.stdout
+    assert (workflow.folder / "results").read_text() == "a file"
+
+
+# The code of the workflow
+
+
+def test_every_rule_declares_its_code_and_its_log() -> None:
+    for path in (PROJECT / "workflow" / "rules").glob("*.smk"):
+        for rule in path.read_text().split("\nrule ")[1:] if "rule " in path.read_text() else []:
+            name = rule.split(":")[0].removeprefix("rule ")
+            assert f'code("{name}")' in rule, name
+            assert f"scripts/{name}.py" in rule, name
+            assert "log:" in rule, name
+            assert "benchmark:" in rule, name
+
+
+def test_every_script_has_a_rule() -> None:
+    rules = "".join(p.read_text() for p in (PROJECT / "workflow" / "rules").glob("*.smk"))
+    for path in (PROJECT / "workflow" / "scripts").glob("*.py"):
+        assert f"rule {path.stem}:" in rules
+
+
+def test_parsing_imports_neither_torch_nor_pandas(workflow: Workflow) -> None:
+    """Each job of a cluster parses the workflow again."""
+    code = (
+        "import sys; sys.exit(any(name in sys.modules for name in ('torch', 'pandas', 'pyarrow')))"
+    )
+    append(workflow.folder / "Snakefile", f"\n{code.replace('sys.exit(', 'print(')}\n")
+    assert "\nFalse\n" in "\n" + workflow.run("--dry-run").stdout
