@@ -52,7 +52,7 @@ def write_recording(
 def write_force_sensor(csv: Path, seconds: float, random: np.random.Generator) -> None:
     time = np.arange(0, seconds, 1 / 207)
     push = np.where(np.abs(time - 0.7 * seconds) < 0.5, 20.0, 0.0)
-    reading = np.outer(push, [1, 0, 0, 0, 0.1, 0]) + [-5, 2, -1, 0.1, 0.4, -0.1]
+    reading = np.outer(push, [1, 0, 0, 0, 0.1, 0]) + np.array([-5, 2, -1, 0.1, 0.4, -0.1])
     write_channel(
         csv / "log_force_sensor.csv", time, reading + 0.01 * random.normal(size=(len(time), 6))
     )

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from pypdf import PdfReader
 
+from tests.conftest import PROJECT
 from ur5lib.tables import channel, read_csv, read_json, read_table
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
@@ -223,3 +224,16 @@ def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> No
         assert f"{value:.4f}" in text
     for section in ("What was found", "Joint torques", "Contact forces", "Errata", "Provenance"):
         assert section in text
+
+
+def test_the_readme_tells_the_numbers_of_the_tables(
+    torque: pd.DataFrame, force: pd.DataFrame
+) -> None:
+    readme = (PROJECT / "README.md").read_text()
+    row = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C'").iloc[1]
+    assert f"| {row['printed']:.3f} | {row['mae']:.3f} | |" in readme
+    along_x = force.query("estimate == 'F*' and component == 'Fx'").set_index("kind")
+    printed, corrected = along_x.loc["printed"], along_x.loc["corrected"]
+    values = (printed["printed_mae"], printed["mae"], printed["zero_mae"])
+    assert "| {:.2f} | {:.2f} | {:.2f} |".format(*values) in readme
+    assert f"| | {corrected['mae']:.2f} | {corrected['zero_mae']:.2f} |" in readme

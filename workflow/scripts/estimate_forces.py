@@ -46,16 +46,12 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
         for i, component in enumerate(COMPONENTS)
     }
     write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.forces)
-    errors = {
-        kind: {name: error_figures(wrench, references[kind]) for name, wrench in wrenches.items()}
-        for kind, wrenches in estimates.items()
-    }
     hidden = float((kinematics["sigma_min"] < params.min_singular_value).mean())
     summary = {
         "force_sensor": offset is not None,
         "sensor_bias": offset,
         "share_near_singularity": hidden,
-        "errors": errors if offset is not None else {},
+        "errors": {} if offset is None else all_error_figures(estimates, references),
     }
     write_json(summary, output.summary)
 
@@ -127,6 +123,14 @@ def sensor_wrenches(
         "corrected": move_to_frame_6(unbiased, rotation, position),
     }
     return references, offset
+
+
+def all_error_figures(estimates: dict[str, Wrenches], references: Wrenches) -> dict[str, Any]:
+    """Errors by kind, estimate, figure and component."""
+    return {
+        kind: {name: error_figures(wrench, references[kind]) for name, wrench in wrenches.items()}
+        for kind, wrenches in estimates.items()
+    }
 
 
 def error_figures(estimate: Array, reference: Array) -> dict[str, dict[str, Array]]:
