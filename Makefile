@@ -2,7 +2,7 @@
 PYTHON ?= python3
 DATA ?=
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
-PIP := .venv/bin/python -m pip --quiet --disable-pip-version-check
+PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 
 all: thesis ## set up, build the default study (today the thesis's), name its report
 

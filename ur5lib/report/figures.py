@@ -37,6 +37,8 @@ HOUSE_STYLE: Any = {
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 
+SMALLEST_SPAN = 0.1  # Nm or N, of a panel
+
 COMPONENTS = [
     (f"{quantity}_{axis}", unit) for quantity, unit in (("F", "N"), ("n", "Nm")) for axis in "xyz"
 ]
@@ -73,8 +75,17 @@ def _panels(time: Array, series: Series, labels: list[str]) -> Figure:
             for label, (values, style) in series.items():
                 axis.plot(time, values[:, i], label=label, **STYLES[style])
             axis.set_ylabel(name)
+            _widen(axis)
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")
         handles, names = axes[0, 0].get_legend_handles_labels()
         figure.legend(handles, names, loc="outside upper center", ncols=len(names), frameon=False)
     return figure
+
+
+def _widen(axis: Axes) -> None:
+    """Keep rounding noise from filling a panel whose values hardly change."""
+    low, high = axis.get_ylim()
+    missing = SMALLEST_SPAN - (high - low)
+    if missing > 0:
+        axis.set_ylim(low - missing / 2, high + missing / 2)
