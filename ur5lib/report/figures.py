@@ -6,11 +6,8 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
-
-matplotlib.use("svg")
-
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -62,15 +59,15 @@ def wrench_panels(time: Array, series: Series, prefix: str = "") -> Figure:
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure as SVG, byte for byte the same for the same data."""
     buffer = BytesIO()
-    with plt.rc_context(HOUSE_STYLE):
+    with matplotlib.rc_context(HOUSE_STYLE):
         figure.savefig(buffer, format="svg", metadata={"Date": None})
-    plt.close(figure)
     write_bytes(buffer.getvalue(), path)
 
 
 def _panels(time: Array, series: Series, labels: list[str]) -> Figure:
-    with plt.rc_context(HOUSE_STYLE):
-        figure, axes = plt.subplots(3, 2, figsize=(7.2, 4.4), sharex=True)
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(7.2, 4.4))
+        axes = figure.subplots(3, 2, sharex=True)
         for i, (axis, name) in enumerate(zip(axes.flat, labels, strict=True)):
             for label, (values, style) in series.items():
                 axis.plot(time, values[:, i], label=label, **STYLES[style])
