@@ -1,57 +1,233 @@
-"""Inverse dynamics, side by side in one run: this library against Pinocchio called in a loop."""
+"""Dynamics side by side in one run: this library, Pinocchio and MuJoCo; then memory, and a GPU.
 
+Microseconds a state, medians of rounds in which all take turns; "x" is the median of the rounds'
+ratios to Pinocchio's loop. What is called in a Python loop is given at most LOOPED states: its
+time a state does not depend on their number.
+"""
+
+import os
+import resource
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 
+import mujoco
 import numpy as np
 import pinocchio
 import torch
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import inverse_dynamics
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.rigid_body import inertia_matrix, inverse_dynamics
+from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 
-SIZES = (100, 1_000, 3_000, 10_000, 100_000)
+SIZES = (100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
+LOOPED = 10_000
 ROUNDS = 5
+MODEL = "C+rotors"
+REFERENCE = "pinocchio"
 
-
-def seconds(function: Callable[[], object]) -> float:
-    """How long a call takes."""
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
+States = list[np.ndarray]
+Contender = Callable[[States], Callable[[], object]]
+"""Prepares a call for given states; only the call is timed."""
 
 
 def main() -> None:
-    """Print the table."""
-    torch.set_num_threads(1)
+    """Print the tables; each number of threads has a process of its own."""
     robot = load_robot(robot_path("ur5"))
-    arm = build_arm(robot, "C")
-    model = pinocchio.buildModelFromXML(urdf(robot, rigid_bodies(robot, "C")))
-    data = model.createData()
-    random = np.random.default_rng(0)
+    if len(sys.argv) > 1:
+        return compare_on_threads(robot, int(sys.argv[1]))
+    for threads in sorted({1, os.cpu_count() or 1}):
+        subprocess.run([sys.executable, __file__, str(threads)], check=True)
+    print_memory(robot)
+    if torch.cuda.is_available():
+        print_gpu(robot)
+    else:
+        print("\nno GPU is at hand")
 
-    print(f"median of {ROUNDS} rounds in turn, one thread, microseconds per state")
-    print(f"{'states':>8} {'ours':>8} {'pinocchio':>10} {'ratio':>6}")
-    for size in SIZES:
-        states = [random.uniform(-3, 3, (size, 6)) for _ in range(3)]
-        tensors = [torch.from_numpy(state) for state in states]
-        rounds = [
-            (
-                seconds(lambda t=tensors: inverse_dynamics(arm, *t)),
-                seconds(
-                    lambda s=states: [
-                        pinocchio.rnea(model, data, *row) for row in zip(*s, strict=True)
-                    ]
-                ),
-            )
-            for _ in range(ROUNDS + 1)
-        ][1:]  # the first warms up
-        ours, theirs = (1e6 * statistics.median(side) / size for side in zip(*rounds, strict=True))
-        print(f"{size:>8} {ours:>8.2f} {theirs:>10.2f} {theirs / ours:>6.2f}")
+
+def compare_on_threads(robot: Robot, threads: int) -> None:
+    """Print the tables of torque and inertia matrix."""
+    torch.set_num_threads(threads)
+    for title, contenders in (
+        ("inverse dynamics", torque_contenders(robot, threads)),
+        ("inertia matrix", inertia_contenders(robot)),
+    ):
+        print(f"\n{title}, UR5 {MODEL}, {threads} thread{'s' * (threads > 1)}")
+        print(f"{'states':>9}" + "".join(f"{name:>20}" for name in contenders))
+        for size in SIZES:
+            print(f"{size:>9}" + "".join(row(contenders, size)), flush=True)
+
+
+def torque_contenders(robot: Robot, threads: int) -> dict[str, Contender]:
+    """All that compute joint torques."""
+    return {
+        REFERENCE: pinocchio_loop(robot, pinocchio.rnea),
+        "pinocchio, batched": pinocchio_batched(robot, threads),
+        "mujoco": mujoco_loop(robot),
+        **ours(robot, inverse_dynamics),
+    }
+
+
+def inertia_contenders(robot: Robot) -> dict[str, Contender]:
+    """All that compute inertia matrices."""
+
+    def crba(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, *_: object) -> object:
+        return pinocchio.crba(model, data, q)
+
+    return {
+        REFERENCE: pinocchio_loop(robot, crba),
+        **ours(robot, lambda arm, q, *_: inertia_matrix(arm, q)),
+    }
+
+
+def ours(robot: Robot, term: Callable[..., object]) -> dict[str, Contender]:
+    """This library, plain and fused, in double and single precision."""
+
+    def contender(dtype: torch.dtype, fused: bool) -> Contender:
+        arm = build_arm(robot, MODEL, dtype=dtype, fused=fused)
+
+        def prepare(states: States) -> Callable[[], object]:
+            tensors = [torch.from_numpy(state).to(dtype) for state in states]
+            return lambda: term(arm, *tensors)
+
+        return prepare
+
+    return {
+        "plain": contender(torch.float64, False),
+        "fused": contender(torch.float64, True),
+        "plain float32": contender(torch.float32, False),
+        "fused float32": contender(torch.float32, True),
+    }
+
+
+def pinocchio_model(robot: Robot) -> pinocchio.Model:
+    """The arm as Pinocchio reads it."""
+    bodies = rigid_bodies(robot, MODEL)
+    model = pinocchio.buildModelFromXML(urdf(robot, bodies))
+    model.armature = bodies.rotor_inertia
+    return model
+
+
+def pinocchio_loop(robot: Robot, function: Callable[..., object]) -> Contender:
+    """One of Pinocchio's functions, called for state after state."""
+    model = pinocchio_model(robot)
+    data = model.createData()
+
+    def prepare(states: States) -> Callable[[], object]:
+        rows = list(zip(*(state[:LOOPED] for state in states), strict=True))
+        return lambda: [function(model, data, *row) for row in rows]
+
+    return prepare
+
+
+def pinocchio_batched(robot: Robot, threads: int) -> Contender:
+    """rneaInParallel, one call for all states."""
+    pool = pinocchio.ModelPool(pinocchio_model(robot), threads)
+
+    def prepare(states: States) -> Callable[[], object]:
+        columns = [np.asfortranarray(state.T) for state in states]
+        torque = np.empty_like(columns[0], order="F")
+        return lambda: pinocchio.rneaInParallel(threads, pool, *columns, torque)
+
+    return prepare
+
+
+def mujoco_loop(robot: Robot) -> Contender:
+    """mj_inverse, called for state after state."""
+    bodies = rigid_bodies(robot, MODEL)
+    model = mujoco.MjModel.from_xml_string(urdf(robot, bodies))
+    model.dof_armature[:] = bodies.rotor_inertia
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    data = mujoco.MjData(model)
+
+    def prepare(states: States) -> Callable[[], object]:
+        def call() -> None:
+            rows = zip(*(state[:LOOPED] for state in states), strict=True)
+            for data.qpos, data.qvel, data.qacc in rows:
+                mujoco.mj_inverse(model, data)
+                data.qfrc_inverse.copy()
+
+        return call
+
+    return prepare
+
+
+def row(contenders: dict[str, Contender], size: int) -> list[str]:
+    """One line of a table: each contender's time a state, and how many times faster it is."""
+    states = random_states(size)
+    calls = {name: prepare(states) for name, prepare in contenders.items()}
+    counts = {name: min(size, LOOPED) if name in (REFERENCE, "mujoco") else size for name in calls}
+    rounds = [
+        {name: 1e6 * seconds(call) / counts[name] for name, call in calls.items()}
+        for _ in range(ROUNDS + 1)
+    ][1:]  # the first warms up, and compiles
+    return [
+        f"{statistics.median(r[name] for r in rounds):>12.3f}"
+        f"{statistics.median(r[REFERENCE] / r[name] for r in rounds):>6.1f} x"
+        for name in calls
+    ]
+
+
+def random_states(size: int) -> States:
+    """Seeded q, qd, qdd."""
+    random = np.random.default_rng(0)
+    return [random.uniform(-3, 3, (size, 6)) for _ in range(3)]
+
+
+def seconds(call: Callable[[], object]) -> float:
+    """How long a call takes."""
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+def print_memory(robot: Robot) -> None:
+    """Peak memory beyond the result of 48 bytes a state; the states themselves take none here."""
+    torch.set_num_threads(1)
+    arm = build_arm(robot, MODEL)
+    print("\nplain inverse dynamics, float64: peak memory of the process beyond its result [MiB]")
+    for size in (100_000, 1_000_000, 10_000_000):
+        state = torch.ones(1, 6, dtype=torch.float64).expand(size, 6)
+        inverse_dynamics(arm, state, state, state)
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        print(f"{size:>9}{peak - size * 48 / 2**20:>12.0f}")
+
+
+def print_gpu(robot: Robot) -> None:
+    """Rate on a GPU, and its share of what the memory allows at 24 values a state."""
+    copied = torch.ones(1 << 28, device="cuda")
+    bandwidth = 2 * copied.nbytes / gpu_seconds(copied.clone)
+    print(f"\ninverse dynamics, {torch.cuda.get_device_name()}, {bandwidth / 1e12:.2f} TB/s copied")
+    print(f"{'states':>9}{'':>16}{'million a second':>20}{'of the memory limit':>22}")
+    for fused in (False, True):
+        for dtype in (torch.float64, torch.float32):
+            arm = build_arm(robot, MODEL, dtype=dtype, device="cuda", fused=fused)
+            for size in (100_000, 1_000_000, 10_000_000):
+                print(gpu_row(arm, size, bandwidth), flush=True)
+
+
+def gpu_row(arm: Arm, size: int, bandwidth: float) -> str:
+    """One line of the GPU's table."""
+    dtype = arm.parameters.dtype
+    states = [torch.rand(size, 6, dtype=dtype, device="cuda") for _ in range(3)]
+    rate = size / gpu_seconds(lambda: inverse_dynamics(arm, *states))
+    share = rate * 24 * dtype.itemsize / bandwidth
+    label = f"{'fused' if arm.fused else 'plain'} {str(dtype).removeprefix('torch.')}"
+    return f"{size:>9}{label:>16}{rate / 1e6:>20.0f}{share:>22.1%}"
+
+
+def gpu_seconds(call: Callable[[], object]) -> float:
+    """The median time of a call, until the GPU is done."""
+
+    def finished() -> None:
+        call()
+        torch.cuda.synchronize()
+
+    return statistics.median([seconds(finished) for _ in range(ROUNDS + 1)][1:])
 
 
 if __name__ == "__main__":

@@ -36,6 +36,15 @@ def thesis_data() -> Path:
     pytest.skip("the thesis's recordings are not here: `make thesis` fetches them")
 
 
+@pytest.fixture(scope="session")
+def ur10e_data() -> Path:
+    """The logs of a real UR10e, where they are at hand."""
+    for folder in (PROJECT / "raw" / "ur10e", PROJECT.parent / "shared" / "ur10e"):
+        if folder.is_dir():
+            return folder
+    pytest.skip("the UR10e's logs are not here: workflow/studies/ur10e.yaml says where they are")
+
+
 def copy_project(target: Path) -> Path:
     """The project's own files, without environment, recordings and results."""
     target.mkdir()

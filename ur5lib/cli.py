@@ -38,6 +38,38 @@ def fetch(
 
 
 @app.command()
+def check(
+    study: Annotated[Path, typer.Argument(help="the study's configuration, e.g. config.yaml")],
+) -> None:
+    """Read and repair every recording of a study, and print what was found in it."""
+    from ur5lib.check import print_findings
+
+    if print_findings(study):
+        raise SystemExit(1)
+
+
+@app.command()
+def export(
+    robot: Annotated[str, typer.Option(help="an arm described in ur5lib/robots, e.g. ur5")],
+    model: Annotated[str, typer.Option(help="one of its models, e.g. C")],
+    to: Annotated[str, typer.Option(help="the format: urdf")] = "urdf",
+) -> None:
+    """Print an arm under one of its models, for other engines; URDF knows no rotor inertias."""
+    from ur5lib.robots.description import load_robot, robot_names, robot_path
+    from ur5lib.robots.inertia import rigid_bodies
+    from ur5lib.robots.urdf import urdf
+
+    if to != "urdf":
+        raise InputError(f"no format {to!r}; known: urdf")
+    if robot not in robot_names():
+        raise InputError(f"no arm {robot!r}; known: {', '.join(robot_names())}")
+    arm = load_robot(robot_path(robot))
+    if model not in arm.models:
+        raise InputError(f"{robot} has no model {model!r}; known: {', '.join(arm.models)}")
+    typer.echo(urdf(arm, rigid_bodies(arm, model)))
+
+
+@app.command()
 def schema() -> None:
     """Print the JSON schema of a study (workflow/study.schema.json)."""
     from ur5lib.study import schema_text

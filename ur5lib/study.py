@@ -39,21 +39,23 @@ def _existing_file(path: str) -> str:
     return path
 
 
+FORMATS = ["thesis-csv", "realtime-stream", "rtde-csv", "table-csv"]
+
+
 def _known_robot(name: str) -> str:
     if name not in robot_names():
         raise ValueError("one of " + ", ".join(robot_names()))
     return name
 
 
-class Recording(Strict):
-    """One run of an arm, as its devices wrote it down."""
+class Part(Strict):
+    """One run of an arm: what every format needs to know of it."""
 
     name: Name
     robot: Annotated[str, AfterValidator(_known_robot)] = Field(
         description="an arm described in ur5lib/robots/",
         json_schema_extra={"enum": [*robot_names()]},
     )
-    format: Literal["thesis-csv"] = Field(description="how the files of `folder` are written")
     folder: Annotated[str, AfterValidator(_existing_folder)] = Field(
         description="the folder that holds the device files"
     )
@@ -61,6 +63,77 @@ class Recording(Strict):
         description="fit: contact-free, for fitting; validate: contact-free, never fitted on; "
         "contact: something touches the arm"
     )
+
+    def file_names(self) -> list[str]:
+        """The files below its folder that it names; none when it means all of them."""
+        parts = [self, getattr(self, "force_sensor", None), getattr(self, "imu", None)]
+        names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
+        return [name for name in names if name is not None]
+
+
+class DeviceTable(Strict):
+    """A delimited table of numbers, with or without a header line."""
+
+    file: str = Field(description="below the recording's folder")
+    columns: list[str] = Field(
+        min_length=1,
+        description="what the columns hold, in order: time, then channels by their RTDE names; "
+        "a channel without suffix stands for its six columns, - for one to skip",
+    )
+    units: dict[str, str] = Field(
+        default={}, description="of channels that are not in SI units: deg, deg/s, ms, mA, g, ..."
+    )
+    time: Literal["relative_s", "epoch_s", "day_ms"] = Field(
+        "relative_s", description="what the time column counts"
+    )
+
+
+class Sensor(DeviceTable):
+    """A force sensor or an IMU with its own clock."""
+
+    start_file: str | None = Field(
+        None, description="file with the stamp of the clock's zero, where the time is relative"
+    )
+    start: Literal["epoch_s", "day_ms"] = Field("epoch_s", description="what that stamp counts")
+
+
+class Sensors(Strict):
+    """The sensors that were recorded besides the robot."""
+
+    force_sensor: Sensor | None = None
+    imu: Sensor | None = None
+
+
+class ThesisRecording(Part):
+    """A folder `csv_files` with one CSV per channel, as the thesis recorded."""
+
+    format: Literal["thesis-csv"]
+
+
+class StreamRecording(Part, Sensors):
+    """A capture of the controller's realtime port: received_s,payload_hex."""
+
+    format: Literal["realtime-stream"]
+    file: str = Field(description="below the recording's folder")
+
+
+class RtdeRecording(Part, Sensors):
+    """One CSV with RTDE's names in its header, as ur_rtde and the maker's client write."""
+
+    format: Literal["rtde-csv"]
+    file: str = Field(description="below the recording's folder")
+
+
+class TableRecording(Part, DeviceTable, Sensors):
+    """Any delimited table whose columns the study names."""
+
+    format: Literal["table-csv"]
+
+
+Recording = Annotated[
+    ThesisRecording | StreamRecording | RtdeRecording | TableRecording,
+    Field(discriminator="format"),
+]
 
 
 class RepairFrames(Strict):
@@ -143,15 +216,22 @@ def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
 
 def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
     """One sentence for one error: key, value, what is allowed, the nearest valid name."""
-    key = _key(error["loc"])
-    if error["type"] == "extra_forbidden":
+    location = [part for part in error["loc"] if part not in FORMATS]
+    key, kind = _key(location), error["type"]
+    if kind == "extra_forbidden":
         known = _node(schema, error["loc"][:-1])["properties"]
-        return f"unknown key `{key}`{_near(error['loc'][-1], known)}; known: {', '.join(known)}"
+        return f"unknown key `{key}`{_near(location[-1], known)}; known: {', '.join(known)}"
+    if kind == "union_tag_not_found":
+        return f"`{key}.format` is missing; give one of {', '.join(FORMATS)}"
+    if kind == "union_tag_invalid":
+        value = error["ctx"]["tag"]
+        allowed = ", ".join(FORMATS)
+        return f"`{key}.format` is {value!r}{_near(value, FORMATS)}; give one of {allowed}"
     node = _node(schema, error["loc"])
-    if error["type"] == "missing":
+    if kind == "missing":
         return f"`{key}` is missing; give {_allowed(node)}"
     near = _near(error["input"], _choices(node))
-    allowed = error["ctx"]["error"] if error["type"] == "value_error" else _allowed(node)
+    allowed = error["ctx"]["error"] if kind == "value_error" else _allowed(node)
     return f"`{key}` is {_shown(error['input'])}{near}; give {allowed}"
 
 
@@ -164,7 +244,13 @@ def _node(schema: dict[str, Any], location: Iterable[str | int]) -> dict[str, An
     """The part of a JSON schema that describes what lies at a location."""
     node = schema
     for part in location:
-        node = node["items"] if isinstance(part, int) else node["properties"].get(part, {})
+        if "discriminator" in node:
+            node = {"$ref": node["discriminator"]["mapping"][part]}
+        elif isinstance(part, int):
+            node = node["items"]
+        else:
+            node = node.get("properties", {}).get(part, {})
+        node = next((option for option in node.get("anyOf", []) if "$ref" in option), node)
         if "$ref" in node:
             node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
     return node

@@ -28,6 +28,7 @@ UNITS = {  # of a channel, by its name without suffix
     "time": "s",
     "segment": "1",
     "interpolated": "1",
+    "filled": "1",
     "actual_q": "rad",
     "actual_qd": "rad/s",
     "actual_current": "A",
@@ -39,6 +40,38 @@ UNITS = {  # of a channel, by its name without suffix
     "target_qdd": "rad/s2",
     "target_current": "A",
     "target_moment": "Nm",
+    "received": "s",
+    "actual_execution_time": "s",
+    "actual_current_window": "A",
+    "actual_current_as_torque": "Nm",
+    "actual_joint_voltage": "V",
+    "actual_main_voltage": "V",
+    "actual_robot_voltage": "V",
+    "actual_robot_current": "A",
+    "actual_momentum": "kg m/s",
+    "actual_tool_accelerometer": "m/s2",
+    "actual_digital_input_bits": "1",
+    "actual_digital_output_bits": "1",
+    "elbow_position": "m",
+    "elbow_velocity": "m/s",
+    "ft_raw_wrench": "N, Nm",
+    "joint_control_output": "A",
+    "joint_mode": "1",
+    "joint_temperatures": "degC",
+    "payload": "kg",
+    "payload_cog": "m",
+    "payload_inertia": "kg m2",
+    "robot_mode": "1",
+    "robot_status_bits": "1",
+    "runtime_state": "1",
+    "safety_mode": "1",
+    "safety_status": "1",
+    "safety_status_bits": "1",
+    "speed_scaling": "1",
+    "target_speed_fraction": "1",
+    "target_TCP_pose": "m, rad",
+    "target_TCP_speed": "m/s, rad/s",
+    "tcp_force_scalar": "N",
     "ft_f": "N",
     "ft_t": "Nm",
     "imu_a": "m/s2",
@@ -59,11 +92,22 @@ UNITS = {  # of a channel, by its name without suffix
 
 
 def unit(column: str) -> str:
-    """The unit of a channel; the longest known name that the column begins with decides."""
-    names = [name for name in UNITS if re.match(rf"{name}(_|[xyz]?$)", column)]
-    if not names:
+    """The unit of a channel; the longest known name that the column begins with decides.
+
+    Raises ValueError when there is none.
+    """
+    if not has_unit(column):
         raise ValueError(f"no unit is known for column {column!r}")
-    return UNITS[max(names, key=len)]
+    return UNITS[max(_known_names(column), key=len)]
+
+
+def has_unit(column: str) -> bool:
+    """Whether a column holds a known channel."""
+    return bool(_known_names(column))
+
+
+def _known_names(column: str) -> list[str]:
+    return [name for name in UNITS if re.match(rf"{name}(_|[xyz]?$)", column)]
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> None:

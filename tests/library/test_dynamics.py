@@ -1,22 +1,51 @@
-"""Kinematics and dynamics: identities, and Pinocchio as an independent engine."""
+"""The equations of motion: identities, and Pinocchio and MuJoCo as independent engines."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
 import numpy as np
 import pinocchio
 import pytest
 import torch
+from torch import Tensor
+from torch.func import jvp
 
+from ur5lib.dynamics import euler_lagrange
 from ur5lib.dynamics.arm import Arm, build_arm
-from ur5lib.dynamics.kinematics import jacobian, link_frames
-from ur5lib.dynamics.rigid_body import gravity_torque, inertia_matrix, inverse_dynamics
-from ur5lib.robots.description import Robot
+from ur5lib.dynamics.kinematics import jacobian, velocity_product_acceleration
+from ur5lib.dynamics.regressor import regressor
+from ur5lib.dynamics.rigid_body import (
+    coriolis_matrix,
+    forward_dynamics,
+    gravity_torque,
+    inertia_matrix,
+    inverse_dynamics,
+    kinetic_energy,
+    potential_energy,
+    wrench_torque,
+)
+from ur5lib.robots.description import Payload, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 
+torch.set_num_threads(1)  # on a busy machine, threads mostly wait for one another
+
 STATES = 10_000
-MODELS = ["A", "B", "C"]
+PAYLOAD = Payload(
+    mass=2.5,
+    center_of_mass=(0.02, -0.03, 0.08),
+    inertia=(0.011, 0.012, 0.007, 0.001, -0.002, 0.0015),
+)
+CASES = [
+    (name, model, loaded)
+    for name, models in {"ur5": ["A", "B", "C", "C+rotors"], "ur10e": ["maker+rotors"]}.items()
+    for model in models
+    for loaded in (False, True)
+]
 
 
-def states(count: int = STATES) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+def states(count: int = STATES) -> tuple[Tensor, Tensor, Tensor]:
     """Positions over both turns, velocities and accelerations up to the arm's limits."""
     random = np.random.default_rng(0)
     limits = (2 * np.pi, 3.2, 25.0)
@@ -24,120 +53,235 @@ def states(count: int = STATES) -> tuple[torch.Tensor, torch.Tensor, torch.Tenso
     return q, qd, qdd
 
 
-@pytest.fixture(scope="module", params=MODELS)
-def model(request: pytest.FixtureRequest) -> str:
-    return request.param
+def wrenches(count: int = STATES) -> Tensor:
+    return torch.tensor(np.random.default_rng(1).uniform(-50, 50, (count, 6)))
+
+
+def times(matrix: Tensor, vector: Tensor) -> Tensor:
+    return (matrix @ vector[..., None])[..., 0]
+
+
+@dataclass(frozen=True)
+class Case:
+    """An arm here, and what the engines are told of it.
+
+    text: URDF, without the payload that Pinocchio is given by itself; loaded_text: with it.
+    """
+
+    arm: Arm
+    text: str
+    loaded_text: str
+    rotors: np.ndarray
+    payload: Payload | None
+
+    def pinocchio(self) -> tuple[pinocchio.Model, pinocchio.Data]:
+        engine = pinocchio.buildModelFromXML(self.text)
+        engine.armature = self.rotors
+        if self.payload:
+            xx, yy, zz, xy, xz, yz = self.payload.inertia
+            tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+            center = np.array(self.payload.center_of_mass)
+            body = pinocchio.Inertia(self.payload.mass, center, tensor)
+            flange = engine.frames[engine.getFrameId("frame_6")].placement
+            engine.appendBodyToJoint(6, body, flange)
+        return engine, engine.createData()
+
+
+@pytest.fixture(scope="module", params=CASES, ids=lambda case: "-".join(map(str, case)))
+def case(request: pytest.FixtureRequest) -> Case:
+    name, model, loaded = request.param
+    robot = load_robot(robot_path(name))
+    bodies = rigid_bodies(robot, model)
+    carrying = robot.carrying(PAYLOAD) if loaded else robot
+    payload = PAYLOAD if loaded else None
+    text, loaded_text = urdf(robot, bodies), urdf(carrying, rigid_bodies(carrying, model))
+    return Case(build_arm(carrying, model), text, loaded_text, bodies.rotor_inertia, payload)
 
 
 @pytest.fixture(scope="module")
-def arm(ur5: Robot, model: str) -> Arm:
-    return build_arm(ur5, model)
+def arm(case: Case) -> Arm:
+    return case.arm
 
 
-@pytest.fixture(scope="module")
-def oracle(ur5: Robot, model: str) -> tuple:
-    engine = pinocchio.buildModelFromXML(urdf(ur5, rigid_bodies(ur5, model)))
-    return engine, engine.createData()
+# Pinocchio
 
 
-def test_inverse_dynamics_agrees_with_pinocchio(arm: Arm, oracle: tuple) -> None:
-    q, qd, qdd = states()
-    ours = inverse_dynamics(arm, q, qd, qdd).numpy()
-    rows = zip(q.numpy(), qd.numpy(), qdd.numpy(), strict=True)
-    theirs = np.array([pinocchio.rnea(*oracle, *row) for row in rows])
-    assert np.abs(ours - theirs).max() < 1e-9
+def compare(case: Case, ours: Tensor, theirs: Callable[..., np.ndarray], *given: Tensor) -> None:
+    """`theirs` is called for each state with the engine's model and data."""
+    engine = case.pinocchio()
+    rows = zip(*(states.numpy() for states in given), strict=True)
+    expected = np.array([np.array(theirs(*engine, *row)) for row in rows])
+    assert np.abs(ours.numpy() - expected).max() < 1e-9
 
 
-def test_inertia_matrix_agrees_with_pinocchio(arm: Arm, oracle: tuple) -> None:
+def test_inverse_dynamics_agrees_with_pinocchio(case: Case) -> None:
+    compare(case, inverse_dynamics(case.arm, *states()), pinocchio.rnea, *states())
+
+
+def test_inertia_matrix_agrees_with_pinocchio(case: Case) -> None:
+    def crba(*given: np.ndarray) -> np.ndarray:
+        upper = np.triu(pinocchio.crba(*given))
+        return upper + np.triu(upper, 1).T
+
     q, _, _ = states()
-    upper = np.triu([pinocchio.crba(*oracle, row) for row in q.numpy()])
-    theirs = upper + np.triu(upper, 1).transpose(0, 2, 1)
-    assert np.abs(inertia_matrix(arm, q).numpy() - theirs).max() < 1e-9
+    compare(case, inertia_matrix(case.arm, q), crba, q)
 
 
-def test_gravity_torque_agrees_with_pinocchio(arm: Arm, oracle: tuple) -> None:
+def test_coriolis_matrix_agrees_with_pinocchio(case: Case) -> None:
+    """Pinocchio's is that of the Christoffel symbols too, entry by entry."""
+    q, qd, _ = states()
+    compare(case, coriolis_matrix(case.arm, q, qd), pinocchio.computeCoriolisMatrix, q, qd)
+
+
+def test_gravity_torque_agrees_with_pinocchio(case: Case) -> None:
     q, _, _ = states()
-    theirs = np.array([pinocchio.computeGeneralizedGravity(*oracle, row) for row in q.numpy()])
-    assert np.abs(gravity_torque(arm, q).numpy() - theirs).max() < 1e-9
+    compare(case, gravity_torque(case.arm, q), pinocchio.computeGeneralizedGravity, q)
+
+
+def test_energies_agree_with_pinocchio(case: Case) -> None:
+    q, qd, _ = states()
+    compare(case, kinetic_energy(case.arm, q, qd), pinocchio.computeKineticEnergy, q, qd)
+    compare(case, potential_energy(case.arm, q), pinocchio.computePotentialEnergy, q)
+
+
+def test_forward_dynamics_agrees_with_pinocchio(case: Case) -> None:
+    """Within 1e-9 of the largest acceleration, which lies in the millions without rotors."""
+    q, qd, torque = states()
+    ours = forward_dynamics(case.arm, q, qd, torque).numpy()
+    model, data = case.pinocchio()
+    rows = zip(q.numpy(), qd.numpy(), torque.numpy(), strict=True)
+    theirs = np.array([pinocchio.aba(model, data, *row) for row in rows])
+    assert np.abs(ours - theirs).max() < 1e-9 * np.abs(theirs).max()
+
+
+def test_regressor_agrees_with_pinocchio(case: Case) -> None:
+    """Pinocchio's has no columns for rotors; those are the joints' accelerations."""
+    ours = regressor(case.arm, *states())
+    compare(case, ours[..., :60], pinocchio.computeJointTorqueRegressor, *states())
+    assert torch.equal(ours[..., 60:], torch.diag_embed(states()[2]))
+
+
+def test_jacobians_agree_with_pinocchio(case: Case) -> None:
+    def at_flange(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray) -> np.ndarray:
+        frame = model.getFrameId("frame_6")
+        axes = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return pinocchio.computeFrameJacobian(model, data, q, frame, axes)
+
+    q, _, _ = states()
+    compare(case, jacobian(case.arm, q), at_flange, q)
+
+
+def test_velocity_product_accelerations_agree_with_pinocchio(case: Case) -> None:
+    def at_flange(
+        model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, qd: np.ndarray
+    ) -> np.ndarray:
+        pinocchio.forwardKinematics(model, data, q, qd, np.zeros(6))
+        frame = model.getFrameId("frame_6")
+        axes = pinocchio.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        return pinocchio.getFrameClassicalAcceleration(model, data, frame, axes).vector
+
+    q, qd, _ = states()
+    compare(case, velocity_product_acceleration(case.arm, q, qd), at_flange, q, qd)
+
+
+def test_a_wrench_acts_as_in_pinocchio(case: Case) -> None:
+    def pushed(model: pinocchio.Model, data: pinocchio.Data, *given: np.ndarray) -> np.ndarray:
+        q, qd, qdd, wrench = given
+        pinocchio.framesForwardKinematics(model, data, q)
+        flange = data.oMf[model.getFrameId("frame_6")].translation
+        seen = data.oMi[6].actInv(pinocchio.SE3(np.eye(3), flange).act(pinocchio.Force(wrench)))
+        forces = [pinocchio.Force.Zero()] * 6 + [seen]
+        return pinocchio.rnea(model, data, q, qd, qdd, forces)
+
+    given = (*states(), wrenches())
+    compare(case, inverse_dynamics(case.arm, *given), pushed, *given)
+
+
+# MuJoCo
+
+
+def test_exported_urdf_gives_the_same_in_mujoco(case: Case) -> None:
+    """URDF cannot say the armature: it is told apart."""
+    engine = mujoco.MjModel.from_xml_string(case.loaded_text)
+    engine.dof_armature[:] = case.rotors
+    engine.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    data = mujoco.MjData(engine)
+    given = [state.numpy() for state in states()]
+    torque, inertia = np.empty((STATES, 6)), np.empty((STATES, 6, 6))
+    for i, (data.qpos, data.qvel, data.qacc) in enumerate(zip(*given, strict=True)):
+        mujoco.mj_inverse(engine, data)
+        torque[i] = data.qfrc_inverse
+        mujoco.mj_fullM(engine, data, inertia[i])
+    assert np.abs(inverse_dynamics(case.arm, *states()).numpy() - torque).max() < 1e-6
+    assert np.abs(inertia_matrix(case.arm, states()[0]).numpy() - inertia).max() < 1e-6
+
+
+# Identities
 
 
 def test_inertia_matrix_is_symmetric_and_positive_definite(arm: Arm) -> None:
     matrix = inertia_matrix(arm, states()[0])
-    assert (matrix - matrix.mT).abs().max() < 1e-12
+    assert torch.equal(matrix, matrix.mT)
     assert torch.linalg.eigvalsh(matrix).min() > 0
 
 
-def test_both_derivations_of_the_torque_agree(arm: Arm) -> None:
-    """Newton-Euler at rest is g, and its columns in the accelerations are D."""
-    q, _, qdd = states(500)
+def test_change_of_inertia_less_twice_coriolis_is_skew_symmetric(arm: Arm) -> None:
+    q, qd, _ = states()
+    _, change = jvp(lambda q: inertia_matrix(arm, q), (q,), (qd,))
+    difference = change - 2 * coriolis_matrix(arm, q, qd)
+    assert (difference + difference.mT).abs().max() < 1e-12 * change.abs().max()
+
+
+def test_coriolis_torque_is_what_velocity_adds(arm: Arm) -> None:
+    q, qd, _ = states()
     still = torch.zeros_like(q)
-    gravity = gravity_torque(arm, q)
-    torch.testing.assert_close(inverse_dynamics(arm, q, still, still), gravity)
-    accelerated = (inertia_matrix(arm, q) @ qdd[..., None])[..., 0] + gravity
-    torch.testing.assert_close(inverse_dynamics(arm, q, still, qdd), accelerated)
+    added = inverse_dynamics(arm, q, qd, still) - inverse_dynamics(arm, q, still, still)
+    torch.testing.assert_close(times(coriolis_matrix(arm, q, qd), qd), added, rtol=0, atol=1e-11)
+
+
+def test_both_derivations_agree(arm: Arm) -> None:
+    """Euler and Lagrange: D q̈ + C q̇ + g from energies; Newton and Euler: the recursion."""
+    q, qd, qdd = states(1000)
+    D, g = euler_lagrange.inertia_matrix(arm, q), euler_lagrange.gravity_torque(arm, q)
+    C = euler_lagrange.coriolis_matrix(arm, q, qd)
+    torch.testing.assert_close(inertia_matrix(arm, q), D, rtol=0, atol=1e-12)
+    torch.testing.assert_close(coriolis_matrix(arm, q, qd), C, rtol=0, atol=1e-12)
+    torch.testing.assert_close(gravity_torque(arm, q), g, rtol=0, atol=1e-11)
+    torque = times(D, qdd) + times(C, qd) + g
+    torch.testing.assert_close(inverse_dynamics(arm, q, qd, qdd), torque, rtol=0, atol=1e-10)
+
+
+def test_forward_dynamics_undoes_inverse_dynamics(arm: Arm) -> None:
+    q, qd, qdd = states()
+    wrench = wrenches()
+    back = forward_dynamics(arm, q, qd, inverse_dynamics(arm, q, qd, qdd, wrench), wrench)
+    assert (back - qdd).abs().max() < 1e-9 * qdd.abs().max()
 
 
 def test_power_is_the_change_of_energy(arm: Arm) -> None:
-    """qd^T tau = d/dt (kinetic + potential), along a motion of constant acceleration."""
-    q, qd, qdd = states(200)
-    step = 1e-5
+    """dE/dt = q̇ᵀ τ along a trajectory: q changes with q̇, q̇ with q̈, and both derivatives exact."""
+    q, qd, qdd = states()
 
-    def energy(time: float) -> torch.Tensor:
-        at, velocity = q + qd * time + qdd * time**2 / 2, qd + qdd * time
-        rotation, origin = link_frames(arm, at)
-        height = origin[:, 1:] + (rotation[:, 1:] @ arm.center_of_mass[..., None])[..., 0]
-        potential = -(arm.mass[:, None] * height @ arm.gravity[:, None]).sum((1, 2))
-        return (
-            potential
-            + (velocity[:, None] @ inertia_matrix(arm, at) @ velocity[..., None])[:, 0, 0] / 2
-        )
+    def energy(q: Tensor, qd: Tensor) -> Tensor:
+        return kinetic_energy(arm, q, qd) + potential_energy(arm, q)
 
+    _, change = jvp(energy, (q, qd), (qd, qdd))
     power = (qd * inverse_dynamics(arm, q, qd, qdd)).sum(1)
-    torch.testing.assert_close(
-        (energy(step) - energy(-step)) / (2 * step), power, rtol=1e-6, atol=1e-5
-    )
+    assert (change - power).abs().max() < 1e-12 * power.abs().max()
 
 
-def test_frames_are_the_denavit_hartenberg_ones(ur5: Robot, arm: Arm) -> None:
-    """Products of Equation 2.19, written out."""
-    q, _, _ = states(100)
-    pose = np.tile(np.eye(4), (100, 1, 1))
-    rotation, origin = link_frames(arm, q)
-    for k, (link, angle) in enumerate(zip(ur5.denavit_hartenberg, q.T.numpy(), strict=True)):
-        c, s, zero = np.cos(angle), np.sin(angle), np.zeros(100)
-        ca, sa = np.cos(link.alpha) + zero, np.sin(link.alpha) + zero
-        rows = [
-            [c, -s * ca, s * sa, link.a * c],
-            [s, c * ca, -c * sa, link.a * s],
-            [zero, sa, ca, link.d + zero],
-            [zero, zero, zero, zero + 1],
-        ]
-        pose = pose @ np.array(rows).transpose(2, 0, 1)
-        np.testing.assert_allclose(rotation[:, k + 1], pose[:, :3, :3], atol=1e-14)
-        np.testing.assert_allclose(origin[:, k + 1], pose[:, :3, 3], atol=1e-14)
+def test_gravity_torque_is_the_slope_of_the_potential_energy(arm: Arm) -> None:
+    q = states()[0].requires_grad_()
+    (slope,) = torch.autograd.grad(potential_energy(arm, q).sum(), q)
+    torch.testing.assert_close(gravity_torque(arm, q), slope, rtol=0, atol=1e-11)
 
 
-@pytest.mark.parametrize("link", range(1, 7))
-def test_jacobian_is_the_derivative_of_the_pose(arm: Arm, link: int) -> None:
-    q, qd, _ = states(100)
-    point, step = torch.tensor([0.1, -0.2, 0.3], dtype=torch.float64), 1e-6
-
-    def pose(time: float) -> tuple[torch.Tensor, torch.Tensor]:
-        rotation, origin = link_frames(arm, q + qd * time)
-        return rotation[:, link], origin[:, link] + rotation[:, link] @ point
-
-    (rotation_0, place_0), (rotation_1, place_1) = pose(-step), pose(step)
-    linear = (place_1 - place_0) / (2 * step)
-    spin = (rotation_1 - rotation_0) / (2 * step) @ pose(0)[0].mT  # S(omega), (2.21)
-    angular = torch.stack([spin[:, 2, 1], spin[:, 0, 2], spin[:, 1, 0]], dim=1)
-    velocity = (jacobian(arm, q, link, point) @ qd[..., None])[..., 0]
-    torch.testing.assert_close(velocity, torch.cat([linear, angular], 1), rtol=1e-6, atol=1e-7)
+def test_regressor_times_parameters_is_the_torque(arm: Arm) -> None:
+    torque = regressor(arm, *states()) @ arm.parameters
+    assert (torque - inverse_dynamics(arm, *states())).abs().max() < 1e-11
 
 
-def test_single_precision_is_what_its_name_says(ur5: Robot, arm: Arm, model: str) -> None:
-    single = build_arm(ur5, model, dtype=torch.float32)
-    q, qd, qdd = states(1000)
-    exact = inverse_dynamics(arm, q, qd, qdd)
-    rounded = inverse_dynamics(single, q.float(), qd.float(), qdd.float())
-    assert rounded.dtype == torch.float32
-    assert (rounded - exact).abs().max() < 1e-5 * exact.abs().max()
+def test_a_wrench_acts_by_the_jacobian_transposed(arm: Arm) -> None:
+    q, _, _ = states()
+    expected = times(jacobian(arm, q).mT, wrenches())
+    torch.testing.assert_close(wrench_torque(arm, q, wrenches()), expected, rtol=0, atol=1e-11)

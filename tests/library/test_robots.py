@@ -2,12 +2,18 @@
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pinocchio
 import pytest
+import torch
+from typer.testing import CliRunner
 
+from ur5lib.cli import app
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.errors import InputError
-from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 
@@ -27,6 +33,7 @@ def test_every_described_arm_loads() -> None:
         ("axis: y", "axis: w"),
         ("gravity: [0,", "gravity: ["),
         ("name: ur5", "name: [ur5"),
+        ("rotor_inertias: [1.61,", "rotor_inertias: [-1.61,"),
     ],
 )
 def test_a_wrong_description_is_refused(tmp_path: Path, old: str, new: str) -> None:
@@ -49,3 +56,105 @@ def test_copied_gains_are_erratum_14(ur5: Robot) -> None:
     """Equations C.2 and C.3: four of Model A's velocity gains are four of Model B's gains."""
     a, b = ur5.closed_loop_gains["A"], ur5.closed_loop_gains["B"]
     assert a.velocity[2:] == (*b.position[4:], *b.velocity[:2])
+
+
+# Models with rotors and payloads
+
+
+def test_rotors_are_a_model_more(ur5: Robot) -> None:
+    bare, geared = rigid_bodies(ur5, "C"), rigid_bodies(ur5, "C+rotors")
+    np.testing.assert_array_equal(bare.inertia, geared.inertia)
+    assert not bare.rotor_inertia.any()
+    assert geared.rotor_inertia.tolist() == [1.61, 1.62, 1.89, 0.159, 0.159, 0.160]
+
+
+def test_model_names_survive_as_parts_of_column_names() -> None:
+    for name in robot_names():
+        assert not [model for model in load_robot(robot_path(name)).models if "_" in model]
+
+
+def test_a_payload_and_the_flange_become_one_body(ur5: Robot) -> None:
+    payload = Payload(
+        mass=2, center_of_mass=(0.01, 0.02, 0.1), inertia=(0.1, 0.2, 0.15, 0.01, 0.02, 0.03)
+    )
+    bare, loaded = (rigid_bodies(robot, "C") for robot in (ur5, ur5.carrying(payload)))
+    tensor = [[0.1, 0.01, 0.02], [0.01, 0.2, 0.03], [0.02, 0.03, 0.15]]
+    flange, mounted, whole = (
+        pinocchio.Inertia(mass, np.array(center), np.array(inertia))
+        for mass, center, inertia in [
+            (bare.mass[5], bare.center_of_mass[5], bare.inertia[5]),
+            (2, payload.center_of_mass, tensor),
+            (loaded.mass[5], loaded.center_of_mass[5], loaded.inertia[5]),
+        ]
+    )
+    assert whole.isApprox(flange + mounted, 1e-14)
+    np.testing.assert_array_equal(bare.inertia[:5], loaded.inertia[:5])
+
+
+# Other arms, other engines
+
+A_NEW_ARM = """\
+name: bent
+gravity: [0, 3, -9]
+denavit_hartenberg:
+  - {a: 0.1, d: 0.2, alpha: 0.3}
+  - {a: 0.4, d: 0.1, alpha: -1.2}
+  - {a: 0, d: 0, alpha: 1.5707963267948966}
+  - {a: -0.2, d: 0.3, alpha: 3.141592653589793}
+  - {a: 0, d: 0.1, alpha: -1.5707963267948966}
+  - {a: 0.05, d: 0.1, alpha: 0.7}
+joints: [any, any, any, any, any, any]
+motors: {any: {position_max: 6, velocity_max: 3, torque_max: 100}}
+masses: [5, 4, 3, 2, 1, 1]
+chosen_model: only
+models:
+  only:
+    description: nothing at right angles
+    centers_of_mass: [[0.1, 0.2, 0.3], [0, 0.1, 0], [0, 0, 0.1], [0, 0, 0], [0.1, 0, 0], [0, 0, 0]]
+    inertias:
+      - &any [0.02, 0.03, 0.04, 0.001, 0.002, 0.003]
+      - *any
+      - *any
+      - *any
+      - *any
+      - *any
+    rotor_inertias: [1, 1, 1, 0.1, 0.1, 0.1]
+    payload: {mass: 1, center_of_mass: [0, 0.1, 0.1]}
+"""
+
+
+def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "bent.yaml").write_text(A_NEW_ARM)
+    robot = load_robot(tmp_path / "bent.yaml")
+    bodies = rigid_bodies(robot, "only")
+    engine = pinocchio.buildModelFromXML(urdf(robot, bodies))
+    engine.armature = bodies.rotor_inertia
+    engine.gravity.linear = np.array(robot.gravity)
+    given = np.random.default_rng(0).uniform(-3, 3, (3, 100, 6))
+    theirs = [pinocchio.rnea(engine, engine.createData(), *row) for row in zip(*given, strict=True)]
+    ours = inverse_dynamics(build_arm(robot, "only"), *map(torch.from_numpy, given))
+    np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    for model in load_robot(robot_path(name)).models:
+        command = ["export", "--robot", name, "--model", model, "--to", "urdf"]
+        done = CliRunner().invoke(app, command, catch_exceptions=False)
+        path.write_text(done.stdout)
+        assert pinocchio.buildModelFromUrdf(str(path)).nv == 6
+        assert mujoco.MjModel.from_xml_path(str(path)).nv == 6
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--robot", "ur6", "--model", "C"], "no arm 'ur6'; known: ur10e, ur5"),
+        (["--robot", "ur5", "--model", "D"], "no model 'D'; known: A, B, C"),
+        (["--robot", "ur5", "--model", "C", "--to", "sdf"], "no format 'sdf'; known: urdf"),
+    ],
+)
+def test_export_says_what_there_is(arguments: list[str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        CliRunner().invoke(app, ["export", *arguments], catch_exceptions=False)

@@ -62,12 +62,12 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(robot="ur55"),
-            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur5",
+            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur10e, ur5",
         ),
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),
             "`recordings[0].format` is 'thesis' (did you mean `thesis-csv`?); "
-            "give one of thesis-csv",
+            "give one of thesis-csv, realtime-stream, rtde-csv, table-csv",
         ),
         (
             lambda raw: raw["recordings"][0].update(name="../run"),
@@ -79,6 +79,17 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
             "`recordings[0].folder` is 'raw/nowhere'; give an existing folder; fetch it "
             "(`ur5 fetch thesis`) or correct the path",
         ),
+        (lambda raw: raw["recordings"][0].update(columns=["time"]),
+         "unknown key `recordings[0].columns`; known: name, robot, folder, role, format"),
+        (lambda raw: raw["recordings"][0].update(format="table-csv", file="a.csv"),
+         "`recordings[0].columns` is missing; give a list with entries, at least 1"),
+        (lambda raw: raw["recordings"][0].update(
+            format="rtde-csv", file="a.csv", imu={"file": "b.csv", "columns": ["time"], "tim": 1}),
+         "unknown key `recordings[0].imu.tim` (did you mean `time`?); "
+         "known: file, columns, units, time, start_file, start"),
+        (lambda raw: raw["recordings"][0].pop("format"),
+         "`recordings[0].format` is missing; give one of "
+         "thesis-csv, realtime-stream, rtde-csv, table-csv"),
         (lambda raw: raw["recordings"][0].pop("role"),
          "`recordings[0].role` is missing; give one of fit, validate, contact"),
         (lambda raw: raw.update(recordings=[]),

@@ -75,15 +75,18 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     ("module", "expected"),
     [
         ("ur5lib/signals/lowpass.py",
-         jobs("filter_signals", "smooth_motion", "compute_torques", "estimate_forces",
-              "draw_figures") | REPORT),
+         jobs("align_signals", "filter_signals", "smooth_motion", "compute_torques",
+              "estimate_forces", "draw_figures") | REPORT),
+        ("ur5lib/signals/motion.py",
+         jobs("smooth_motion", "compute_torques", "estimate_forces", "draw_figures") | REPORT),
         ("ur5lib/signals/resampling.py",
          jobs("align_signals", "filter_signals", "smooth_motion", "compute_torques",
               "estimate_forces", "draw_figures") | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
          jobs("compute_torques", "estimate_forces", "draw_figures") | REPORT),
         ("ur5lib/dynamics/kinematics.py",
-         jobs("compute_kinematics", "compute_torques", "estimate_forces", "draw_figures") | REPORT),
+         jobs("compute_kinematics", "align_signals", "filter_signals", "smooth_motion",
+              "compute_torques", "estimate_forces", "draw_figures") | REPORT),
         ("ur5lib/force/sensor.py", jobs("estimate_forces", "draw_figures") | REPORT),
         ("ur5lib/report/figures.py", jobs("draw_figures") | {"write_report": 1}),
         ("ur5lib/report/verdict.py", {"write_report": 1}),
@@ -221,16 +224,15 @@ def test_a_missing_folder(workflow: Workflow) -> None:
 
 def test_a_missing_file(workflow: Workflow) -> None:
     (workflow.folder / "raw/still/csv_files/log_m_target.csv").unlink()
-    fails_with(
-        workflow, "repair_frames: raw/still/csv_files/log_m_target.csv is missing; copy it there"
-    )
+    fails_with(workflow, "repair_frames: raw/still/csv_files/log_m_target.csv is missing")
 
 
 @pytest.mark.parametrize("content", ["", "This is a letter, not a recording.\n", "0.0, 1.0, 2.0"])
 def test_a_recording_without_a_row(workflow: Workflow, content: str) -> None:
     (workflow.folder / "raw/still/csv_files/log_i_actual.csv").write_text(content)
     fails_with(
-        workflow, "raw/still/csv_files/log_i_actual.csv holds no complete row of 7 numbers; record"
+        workflow,
+        "raw/still/csv_files/log_i_actual.csv, line 1: holds no complete row of 7 numbers",
     )
 
 

@@ -1,38 +1,58 @@
 """An arm under one of its link models, as tensors."""
 
+import math
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
+import numpy as np
 import pytorch_kinematics as pk
 import torch
 from torch import Tensor
 
+from ur5lib.dynamics.tracing import Geometry, Tail
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
+from ur5lib.robots.inertia import Array, RigidBodies, rigid_bodies, shift_inertia
+from ur5lib.robots.urdf import link_tail, urdf
 
 
 @dataclass(frozen=True)
 class Arm:
-    """What the equations of motion need; frames are the Denavit-Hartenberg frames.
+    """What the equations of motion need; frame k is the Denavit-Hartenberg frame of link k.
 
     links: kinematic chains from the base to frame k, k = 1 to 6;
     mass: (6,) [kg]; center_of_mass: (6, 3) [m] in frame k;
     inertia: (6, 3, 3) [kg m²] about the centre of mass, axes of frame k;
-    gravity: (3,) [m/s²] in the base frame.
+    rotor_inertia: (6,) [kg m²], seen through the gear;
+    gravity: (3,) [m/s²] in the base frame;
+    parameters: (66,), π of τ = Y π, see `inertial_parameters`: what `rigid_body` computes with;
+    geometry: the lengths and twists, the same for all models; fused: see `build_arm`.
     """
 
     links: tuple[pk.SerialChain, ...]
     mass: Tensor
     center_of_mass: Tensor
     inertia: Tensor
+    rotor_inertia: Tensor
     gravity: Tensor
+    parameters: Tensor
+    geometry: Geometry
+    fused: bool
 
 
 def build_arm(
-    robot: Robot, model: str, dtype: torch.dtype = torch.float64, device: str = "cpu"
+    robot: Robot,
+    model: str,
+    dtype: torch.dtype = torch.float64,
+    device: str = "cpu",
+    fused: bool = False,
 ) -> Arm:
-    """An arm under one of its models, e.g. "A", "B" or "C"."""
+    """An arm under one of its models, e.g. "A", "B" or "C"; KeyError where it has no such model.
+
+    dtype: float64, or float32, whose results are within 1e-6 of the largest among them.
+    fused: let torch.compile make each term one loop. Its first call takes 5 to 20 s, less where it
+    was compiled before; further ones a third of the time: worth it from tens of millions of samples
+    on. Where there is no compiler, a warning, and what would run without.
+    """
     bodies = rigid_bodies(robot, model)
     chain = read_urdf(urdf(robot, bodies), dtype)
 
@@ -46,8 +66,43 @@ def build_arm(
         mass=tensor(bodies.mass),
         center_of_mass=tensor(bodies.center_of_mass),
         inertia=tensor(bodies.inertia),
+        rotor_inertia=tensor(bodies.rotor_inertia),
         gravity=tensor(robot.gravity),
+        parameters=tensor(inertial_parameters(robot, bodies)),
+        geometry=geometry(robot),
+        fused=fused,
     )
+
+
+def geometry(robot: Robot) -> Geometry:
+    """Lengths, twists and gravity of an arm as plain numbers; right angles are exact."""
+
+    def exact(value: float) -> float:
+        return round(value) + 0.0 if abs(value - round(value)) < 1e-15 else value
+
+    return Geometry(
+        tails=tuple(
+            Tail(link.a, link.d, exact(math.cos(link.alpha)), exact(math.sin(link.alpha)))
+            for link in robot.denavit_hartenberg
+        ),
+        gravity=robot.gravity,
+    )
+
+
+def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
+    """π of τ = Y π, (66,) [kg, kg m, kg m²]: ten for each link, then the six rotor inertias.
+
+    m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
+    the URDF's link_k: origin o_(k-1), and axes that the twist α of link k turns into frame k's.
+    """
+    links = []
+    for k, parameters in enumerate(robot.denavit_hartenberg):
+        rotation, translation = link_tail(parameters)
+        mass, center = bodies.mass[k], translation + rotation @ bodies.center_of_mass[k]
+        inertia = shift_inertia(rotation @ bodies.inertia[k] @ rotation.T, mass, center)
+        upper = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+        links.append([mass, *(mass * center), *upper])
+    return np.append(np.ravel(links), bodies.rotor_inertia)
 
 
 def read_urdf(text: str, dtype: torch.dtype) -> pk.Chain:

@@ -1,9 +1,15 @@
-"""Forward kinematics and geometric Jacobians, batched."""
+"""Poses, Jacobians, velocities and accelerations of points on the links, batched.
+
+A point is (3,) [m] in the frame of a link, 1 to 6; its origin if None. Six-vectors are linear,
+then angular, base frame, unless said otherwise.
+"""
 
 import torch
 from torch import Tensor
+from torch.linalg import cross
 
 from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.orientation import zyz_angles, zyz_rates_to_angular_velocity
 
 
 def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
@@ -18,10 +24,60 @@ def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
-    """Geometric Jacobian J_g of a link, base frame (Equations 2.27, 2.29 and 2.40).
+    """Geometric Jacobian J_g of a point (Equations 2.27, 2.29 and 2.40).
 
-    q: (N, 6) [rad]; link: 1 to 6; point: (3,) [m] in the link's frame, its origin if None.
-    Returns (N, 6, 6): rows are linear, then angular velocity; joints beyond the link are zero.
+    q: (N, 6) [rad]. Returns (N, 6, 6); columns of joints beyond the link are zero.
     """
     columns = arm.links[link - 1].jacobian(q[:, :link], locations=point)
     return torch.nn.functional.pad(columns, (0, 6 - link))
+
+
+def analytical_jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
+    """J_a of a point: rows 1 to 3 as J_g, 4 to 6 the rates of φ, ϑ, ψ of R_k (Equation 2.34).
+
+    q: (N, 6) [rad]. Returns (N, 6, 6). The last rows grow without bound towards sin ϑ = 0 and
+    are infinite or not a number there: a singularity of the angles, not of the arm.
+    """
+    rotation, _ = link_frames(arm, q)
+    rates = zyz_rates_to_angular_velocity(zyz_angles(rotation[:, link]))
+    linear, angular = jacobian(arm, q, link, point).split(3, dim=1)
+    return torch.cat([linear, torch.linalg.solve_ex(rates, angular).result], dim=1)
+
+
+def velocity(arm: Arm, q: Tensor, qd: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
+    """J_g q̇ of a point, (N, 6) [m/s, rad/s]. q, qd: (N, 6) [rad, rad/s] (Equation 2.26)."""
+    return _apply(jacobian(arm, q, link, point), qd)
+
+
+def acceleration(
+    arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, link: int = 6, point: Tensor | None = None
+) -> Tensor:
+    """J_g q̈ + J̇_g q̇ of a point, (N, 6) [m/s², rad/s²], gravity left out.
+
+    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. No angles, so no singularity of angles (erratum 1).
+    """
+    free = velocity_product_acceleration(arm, q, qd, link, point)
+    return _apply(jacobian(arm, q, link, point), qdd) + free
+
+
+def velocity_product_acceleration(
+    arm: Arm, q: Tensor, qd: Tensor, link: int = 6, point: Tensor | None = None
+) -> Tensor:
+    """J̇_g q̇ of a point: its acceleration where q̈ = 0, (N, 6) [m/s², rad/s²].
+
+    q, qd: (N, 6) [rad, rad/s].
+    """
+    rotation, origin = link_frames(arm, q)
+    end = origin[:, link] if point is None else origin[:, link] + rotation[:, link] @ point
+    omega, alpha, linear = torch.zeros(3, *origin[:, 0].shape).to(origin)
+    for k in range(link):
+        spin = rotation[:, k, :, 2] * qd[:, k, None]  # z_k turns joint k + 1
+        alpha = alpha + cross(omega, spin)
+        omega = omega + spin
+        lever = (end if k + 1 == link else origin[:, k + 1]) - origin[:, k]
+        linear = linear + cross(alpha, lever) + cross(omega, cross(omega, lever))
+    return torch.cat([linear, alpha], dim=1)
+
+
+def _apply(matrix: Tensor, vector: Tensor) -> Tensor:
+    return (matrix @ vector[..., None])[..., 0]

@@ -1,79 +1,166 @@
-"""Inverse dynamics, inertia matrix and gravity torque of an arm, batched."""
+"""The equations of motion (2.64) of an arm, batched: by Newton and Euler, with composite bodies.
+
+All are functions of an arm and of states (N, 6): q [rad], qd [rad/s], qdd [rad/s²], torque [Nm].
+Raises ValueError where states are not (N, 6) of the same N, or not of the arm's precision.
+Gradients reach the states, and the arm's `parameters`.
+"""
+
+from collections.abc import Sequence
+from typing import Any
 
 import torch
 from torch import Tensor
-from torch.linalg import cross
 
+from ur5lib.dynamics import recursion
 from ur5lib.dynamics.arm import Arm
-from ur5lib.dynamics.kinematics import jacobian, link_frames
+from ur5lib.dynamics.batches import batch_size, evaluate, in_batches
+from ur5lib.dynamics.recursion import ZERO, Inertia, Motion, Wrench, components, split
+from ur5lib.dynamics.tracing import Geometry, Number, stacked
+
+STILL = (0.0,) * 6
+UNIT_TURN = Motion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.0, 1.0)))
 
 
-def inverse_dynamics(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
-    """Joint torques tau = D(q) qdd + C(q, qd) qd + g(q) (Equation 2.64).
+def inverse_dynamics(
+    arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, wrench: Tensor | None = None
+) -> Tensor:
+    """Joint torques τ = D(q) q̈ + C(q, q̇) q̇ + g(q) - J_gᵀ wrench (Equation 2.64).
 
-    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. Returns (N, 6) [Nm].
-    Recursive Newton-Euler, every vector in base axes; gravity enters as the base's acceleration.
+    wrench: (N, 6) [N, Nm], on the arm, base axes, at the origin of frame 6. Returns (N, 6) [Nm].
     """
-    rotation, origin = link_frames(arm, q)
-    axis = rotation[..., 2]  # z_k turns joint k + 1
-    center = (rotation[:, 1:] @ arm.center_of_mass[:, :, None])[..., 0]  # seen from o_k
-    inertia = rotation[:, 1:] @ arm.inertia @ rotation[:, 1:].mT
-
-    omega = torch.zeros_like(origin[:, 0])
-    alpha = torch.zeros_like(omega)
-    acceleration = torch.zeros_like(omega) - arm.gravity  # of o_k
-    forces, moments = [], []
-    for k in range(6):
-        spin = axis[:, k] * qd[:, k, None]
-        alpha = alpha + axis[:, k] * qdd[:, k, None] + cross(omega, spin)
-        omega = omega + spin
-        acceleration = acceleration + _rotating(origin[:, k + 1] - origin[:, k], omega, alpha)
-        center_acceleration = acceleration + _rotating(center[:, k], omega, alpha)
-        forces.append(arm.mass[k] * center_acceleration)
-        moments.append(_apply(inertia[:, k], alpha) + cross(omega, _apply(inertia[:, k], omega)))
-
-    torque = torch.empty_like(q)
-    force, moment = torch.zeros_like(omega), torch.zeros_like(omega)  # on link k, about o_k
-    for k in reversed(range(6)):
-        lever = origin[:, k + 1] - origin[:, k]
-        moment = moment + moments[k] + cross(center[:, k], forces[k])
-        force = force + forces[k]
-        moment = moment + cross(lever, force)  # now about o_(k-1)
-        torque[:, k] = (axis[:, k] * moment).sum(-1)
-    return torque
+    torque = evaluate(arm, _newton_euler, q, qd, qdd)
+    return torque if wrench is None else torque - wrench_torque(arm, q, wrench)
 
 
 def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
-    """D(q) of Equation 2.61: the sum of m J_v^T J_v + J_w^T R I R^T J_w over the links.
+    """D(q), (N, 6, 6) [kg m²], symmetric and positive definite, rotors included."""
+    return evaluate(arm, _composite_bodies, q)
 
-    q: (N, 6) [rad]. Returns (N, 6, 6) [kg m²], symmetric and positive definite.
+
+def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+    """C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, 6, 6) [Nm s/rad].
+
+    They are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for each
+    joint and C half its slope. A quadratic form has a central difference without error, at any
+    step: column j of C is [b(q̇ + e_j) - b(q̇ - e_j)] / 4.
     """
-    rotation, _ = link_frames(arm, q)
-    total = q.new_zeros(len(q), 6, 6)
-    for k in range(6):
-        columns = jacobian(arm, q, link=k + 1, point=arm.center_of_mass[k])
-        linear, angular = columns[:, :3], columns[:, 3:]
-        inertia = rotation[:, k + 1] @ arm.inertia[k] @ rotation[:, k + 1].mT
-        total += arm.mass[k] * linear.mT @ linear + angular.mT @ inertia @ angular
-    return total
+
+    def column(unit: Tensor) -> Tensor:
+        ahead, behind = (evaluate(arm, _unloaded, q, qd + step) for step in (unit, -unit))
+        return (ahead - behind) / 4
+
+    units = torch.eye(6, dtype=q.dtype, device=q.device)
+    return torch.stack([column(unit) for unit in units], dim=2)
 
 
 def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
-    """g(q) of Equation 2.67, with P = -sum m g0^T r (erratum 2): g = -sum m J_v^T g0.
+    """g(q) of Equation 2.67, (N, 6) [Nm]."""
+    return evaluate(arm, _at_rest, q)
 
-    q: (N, 6) [rad]. Returns (N, 6) [Nm].
+
+def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
+    """J_gᵀ wrench, (N, 6) [Nm]: what a wrench on the arm does at its joints.
+
+    wrench: (N, 6) [N, Nm], base axes, at the origin of frame 6.
     """
-    total = torch.zeros_like(q)
-    for k in range(6):
-        columns = jacobian(arm, q, link=k + 1, point=arm.center_of_mass[k])
-        total -= arm.mass[k] * columns[:, :3].mT @ arm.gravity
-    return total
+    return evaluate(arm, _pushed, q, wrench)
 
 
-def _rotating(lever: Tensor, omega: Tensor, alpha: Tensor) -> Tensor:
-    """Acceleration of a lever's end relative to its start on a turning body, (N, 3)."""
-    return cross(alpha, lever) + cross(omega, cross(omega, lever))
+def forward_dynamics(
+    arm: Arm, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
+) -> Tensor:
+    """Accelerations q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, 6) [rad/s²]; wrench as above."""
+
+    def solve(q: Tensor, free: Tensor) -> Tensor:
+        root = torch.linalg.cholesky(inertia_matrix(arm, q))
+        return torch.cholesky_solve(free[..., None], root)[..., 0]
+
+    free = torque - inverse_dynamics(arm, q, qd, torch.zeros_like(q), wrench)
+    return in_batches(solve, batch_size(arm), q, free)
 
 
-def _apply(matrix: Tensor, vector: Tensor) -> Tensor:
-    return (matrix @ vector[..., None])[..., 0]
+def kinetic_energy(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+    """½ q̇ᵀ D(q) q̇, (N,) [J], rotors included (Equation 2.61)."""
+    return evaluate(arm, _kinetic_energy, q, qd)
+
+
+def potential_energy(arm: Arm, q: Tensor) -> Tensor:
+    """P = -Σ m g0ᵀ r, (N,) [J], zero at the base's origin (Equation 2.63, erratum 2)."""
+    return evaluate(arm, _potential_energy, q)
+
+
+# Kernels: states are (6, N); parameters are those of `Arm`.
+
+
+def _newton_euler(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
+    bodies, rotors = split(parameters)
+    qd, qdd = components(qd), components(qdd)
+    return stacked(_torques(geometry, bodies, rotors, components(q), qd, qdd), q[0])
+
+
+def _at_rest(geometry: Geometry, parameters: Any, q: Any) -> Any:
+    bodies, rotors = split(parameters)
+    return stacked(_torques(geometry, bodies, rotors, components(q), STILL, STILL), q[0])
+
+
+def _unloaded(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
+    bodies, rotors = split(parameters)
+    weightless = geometry._replace(gravity=ZERO)
+    torques = _torques(weightless, bodies, rotors, components(q), components(qd), STILL)
+    return stacked(torques, q[0])
+
+
+def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
+    bodies, rotors = split(parameters)
+    qd = components(qd)
+    weightless = geometry._replace(gravity=ZERO)
+    momenta = _torques(weightless, bodies, rotors, components(q), STILL, qd)  # D q̇
+    return 0.5 * sum(speed * momentum for speed, momentum in zip(qd, momenta, strict=True))
+
+
+def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
+    chain = recursion.joints(geometry, components(q))
+    whole, *_ = recursion.composite_inertias(chain, split(parameters)[0])
+    energy = -recursion.dot(geometry.gravity, chain[0].inwards(whole.moment))
+    return stacked([energy], q[0])[0]
+
+
+def _composite_bodies(geometry: Geometry, parameters: Any, q: Any) -> Any:
+    """A joint's unit acceleration turns all beyond it as one body; what that needs, further in."""
+    bodies, rotors = split(parameters)
+    chain = recursion.joints(geometry, components(q))
+    entries: dict[tuple[int, int], Any] = {}
+    for k, body in enumerate(recursion.composite_inertias(chain, bodies)):
+        wrench = recursion.needed_wrench(body, UNIT_TURN)
+        entries[k, k] = wrench.moment[2] + rotors[k]
+        for j in reversed(range(k)):
+            wrench = recursion.wrench_inwards(chain[j + 1], wrench)
+            entries[j, k] = entries[k, j] = wrench.moment[2]
+    return torch.stack([stacked([entries[i, j] for j in range(6)], q[0]) for i in range(6)])
+
+
+def _pushed(geometry: Geometry, parameters: Any, q: Any, wrench: Any) -> Any:
+    chain = recursion.joints(geometry, components(q))
+    force, moment = tuple(components(wrench)[:3]), tuple(components(wrench)[3:])
+    for joint in chain:
+        force, moment = joint.outwards(force), joint.outwards(moment)
+    end = geometry.tails[-1]
+    moment = recursion.plus(moment, recursion.cross((end.a, 0.0, end.d), force))
+    inner = [recursion.NO_WRENCH] * 5
+    return stacked(recursion.joint_torques(chain, [*inner, Wrench(force, moment)]), q[0])
+
+
+def _torques(
+    geometry: Geometry,
+    bodies: Sequence[Inertia],
+    rotors: Sequence[Number],
+    q: Sequence[Number],
+    qd: Sequence[Number],
+    qdd: Sequence[Number],
+) -> list[Number]:
+    """Recursive Newton-Euler: motions outwards, wrenches inwards; rotors only feel q̈."""
+    chain = recursion.joints(geometry, q)
+    motions = recursion.link_motions(chain, geometry.gravity, qd, qdd)
+    wrenches = [recursion.needed_wrench(*pair) for pair in zip(bodies, motions, strict=True)]
+    torques = recursion.joint_torques(chain, wrenches)
+    return [t + rotor * a for t, rotor, a in zip(torques, rotors, qdd, strict=True)]

@@ -1,52 +1,258 @@
-"""Frame repair: back onto the controller's own uniform grid, with gaps marked."""
+"""Frame repair: back onto a uniform grid, with gaps marked, filled or split."""
+
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
+from ur5lib.errors import InputError
+from ur5lib.recordings.columns import SUFFIXES
+from ur5lib.recordings.ordering import in_order
+from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding
 
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
-def to_grid(
-    frames: pd.DataFrame, period: float, max_gap: float
-) -> tuple[pd.DataFrame, list[Finding]]:
-    """Frames on the grid time = first stamp + k period, ordered, each slot at most once.
+SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # filled shape-preserving
+OFF_GRID = 0.1  # cycles that a step may miss a whole number of them by
+REGULAR = 0.95  # share of steps that keep to it in a recording with a cycle
+JITTER = 5e-5  # s; more of it is told
+OWN = ("time", "epoch", "received")  # columns that are no channels
 
-    frames: `time` [s] and channels, one row per frame; period, max_gap: [s].
-    Gaps up to `max_gap` are interpolated linearly and flagged in `interpolated`; longer ones
-    split the recording: `segment` counts the stretches between them from 0.
+
+@dataclass(frozen=True)
+class Timing:
+    """How the frames came: the grid's period [s], and what the steps between stamps did [s]."""
+
+    period: float
+    regular: bool
+    longest_step: float
+    jitter_median: float
+    jitter_99: float
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Frames without a split: how many were lost to a channel's gaps, or shared a slot."""
+
+    table: pd.DataFrame
+    lost: int
+    crowded: int
+
+
+def repair_frames(
+    frames: pd.DataFrame, cycle: float | None, max_gap: float, source: str
+) -> tuple[pd.DataFrame, Timing, list[Finding]]:
+    """Frames on a uniform grid: ordered, each slot at most once, gaps flagged.
+
+    frames: `time` [s] and channels as read; cycle: the controller's [s], None to find it;
+    max_gap: [s]; source: the file, for messages. Returns `time`, `segment`, `interpolated`, the
+    channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
+    are interpolated; longer ones split: `segment` counts the stretches from 0.
+    Raises InputError when fewer than two frames are usable or units must be wrong.
     """
-    frames = frames.sort_values("time", kind="stable")
-    start = frames["time"].iloc[0]
+    findings: list[Finding] = []
+    _expect_frames(frames, source)
+    frames = _whole_channels(frames, findings, source)
+    frames = in_order(drop_implausible(frames, source, "robot", findings), findings)
+    _expect_frames(frames, source)
+    timing = _timing(frames, cycle, source)
+    _tell_steps(timing, findings)
+    stretches = [
+        _repair_stretch(stretch, timing, max_gap) for stretch in _stretches(frames, timing, max_gap)
+    ]
+    table = _number_segments(pd.concat([stretch.table for stretch in stretches], ignore_index=True))
+    _expect_frames(table, source)
+    _tell_lost(frames, table, timing, findings)
+    _tell_left_out(stretches, findings)
+    return table, timing, findings
+
+
+def _expect_frames(frames: pd.DataFrame, source: str) -> None:
+    if len(frames) < 2:
+        raise InputError(f"{source}: holds {len(frames)} whole frames; record at least a second")
+
+
+def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) -> pd.DataFrame:
+    """Frames without channels that lack a column, or values in all of them at once."""
+    absent = [
+        name
+        for name, columns in _vectors(frames).items()
+        if len(columns) < len(SUFFIXES.get(name, columns))
+        or not np.isfinite(frames[columns].to_numpy(float)).all(axis=1).any()
+    ]
+    if "actual_q" in absent or "actual_q_0" not in frames:
+        raise InputError(f"{source}: has no actual_q_0 to actual_q_5; record or name them")
+    if absent:
+        detail = f"{', '.join(absent)}: not all columns are there and filled; left out"
+        findings.append(Finding("robot", "incomplete channels", "warning", len(absent), detail))
+    columns = _vectors(frames)
+    return frames.drop(columns=[column for name in absent for column in columns[name]])
+
+
+def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
+    steps = frames["time"].diff()[frames["epoch"].diff() == 0].to_numpy()
+    period = cycle or round(max(float(np.quantile(steps, 0.1)), SHORTEST_STEP), 4)
+    off = np.abs(steps - period * np.rint(steps / period))
+    regular = bool(cycle or np.mean(off <= OFF_GRID * period) >= REGULAR)
+    if not regular:
+        period = round(max(float(np.median(steps)), SHORTEST_STEP), 4)
+        off = np.abs(steps - period)
+    median, high = np.quantile(off, [0.5, 0.99])
+    if median > period / 2 or np.median(steps) < period / 2:
+        raise InputError(
+            f"{source}: the steps between stamps, {np.median(steps):.3g} s in the middle, keep to "
+            f"no cycle of {period:g} s; check which column is the time, and its unit"
+        )
+    return Timing(period, regular, float(steps.max()), float(median), float(high))
+
+
+def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[pd.DataFrame]:
+    """Frames between resets of the clock and gaps that are too long."""
+    longest = max_gap + 1.5 * timing.period
+    breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
+    return [stretch for _, stretch in frames.groupby(breaks.cumsum())]
+
+
+def _repair_stretch(stretch: pd.DataFrame, timing: Timing, max_gap: float) -> Stretch:
+    """One stretch on the grid, each channel filled over its own gaps."""
+    time = stretch["time"].to_numpy()
+    place = _places(time, timing)
+    first = np.unique(np.rint(place) if timing.regular else place, return_index=True)[1]
+    crowded = len(place) - len(first)
+    place, stretch = place[first], stretch.iloc[first]
+    slots = np.arange(int(np.floor(place[-1] + 1e-6)) + 1)
+    channels, flags, lost = _fill_channels(stretch, place, slots, timing, max_gap)
+    table = pd.DataFrame({"time": time[0] + slots * timing.period, **channels})
+    table.insert(1, "interpolated", np.logical_or.reduce([*flags.values()]) if flags else lost)
+    for name, flag in flags.items():
+        if flag.any():
+            table[f"filled_{name}"] = flag
+    return Stretch(table[~lost].assign(slot=slots[~lost]), int(lost.sum()), crowded)
+
+
+def _fill_channels(
+    stretch: pd.DataFrame, place: Array, slots: NDArray[np.int64], timing: Timing, max_gap: float
+) -> tuple[dict[str, Array], dict[str, Flags], Flags]:
+    """Columns at the slots, which of them were filled by channel, and slots that one of them lost.
+
+    A slot is lost to a gap that is too long in any channel, and to one that is there nowhere.
+    """
+    columns_at: dict[str, Array] = {}
+    flags: dict[str, Flags] = {}
+    lost = np.zeros(len(slots), dtype=bool)
+    for name, columns in _vectors(stretch).items():
+        values = stretch[columns].to_numpy(float)
+        known = np.isfinite(values).all(axis=1)
+        if not known.any():
+            lost[:] = True
+            continue
+        filled, flags[name], beyond = _fill(
+            place[known], values[known], slots, timing, max_gap, name
+        )
+        lost |= beyond
+        columns_at |= dict(zip(columns, filled.T, strict=True))
+    return columns_at, flags, lost
+
+
+def _places(time: Array, timing: Timing) -> Array:
+    """Where the stamps lie on the grid, in periods from the first."""
+    if not timing.regular:
+        return (time - time[0]) / timing.period
     # Steps are counted one by one, so that a jitter of the stamps does not add up.
-    steps = (frames["time"].diff().fillna(0.0) / period).round().astype(int)
-    frames = frames.assign(slot=steps.cumsum())
-    repeated = int(frames["slot"].duplicated().sum())
-    frames = frames.drop_duplicates("slot").set_index("slot")
-
-    grid = frames.reindex(range(frames.index[-1] + 1))
-    missing = grid["time"].isna()
-    gap_length = missing.groupby((~missing).cumsum()).transform("sum") * period
-    split = missing & (gap_length > max_gap + period / 2)
-    grid = grid.interpolate(limit_area="inside")
-    grid["time"] = start + grid.index * period
-    grid["segment"] = (split & ~split.shift(fill_value=False)).cumsum()
-    grid["interpolated"] = missing
-    findings = _findings(missing, split, gap_length, period, repeated)
-    channels = [name for name in frames.columns if name != "time"]
-    order = ["time", "segment", "interpolated", *channels]
-    return grid.loc[~split, order].reset_index(drop=True), findings
+    return np.concatenate([[0.0], np.cumsum(np.rint(np.diff(time) / timing.period))])
 
 
-def _findings(
-    missing: pd.Series, split: pd.Series, gap_length: pd.Series, period: float, repeated: int
-) -> list[Finding]:
-    findings = []
-    if repeated:
-        detail = f"frames that share a {1000 * period:g} ms slot with an earlier one are left out"
-        findings.append(Finding("robot", "repeated frames", "warning", repeated, detail))
-    filled = int((missing & ~split).sum())
-    if missing.any():
-        longest = 1000 * float(np.max(gap_length[missing]))
-        detail = f"of {len(missing)} frames; longest gap {longest:g} ms; {filled} interpolated"
-        findings.append(Finding("robot", "lost frames", "warning", int(missing.sum()), detail))
-    return findings
+def _fill(
+    place: Array, values: Array, slots: NDArray[np.int64], timing: Timing, max_gap: float, name: str
+) -> tuple[Array, Flags, Flags]:
+    """Values at the slots, which of them were not received, and which lie in too long a gap."""
+    after = np.clip(np.searchsorted(place, slots), 0, len(place) - 1)
+    before = np.maximum(np.searchsorted(place, slots, side="right") - 1, 0)
+    nearest = np.where(place[after] - slots < slots - place[before], after, before)
+    away = np.abs(place[nearest] - slots)
+    missing = away > (1e-6 if timing.regular else 1.0)
+    gap = (place[after] - place[before]) * timing.period
+    beyond = missing & (gap > max_gap + 1.5 * timing.period)
+    beyond |= (slots > place[-1] + 1e-6) | (slots < place[0] - 1e-6)
+    filled = values[nearest]
+    inexact = away > 1e-6
+    if inexact.any() and len(place) > 1:
+        filled[inexact] = _interpolate(place, values, slots[inexact], name)
+    return filled, missing, beyond
+
+
+def _interpolate(place: Array, values: Array, slots: NDArray[np.int64], name: str) -> Array:
+    if f"{name}_" in SMOOTH:
+        return PchipInterpolator(place, values, axis=0)(slots)
+    return np.stack([np.interp(slots, place, column) for column in values.T], axis=1)
+
+
+def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
+    """Columns by the channel they belong to: actual_q has six."""
+    vectors: dict[str, list[str]] = {}
+    for column in frames.columns.difference(OWN, sort=False):
+        name, _, suffix = column.rpartition("_")
+        vectors.setdefault(name if suffix.isdigit() else column, []).append(column)
+    return vectors
+
+
+def _number_segments(table: pd.DataFrame) -> pd.DataFrame:
+    """`segment` counts the stretches without a break from 0; flags are false where not set."""
+    flags = table.filter(like="filled_").columns
+    table[flags] = table[flags].fillna(False).astype(bool)
+    table.insert(1, "segment", (table["slot"].diff().fillna(1) != 1).cumsum())
+    return table.drop(columns="slot")
+
+
+def _tell_steps(timing: Timing, findings: list[Finding]) -> None:
+    spread = f"{1000 * timing.jitter_99:.2g} ms (99 %)"
+    grid = f"{1000 * timing.period:g} ms"
+    if not timing.regular:
+        detail = (
+            f"steps vary by {spread} around {grid}: signals are interpolated onto a uniform grid"
+        )
+        findings.append(Finding("robot", "irregular steps", "note", 1, detail))
+    elif timing.jitter_99 > JITTER:
+        median = f"{1000 * timing.jitter_median:.2g} ms (median)"
+        detail = f"stamps miss whole multiples of {grid} by {median}, {spread}: put on the grid"
+        findings.append(Finding("robot", "jitter", "note", 1, detail))
+
+
+def _tell_lost(
+    frames: pd.DataFrame, table: pd.DataFrame, timing: Timing, findings: list[Finding]
+) -> None:
+    filled = int(table["interpolated"].sum())
+    steps = frames["time"].diff()[frames["epoch"].diff() == 0]
+    lost = int((np.rint(steps / timing.period) - 1).clip(lower=0).sum())
+    if not timing.regular:
+        flags = table.filter(like="filled_")
+        lost = int(flags.all(axis=1).sum()) if flags.shape[1] == len(_vectors(frames)) else 0
+    if lost:
+        common = (1000 * timing.period * np.rint(steps / timing.period)).value_counts().head(3)
+        pattern = ", ".join(f"{count} of {step:g} ms" for step, count in common.items())
+        longest = f"longest step {1000 * timing.longest_step:.0f} ms"
+        detail = f"steps: {pattern}; {longest}; {filled} frames interpolated"
+        findings.append(Finding("robot", "lost frames", "warning", lost, detail))
+    holes = int((~np.isfinite(frames.drop(columns="time").to_numpy())).any(axis=1).sum())
+    if holes:
+        detail = "cells of some channels were missing and are interpolated"
+        findings.append(Finding("robot", "missing cells", "warning", holes, detail))
+    splits = int(table["segment"].max())
+    if splits:
+        detail = "gaps too long to fill split the recording; nothing is computed across them"
+        findings.append(Finding("robot", "split", "warning", splits, detail))
+
+
+def _tell_left_out(stretches: list[Stretch], findings: list[Finding]) -> None:
+    lost = sum(stretch.lost for stretch in stretches)
+    if lost:
+        detail = "frames where a channel is missing for too long, or at an end, are left out"
+        findings.append(Finding("robot", "incomplete frames", "warning", lost, detail))
+    crowded = sum(stretch.crowded for stretch in stretches)
+    if crowded:
+        detail = "frames closer together than the cycle; the first of each slot is kept"
+        findings.append(Finding("robot", "crowded frames", "warning", crowded, detail))

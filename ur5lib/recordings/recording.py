@@ -1,32 +1,59 @@
 """A recording as its devices wrote it, before any repair: what every reader returns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Literal
 
 import pandas as pd
 
 from ur5lib.recordings.quality import Device, Finding
 
+DAY = 86400.0  # s
+
 
 @dataclass(frozen=True)
-class StartOffset:
-    """How much later a device's clock started than the robot's, by the stamps both wrote [s]."""
+class Stamp:
+    """When a device's clock read zero.
+
+    seconds: since the epoch, since midnight UTC, or since the start of the recording;
+    std: standard uncertainty of that [s].
+    """
 
     seconds: float
     std: float
+    since: Literal["epoch_s", "day_ms", "relative_s"]
+
+    def after(self, other: "Stamp") -> float | None:
+        """How much later than another stamp [s], or None where both cannot be compared."""
+        apart = self.seconds - other.seconds
+        kinds = {self.since, other.since}
+        if kinds == {"epoch_s", "day_ms"} or kinds == {"day_ms"}:
+            return (apart + DAY / 2) % DAY - DAY / 2
+        return apart if len(kinds) == 1 else None
+
+
+@dataclass(frozen=True)
+class DeviceRecord:
+    """What one device wrote.
+
+    table: `time` [s], counted from the device's own zero, and its channels, one row per sample;
+    start: when that zero was, None if nobody knows; source: the file it came from.
+    """
+
+    table: pd.DataFrame
+    start: Stamp | None
+    source: str
 
 
 @dataclass(frozen=True)
 class RawRecording:
-    """Tables of the devices, each on its own clock, and what was found while reading.
+    """The devices of a recording, each on its own clock, and what was found while reading.
 
-    robot: `time` [s] and RTDE channels, one row per frame; period: the controller's cycle [s];
-    sensors: by device, `time` [s] and `ft_fx` .. `ft_tz` [N, Nm] (sensor frame) for "force",
-    `imu_ax` .. `imu_gz` [m/s², rad/s] (sensor frame) for "imu"; only what recorded something
-    usable and can be placed on the robot's clock; starts: by device.
+    robot: RTDE channels; cells that were not received are NaN; cycle: the controller's [s], None
+    where the format does not tell; sensors: `ft_fx` .. `ft_tz` [N, Nm] for "force", `imu_ax` ..
+    `imu_gz` [m/s², rad/s] for "imu", sensor frame; only those that recorded something.
     """
 
-    robot: pd.DataFrame
-    period: float
-    sensors: dict[Device, pd.DataFrame]
-    starts: dict[Device, StartOffset]
-    findings: list[Finding]
+    robot: DeviceRecord
+    cycle: float | None
+    sensors: dict[Device, DeviceRecord]
+    findings: list[Finding] = field(default_factory=list)

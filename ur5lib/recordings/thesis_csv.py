@@ -1,20 +1,21 @@
 """Reader of the thesis's recordings: a folder `csv_files` with one CSV per channel."""
 
-import io
-import math
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
-import pyarrow as pa
-import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
+from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
+from ur5lib.recordings.ordering import epochs
+from ur5lib.recordings.plausibility import check_pace, stray_times
 from ur5lib.recordings.quality import Device, Finding
-from ur5lib.recordings.recording import RawRecording, StartOffset
+from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
+from ur5lib.recordings.sensors import FORCE_CHANNELS, IMU_CHANNELS, first_number, read_device
 
-PERIOD = 0.008  # s, the CB2 controller's cycle
-DAY = 86400.0
-STALE = 2.0  # s; devices of one run start within 0.1 s of one another
+CYCLE = 0.008  # s, the CB2 controller's
+RESTART = 1e6  # s; longer than any recording, so that runs of a clock stay apart
 
 ROBOT_CHANNELS = {  # file: RTDE name
     "log_q_actual.csv": "actual_q",
@@ -29,168 +30,99 @@ ROBOT_CHANNELS = {  # file: RTDE name
     "log_tcp_speed.csv": "actual_TCP_speed",
     "log_tool_vector.csv": "actual_TCP_pose",
 }
-FORCE_COLUMNS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
-IMU_COLUMNS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
 
-# Standard uncertainty of a start against the robot's [s]: the force sensor's stamp agrees to
-# 10 ms with the motion; the IMU's has 6 digits and its samples were seen to come 0.1 s late.
-FORCE_START_STD, IMU_START_STD = 0.006, 0.1
+# Standard uncertainty of the start stamps [s]: the robot's is rounded to 10 ms, the force
+# sensor's has microseconds; the IMU's has 6 digits and its samples were seen to come 0.1 s late.
+ROBOT_START_STD, FORCE_START_STD, IMU_START_STD = 0.005, 0.003, 0.1
 
 
-def read(folder: str | Path) -> RawRecording:
-    """Read a recording of the thesis.
+def read_thesis_csv(recording: Mapping[str, Any]) -> RawRecording:
+    """Read a recording of the thesis. recording: `folder`, which holds `csv_files`.
 
     Raises InputError when a robot channel is missing or holds no complete row.
     """
-    csv = Path(folder) / "csv_files"
+    csv = Path(recording["folder"]) / "csv_files"
     findings: list[Finding] = []
-    robot = _read_robot(csv, findings)
-    readings: dict[Device, pd.DataFrame | None] = {
-        "force": _read_force(csv / "log_force_sensor.csv", findings),
-        "imu": _read_imu(csv / "acc_data.csv", findings),
+    start = _stamp(csv / "start_time.csv", ROBOT_START_STD)
+    robot = DeviceRecord(_read_robot(csv, findings), start, str(csv))
+    sensors = {"force": _read_force(csv, findings), "imu": _read_imu(csv, findings)}
+    present: dict[Device, DeviceRecord] = {
+        device: record  # type: ignore[misc]
+        for device, record in sensors.items()
+        if record is not None
     }
-    starts = _read_starts(csv)
-    sensors = {
-        device: table
-        for device, table in readings.items()
-        if table is not None and _belongs(device, starts, findings)
-    }
-    return RawRecording(robot, PERIOD, sensors, starts, findings)
+    return RawRecording(robot, CYCLE, present, findings)
 
 
 def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
-    """One table of all channels, on the frames that every channel has."""
-    robot: pd.DataFrame | None = None
-    longest = 0
-    for file, name in ROBOT_CHANNELS.items():
-        names = ["time"] + [f"{name}_{joint}" for joint in range(6)]
-        rows = _read_rows(csv / file, names, "robot", findings).sort_values("time")
-        if rows.empty:
-            raise InputError(
-                f"{csv / file} holds no complete row of 7 numbers; record it again or take the "
-                "recording out of the study"
-            )
-        longest = max(longest, len(rows))
-        robot = rows if robot is None else _match_frames(robot, rows)
-    if robot is None or robot.empty:
-        raise InputError(
-            f"{csv}: no frame is present in every channel; put files of one run together"
-        )
-    if len(robot) < longest:
-        detail = "channels end at different frames; only frames that all channels have are used"
-        lost = longest - len(robot)
+    """One table of all channels, on the frames from the first to the last that all have."""
+    channels = [_read_channel(csv / file, name, findings) for file, name in ROBOT_CHANNELS.items()]
+    start = max(channel["clock"].iloc[0] for channel in channels) - CYCLE / 4
+    end = min(channel["clock"].iloc[-1] for channel in channels) + CYCLE / 4
+    if not start < end:
+        raise InputError(f"{csv}: the channels share no frame; put files of one run together")
+    longest = max(channels, key=len)
+    robot = longest[["clock", "time"]]
+    for channel in channels:
+        # The same frame's stamps may differ by some µs in the files.
+        rows = channel.drop(columns="time")
+        robot = pd.merge_asof(robot, rows, on="clock", direction="nearest", tolerance=CYCLE / 4)
+    shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
+    if len(shared) < len(longest):
+        detail = "channels end at different frames; frames beyond the shortest are left out"
+        lost = len(longest) - len(shared)
         findings.append(Finding("robot", "channels of unequal length", "note", lost, detail))
-    return robot
+    return shared.reset_index(drop=True)
 
 
-def _match_frames(frames: pd.DataFrame, channel: pd.DataFrame) -> pd.DataFrame:
-    """Frames that both have; the same frame's stamps may differ by some µs between files."""
-    both = pd.merge_asof(frames, channel, on="time", direction="nearest", tolerance=PERIOD / 4)
-    return both.dropna(ignore_index=True)
+def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFrame:
+    """A channel's rows by `clock`: the time, counted on where the controller's starts again."""
+    names = ["time", *(f"{name}_{joint}" for joint in range(6))]
+    rows = drop_untimed(read_numbers(path, names, "robot", findings), path, "robot", findings)
+    if rows.empty:
+        raise InputError(
+            f"{path}, line 1: holds no complete row of 7 numbers (it begins {first_line(path)}); "
+            "record it again or take the recording out of the study"
+        )
+    rows = _drop_strays(rows, path, findings)
+    rows["clock"] = rows["time"] + RESTART * epochs(rows["time"].to_numpy())
+    rows = rows.sort_values("clock", kind="stable", ignore_index=True)
+    repeated = rows.duplicated("clock")
+    if repeated.any():
+        detail = f"{path.name}: rows under a stamp that came before are left out"
+        findings.append(Finding("robot", "repeated stamps", "warning", int(repeated.sum()), detail))
+    return rows[~repeated].reset_index(drop=True)
 
 
-def _read_force(path: Path, findings: list[Finding]) -> pd.DataFrame | None:
-    table = _read_device(path, ["time", *FORCE_COLUMNS], "force", findings)
-    if table is not None and (table[FORCE_COLUMNS].abs() <= 1e-6).all(axis=None):
-        _absent("force", findings, f"{path.name} holds only zeros: no sensor was connected")
+def _drop_strays(rows: pd.DataFrame, path: Path, findings: list[Finding]) -> pd.DataFrame:
+    """Rows whose stamps belong together; done here, as the file's order is lost in joining."""
+    stray = stray_times(rows["time"].to_numpy())
+    if stray.any():
+        detail = f"{path.name}: rows far from all others in time are left out"
+        findings.append(Finding("robot", "impossible times", "warning", int(stray.sum()), detail))
+    if len(rows) > 1:
+        check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
+    return rows[~stray].reset_index(drop=True)
+
+
+def _read_force(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
+    path = csv / "log_force_sensor.csv"
+    samples = read_device(path, ["time", *FORCE_CHANNELS], "force", findings)
+    start = _stamp(csv / "log_force_sensor_start_time.csv", FORCE_START_STD)
+    return None if samples is None else DeviceRecord(samples.table, start, str(path))
+
+
+def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
+    path = csv / "acc_data.csv"
+    samples = read_device(path, ["time", *IMU_CHANNELS], "imu", findings, {"time": "ms"})
+    if samples is None:
         return None
-    return table
+    table = samples.table.assign(time=samples.table["time"] - samples.first)
+    start = first_number(csv / "acc_start_time.csv")
+    stamp = None if start is None else Stamp(start / 1000, IMU_START_STD, "day_ms")
+    return DeviceRecord(table, stamp, str(path))
 
 
-def _read_imu(path: Path, findings: list[Finding]) -> pd.DataFrame | None:
-    table = _read_device(path, ["time", *IMU_COLUMNS], "imu", findings)
-    if table is None:
-        return None
-    table["time"] = (table["time"] - table["time"].iloc[0]) / 1000  # from a counter of ms
-    return table
-
-
-def _read_device(
-    path: Path, names: list[str], device: Device, findings: list[Finding]
-) -> pd.DataFrame | None:
-    """A sensor's table, or None and a note when there is none."""
-    if not path.is_file():
-        _absent(device, findings, f"there is no {path.name}")
-        return None
-    text = path.read_bytes()
-    if b"no values recorded" in text[:100] or not text.strip():
-        _absent(device, findings, f"{path.name} says that no values were recorded")
-        return None
-    table = _read_rows(path, names, device, findings)
-    if table.empty:
-        _absent(device, findings, f"{path.name} holds no complete row of {len(names)} numbers")
-        return None
-    return table
-
-
-def _absent(device: Device, findings: list[Finding], detail: str) -> None:
-    findings.append(Finding(device, "no sensor", "note", 1, detail))
-
-
-def _read_rows(
-    path: Path, names: list[str], device: Device, findings: list[Finding]
-) -> pd.DataFrame:
-    """The complete rows of a headerless CSV; damaged lines are left out and found."""
-    if not path.is_file():
-        raise InputError(f"{path} is missing; copy it there or take the recording out of the study")
-    data = path.read_bytes()
-    complete = data[: data.rfind(b"\n") + 1]
-    lines = complete.count(b"\n")
-    if len(complete) < len(data):
-        detail = f"{path.name}, line {lines + 1}: ends in the middle, left out"
-        findings.append(Finding(device, "torn last line", "note", 1, detail))
-    rows = _parse(complete, names)
-    if len(rows) < lines:
-        detail = f"{path.name}: lines that are not {len(names)} numbers are left out"
-        findings.append(Finding(device, "damaged lines", "warning", lines - len(rows), detail))
-    return rows
-
-
-def _parse(data: bytes, names: list[str]) -> pd.DataFrame:
-    """Rows of as many finite numbers as there are names."""
-    if not data.strip():
-        return pd.DataFrame(columns=names, dtype=float)
-    table = pacsv.read_csv(
-        io.BytesIO(data),
-        read_options=pacsv.ReadOptions(column_names=names),
-        parse_options=pacsv.ParseOptions(invalid_row_handler=lambda _: "skip"),
-        convert_options=pacsv.ConvertOptions(column_types=dict.fromkeys(names, pa.string())),
-    ).to_pandas()
-    numbers = table.apply(pd.to_numeric, errors="coerce").astype(float)
-    return numbers[numbers.abs().lt(math.inf).all(axis="columns")].reset_index(drop=True)
-
-
-def _read_starts(csv: Path) -> dict[Device, StartOffset]:
-    """How much later than the robot's the devices' clocks started, by the stamps."""
-    robot = _first_number(csv / "start_time.csv")
-    force = _first_number(csv / "log_force_sensor_start_time.csv")
-    imu = _first_number(csv / "acc_start_time.csv")  # ms of the day, without a date
-    starts: dict[Device, StartOffset] = {}
-    if robot is not None and force is not None:
-        starts["force"] = StartOffset(force - robot, FORCE_START_STD)
-    if robot is not None and imu is not None:
-        apart = (imu / 1000 - robot + DAY / 2) % DAY - DAY / 2
-        starts["imu"] = StartOffset(apart, IMU_START_STD)
-    return starts
-
-
-def _first_number(path: Path) -> float | None:
-    words = path.read_text(errors="replace").split() if path.is_file() else []
-    try:
-        return float(words[0]) if words else None
-    except ValueError:
-        return None
-
-
-def _belongs(device: Device, starts: dict[Device, StartOffset], findings: list[Finding]) -> bool:
-    """Whether a device's file is known to be of this run, by its start stamp."""
-    if device not in starts:
-        detail = "start stamps are missing or torn: its clock cannot be placed, not used"
-        findings.append(Finding(device, "no start stamp", "warning", 1, detail))
-        return False
-    apart = starts[device].seconds
-    if abs(apart) > STALE:
-        detail = f"started {apart:+.0f} s from the robot: a copy from another run, not used"
-        findings.append(Finding(device, "stale copy", "warning", 1, detail))
-        return False
-    return True
+def _stamp(path: Path, std: float) -> Stamp | None:
+    seconds = first_number(path, ended=True)
+    return None if seconds is None else Stamp(seconds, std, "epoch_s")

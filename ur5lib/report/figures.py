@@ -76,7 +76,8 @@ def _panels(time: Array, series: Series, labels: list[str]) -> Figure:
         for axis in axes[-1]:
             axis.set_xlabel("time [s]")
         handles, names = axes[0, 0].get_legend_handles_labels()
-        figure.legend(handles, names, loc="outside upper center", ncols=len(names), frameon=False)
+        if names:
+            figure.legend(handles, names, loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.document import Block, Cell, Table
+from ur5lib.report.result_tables import group_findings
 
 ROLES = {
     "fit": "contact-free, for fitting",
@@ -29,34 +30,33 @@ def recording_blocks(
 
 
 def _recording_table(roles: Mapping[str, str], qualities: Mapping[str, Any]) -> Table:
-    rows = [
-        [
-            Cell(name),
-            Cell(ROLES[role]),
-            Cell(f"{qualities[name]['duration_s']:.1f}"),
-            Cell(str(qualities[name]["frames"])),
-            Cell(", ".join(qualities[name]["devices"])),
-        ]
-        for name, role in roles.items()
-    ]
-    header = ["recording", "role", "duration [s]", "frames", "devices used"]
-    return Table("The recordings, and the devices whose data are used.", header, rows)
+    rows = []
+    for name, role in roles.items():
+        quality = qualities[name]
+        rows.append(
+            [
+                Cell(name),
+                Cell(ROLES[role]),
+                Cell(f"{quality['duration_s']:.1f}"),
+                Cell(str(quality["rows"])),
+                Cell(str(quality["frames"])),
+                Cell(f"{1000 * quality['longest_step_s']:.1f}"),
+                Cell(f"{1000 * quality['jitter_s']['99 %']:.2f}"),
+                Cell(", ".join(quality["devices"])),
+            ]
+        )
+    header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
+    caption = (
+        "The recordings: rows read, frames on the uniform grid, the longest step between stamps, "
+        "how far 99 % of the steps lie from the grid's, and the devices whose data are used."
+    )
+    return Table(caption, [*header, "jitter [ms]", "devices used"], rows)
 
 
 def _finding_table(quality: pd.DataFrame) -> Table:
-    kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
-    rows = [
-        [*map(Cell, kind), Cell(str(group["count"].sum())), Cell(_said_once(list(group["detail"])))]
-        for kind, group in kinds
-    ]
     header = ["recording", "device", "finding", "severity", "count", "what it means"]
+    rows = [[Cell(str(value)) for value in row] for row in group_findings(quality).to_numpy()]
     return Table("What is wrong with the files, and what was done about it.", header, rows)
-
-
-def _said_once(details: list[str]) -> str:
-    """Details that differ only in the place before their colon, as one."""
-    places, rests = zip(*(detail.rpartition(": ")[::2] for detail in details), strict=True)
-    return f"{'; '.join(places)}: {rests[0]}" if len(details) > 1 else details[0]
 
 
 def _clock_table(clocks: pd.DataFrame) -> Table:
@@ -65,10 +65,14 @@ def _clock_table(clocks: pd.DataFrame) -> Table:
             Cell(clock.recording),
             Cell(clock.device),
             Cell(f"{clock.offset_s:.3f} ± {clock.offset_std_s:.3f}".replace("-", "−")),
-            Cell("not estimated" if pd.isna(clock.drift_ppm) else f"{clock.drift_ppm:.0f}"),
+            Cell(_drift(clock.drift_ppm, clock.drift_std_ppm)),
             Cell(clock.method),
         ]
         for clock in clocks.itertuples()
     ]
     header = ["recording", "device", "offset [s]", "drift [ppm]", "method"]
     return Table("The devices' clocks against the robot's (offset ± standard error).", header, rows)
+
+
+def _drift(drift: float, std: float) -> str:
+    return "not estimated" if pd.isna(drift) else f"{drift:.0f} ± {std:.0f}".replace("-", "−")

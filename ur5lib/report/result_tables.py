@@ -11,18 +11,65 @@ from ur5lib.report.reference import PrintedTable
 from ur5lib.tables import channel
 
 Row = dict[str, object]
-MOTIONS = ("target", "measured")
 
 
-def quality_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
-    """Findings of every recording, from its quality.json."""
+def quality_table(qualities: Mapping[str, Any], clocks: Mapping[str, Any]) -> pd.DataFrame:
+    """Findings of every recording, from its quality.json and its clocks.json."""
     columns = ["recording", "device", "finding", "severity", "count", "detail"]
     rows = [
         {"recording": recording, **finding}
         for recording, quality in qualities.items()
-        for finding in quality["findings"]
+        for finding in [
+            *quality["findings"],
+            *_copies(recording, qualities),
+            *_poor_clocks(clocks.get(recording, {})),
+        ]
     ]
     return pd.DataFrame(rows, columns=columns)
+
+
+def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
+    """Devices that only their start stamps place on the robot's clock."""
+    for device, clock in clocks.items():
+        if clock["warning"]:
+            yield {
+                "device": device,
+                "finding": "clock by stamps alone",
+                "severity": "warning",
+                "count": 1,
+                "detail": f"{clock['warning']}; good to {clock['offset_std']:.2g} s at best",
+            }
+
+
+def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:
+    """Device files that are byte for byte those of another recording."""
+    for device, checksum in qualities[recording]["files"].items():
+        others = [
+            other
+            for other, quality in qualities.items()
+            if other != recording and quality["files"].get(device) == checksum
+        ]
+        if others:
+            used = "used" if device in qualities[recording]["devices"] else "not used"
+            yield {
+                "device": device,
+                "finding": "same file",
+                "severity": "note",
+                "count": len(others),
+                "detail": f"byte for byte that of {', '.join(others)}; {used} here",
+            }
+
+
+def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
+    """Findings of one kind as one row: counts summed, details that differ in a place said once."""
+    kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
+    grouped = kinds.agg({"count": "sum", "detail": lambda details: _said_once(list(details))})
+    return grouped.reset_index()
+
+
+def _said_once(details: list[str]) -> str:
+    places, rests = zip(*(detail.rpartition(": ")[::2] for detail in details), strict=True)
+    return f"{'; '.join(places)}: {rests[0]}" if len(details) > 1 else details[0]
 
 
 def clock_table(clocks: Mapping[str, Any]) -> pd.DataFrame:
@@ -56,18 +103,19 @@ def torque_errors(
 
     Frames that were interpolated are left out.
     """
+    if "target_moment_0" not in signals:
+        return
     received = ~signals["interpolated"].to_numpy()
     moment = channel(signals, "target_moment")[received]
     zero = mean_absolute_error(np.zeros_like(moment), moment)
     published = _published(printed, recording)
-    models = dict.fromkeys(name.split("_")[2] for name in torques.filter(like="tau_target_"))
-    for motion in MOTIONS:
-        for model in models:
-            torque = channel(torques, f"tau_{motion}_{model}")[received]
-            mae = mean_absolute_error(torque, moment)
-            print_ = published.get(model, [None] * 6) if motion == "target" else [None] * 6
-            yield from _joints(recording, motion, model, mae, print_, zero)
-    for model in published.keys() - models.keys():
+    computed = dict.fromkeys(tuple(name.split("_")[1:3]) for name in torques.filter(like="tau_"))
+    for motion, model in computed:
+        torque = channel(torques, f"tau_{motion}_{model}")[received]
+        mae = mean_absolute_error(torque, moment)
+        print_ = published.get(model, [None] * 6) if motion == "target" else [None] * 6
+        yield from _joints(recording, motion, model, mae, print_, zero)
+    for model in published.keys() - {model for _, model in computed}:
         yield from _joints(recording, "closed_loop", model, [None] * 6, published[model], zero)
 
 

@@ -28,7 +28,7 @@ def torque_blocks(torque: pd.DataFrame, figures: Path) -> list[Block]:
 
 def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
     """Table 5.6: printed, rebuilt, their difference."""
-    target = rows[rows["motion"] == "target"]
+    target = rows[(rows["motion"] == "target") & rows["printed"].notna()]
     others = rows[rows["mae"].isna()]  # printed, but not to be rebuilt
     models, older = target["model"].unique(), others["model"].unique()
     header = ["joint", *(f"{model} printed" for model in older)]
@@ -71,13 +71,14 @@ def _table(recording: str, rows: pd.DataFrame) -> Table:
 def _pictures(recording: str, folder: Path) -> list[Block]:
     return [
         Picture(
-            f"Torque of Model C and of the controller on {recording} (after Figure 5.11).",
+            f"Torque of the chosen model and of the controller on {recording} (after Figure 5.11).",
             folder / "torques.svg",
-            "Six panels, one a joint: the controller's torque and Model C's torque over time.",
+            "Six panels, one a joint: the controller's torque and the model's over time.",
         ),
         Picture(
-            f"What Model C misses of the controller's torque on {recording} (after Figure 5.12).",
+            f"What the chosen model misses of the controller's torque on {recording} (after "
+            "Figure 5.12).",
             folder / "torque_errors.svg",
-            "Six panels, one a joint: the controller's torque minus Model C's over time.",
+            "Six panels, one a joint: the controller's torque minus the model's over time.",
         ),
     ]

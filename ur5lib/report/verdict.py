@@ -11,7 +11,7 @@ from ur5lib.report.force_section import ESTIMATES
 def findings(torque: pd.DataFrame, force: pd.DataFrame, quality: pd.DataFrame) -> list[str]:
     """The verdict, one sentence a finding. torque, force, quality: the tables of these names."""
     return [
-        _best_model(torque),
+        *_best_model(torque),
         *_against_printed_torques(torque),
         *_against_printed_forces(force),
         *_against_no_force(force),
@@ -19,19 +19,29 @@ def findings(torque: pd.DataFrame, force: pd.DataFrame, quality: pd.DataFrame) -
     ]
 
 
-def _best_model(torque: pd.DataFrame) -> str:
+def _best_model(torque: pd.DataFrame) -> Iterator[str]:
     """Which model misses the controller's torque least, joint by joint."""
-    target = torque[torque["motion"] == "target"]
-    mean = target.pivot_table("mae", "joint", "model", aggfunc="mean")
+    computed = torque[torque["mae"].notna()]
+    if computed.empty:
+        return
+    motion = computed["motion"].iloc[0]
+    mean = computed[computed["motion"] == motion].pivot_table(
+        "mae", "joint", "model", aggfunc="mean"
+    )
     differ = mean.max(axis="columns") - mean.min(axis="columns") > SMALLEST_DIFFERENCE
     best = mean.idxmin(axis="columns")[differ]
-    winner = best.mode()[0]
+    winner = mean.columns[0] if best.empty else best.mode()[0]
     errors = {model: ", ".join(f"{value:.2f}" for value in mean[model]) for model in mean}
     others = "; ".join(f"Model {model}: {errors[model]}" for model in errors if model != winner)
-    return (
-        f"Model {winner} comes nearest to the controller's torques on {(best == winner).sum()} of "
-        f"the {len(best)} joints where the models differ: at the target motion it misses them by "
-        f"{errors[winner]} Nm on joints 1 to 6 (mean over the recordings; {others} Nm)."
+    if len(errors) > 1:
+        yield (
+            f"Model {winner} comes nearest to the controller's torques on "
+            f"{(best == winner).sum()} of the {len(best)} joints where the models differ."
+        )
+    yield (
+        f"At the {motion} motion, Model {winner} misses the controller's torques by "
+        f"{errors[winner]} Nm on joints 1 to 6, on the mean of the recordings"
+        f"{f' ({others} Nm)' if others else ''}."
     )
 
 

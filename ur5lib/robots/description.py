@@ -1,7 +1,7 @@
 """An arm as data: the YAML files of this folder, read and checked."""
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeVar
 
 import yaml
 from pydantic import Field, ValidationError, model_validator
@@ -12,8 +12,11 @@ from ur5lib.strict import Strict
 FOLDER = Path(__file__).parent
 
 Vector3 = tuple[float, float, float]
-PerJoint = tuple[float, float, float, float, float, float]
+T = TypeVar("T")
+PerLink = tuple[T, T, T, T, T, T]
+PerJoint = PerLink[float]
 Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
 
 
 class DenavitHartenberg(Strict):
@@ -29,14 +32,14 @@ class Motor(Strict):
 
     position_max: Positive
     velocity_max: Positive
-    acceleration_max: Positive
     torque_max: Positive
-    static_friction: float
-    dynamic_friction: float
-    viscous_friction: float
-    dynamic_friction_backdrive: float
-    viscous_friction_backdrive: float
-    torque_constant: Positive
+    acceleration_max: Positive | None = None
+    static_friction: float | None = None
+    dynamic_friction: float | None = None
+    viscous_friction: float | None = None
+    dynamic_friction_backdrive: float | None = None
+    viscous_friction_backdrive: float | None = None
+    torque_constant: Positive | None = None
 
 
 class Cylinder(Strict):
@@ -49,19 +52,37 @@ class Cylinder(Strict):
     offset: Vector3 = (0.0, 0.0, 0.0)
 
 
+class Payload(Strict):
+    """What is mounted on the flange [kg, m, kg m²]; centre of mass in frame 6.
+
+    inertia: xx yy zz xy xz yz, about the payload's centre of mass, axes of frame 6.
+    """
+
+    mass: Positive
+    center_of_mass: Vector3 = (0.0, 0.0, 0.0)
+    inertia: PerJoint = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
 class Model(Strict):
-    """One way to distribute the mass of the six links; centres of mass [m] in the link's frame."""
+    """One way to distribute the mass of the six links; centres of mass [m] in the link's frame.
+
+    Either cylinders make up each link, or its inertia tensor is given: xx yy zz xy xz yz
+    [kg m²], about the centre of mass, axes of the link's frame. rotor_inertias: of each joint's
+    motor, seen through its gear [kg m²].
+    """
 
     description: str
-    centers_of_mass: tuple[Vector3, Vector3, Vector3, Vector3, Vector3, Vector3]
-    cylinders: tuple[
-        list[Cylinder],
-        list[Cylinder],
-        list[Cylinder],
-        list[Cylinder],
-        list[Cylinder],
-        list[Cylinder],
-    ]
+    centers_of_mass: PerLink[Vector3]
+    cylinders: PerLink[list[Cylinder]] | None = None
+    inertias: PerLink[PerJoint] | None = None
+    rotor_inertias: PerLink[NotNegative] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    payload: Payload | None = None
+
+    @model_validator(mode="after")
+    def _one_kind_of_inertia(self) -> Self:
+        if (self.cylinders is None) == (self.inertias is None):
+            raise ValueError("give a model either cylinders or inertias")
+        return self
 
 
 class Mounting(Strict):
@@ -99,33 +120,37 @@ class Robot(Strict):
 
     name: str
     gravity: Vector3
-    denavit_hartenberg: tuple[
-        DenavitHartenberg,
-        DenavitHartenberg,
-        DenavitHartenberg,
-        DenavitHartenberg,
-        DenavitHartenberg,
-        DenavitHartenberg,
-    ]
-    joints: tuple[str, str, str, str, str, str]
+    denavit_hartenberg: PerLink[DenavitHartenberg]
+    joints: PerLink[str]
     motors: dict[str, Motor]
-    masses: tuple[Positive, Positive, Positive, Positive, Positive, Positive]
+    masses: PerLink[Positive]
     models: dict[str, Model]
-    mounting: Mounting
-    current_to_torque: CurrentToTorque
-    friction: Friction
-    closed_loop_gains: dict[str, Gains]
+    chosen_model: str
+    mounting: Mounting | None = None
+    current_to_torque: CurrentToTorque | None = None
+    friction: Friction | None = None
+    closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
 
     @model_validator(mode="after")
-    def _joints_have_motors(self) -> Self:
+    def _names_are_described(self) -> Self:
         unknown = sorted(set(self.joints) - set(self.motors))
         if unknown:
             raise ValueError(f"joints name motors that are not described: {', '.join(unknown)}")
+        if self.chosen_model not in self.models:
+            raise ValueError(f"chosen_model is none of {', '.join(self.models)}")
         return self
 
     def motor(self, joint: int) -> Motor:
         """The motor of joint 1 to 6."""
         return self.motors[self.joints[joint - 1]]
+
+    def carrying(self, payload: Payload) -> Self:
+        """The same arm with a payload on its flange, in each of its models."""
+        models = {
+            name: model.model_copy(update={"payload": payload})
+            for name, model in self.models.items()
+        }
+        return self.model_copy(update={"models": models})
 
 
 def robot_names() -> list[str]:

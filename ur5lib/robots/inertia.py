@@ -1,11 +1,12 @@
 """From cylinders to the mass, centre of mass and inertia tensor of each link."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.robots.description import Cylinder, Robot
+from ur5lib.robots.description import Cylinder, Payload, Robot
 
 Array = NDArray[np.float64]
 
@@ -15,12 +16,14 @@ class RigidBodies:
     """The six links of an arm as rigid bodies, each in its own Denavit-Hartenberg frame.
 
     mass: (6,) [kg]; center_of_mass: (6, 3) [m];
-    inertia: (6, 3, 3) [kg m²] about the centre of mass.
+    inertia: (6, 3, 3) [kg m²] about the centre of mass;
+    rotor_inertia: (6,) [kg m²] of the joints' motors, seen through their gears.
     """
 
     mass: Array
     center_of_mass: Array
     inertia: Array
+    rotor_inertia: Array
 
 
 def cylinder_inertia(axis: str, mass: float, height: float, radius: float) -> Array:
@@ -73,11 +76,39 @@ def split_heights(
     return border, height - border
 
 
+def tensor(entries: Sequence[float]) -> Array:
+    """Inertia tensor (3, 3) from its entries xx yy zz xy xz yz."""
+    xx, yy, zz, xy, xz, yz = entries
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
 def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
-    """The links of an arm under one of its models, e.g. "A", "B" or "C"."""
+    """The links of an arm under one of its models, e.g. "A", "B" or "C", payload included."""
     links = robot.models[model]
-    return RigidBodies(
+    inertias = (
+        map(combine_cylinders, links.cylinders)
+        if links.cylinders is not None
+        else map(tensor, links.inertias or ())
+    )
+    bodies = RigidBodies(
         mass=np.array(robot.masses),
         center_of_mass=np.array(links.centers_of_mass),
-        inertia=np.stack([combine_cylinders(parts) for parts in links.cylinders]),
+        inertia=np.stack(list(inertias)),
+        rotor_inertia=np.array(links.rotor_inertias),
+    )
+    return bodies if links.payload is None else mount(bodies, links.payload)
+
+
+def mount(bodies: RigidBodies, payload: Payload) -> RigidBodies:
+    """The links of an arm with link 6 and a payload as one body (Equations 2.45, 2.46)."""
+    center, mounted = bodies.center_of_mass[5], np.array(payload.center_of_mass)
+    mass = bodies.mass[5] + payload.mass
+    common = (bodies.mass[5] * center + payload.mass * mounted) / mass
+    inertia = shift_inertia(bodies.inertia[5], bodies.mass[5], center - common)
+    inertia += shift_inertia(tensor(payload.inertia), payload.mass, mounted - common)
+    return RigidBodies(
+        mass=np.append(bodies.mass[:5], mass),
+        center_of_mass=np.vstack([bodies.center_of_mass[:5], common]),
+        inertia=np.concatenate([bodies.inertia[:5], inertia[None]]),
+        rotor_inertia=bodies.rotor_inertia,
     )

@@ -21,9 +21,23 @@ def link_tail(parameters: DenavitHartenberg) -> tuple[Array, Array]:
     return rotation, np.array([parameters.a, 0.0, parameters.d])
 
 
+def thick(inertia: Array) -> Array:
+    """The inertia tensor of a link, no flatter than a plate.
+
+    Principal moments obey A + B >= C. A plate has A + B = C, which published digits miss by a
+    rounding, and MuJoCo refuses the link: then all are larger by 1e-12 of their sum.
+    """
+    slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
+    margin = 1e-12 * np.trace(inertia)
+    return inertia if slack > margin else inertia + margin * np.eye(3)
+
+
 def urdf(robot: Robot, bodies: RigidBodies) -> str:
     """URDF of an arm: base `frame_0`; for k = 1 to 6, `joint_k` turns `link_k` with its mass,
     and at the far end of the link lies its Denavit-Hartenberg frame, `frame_k`.
+
+    URDF has no word for rotor inertias: an engine is told them apart, as `model.armature` in
+    Pinocchio and `model.dof_armature` in MuJoCo. An external wrench is no part of it either.
     """
     root = Element("robot", name=robot.name)
     SubElement(root, "link", name="frame_0")
@@ -43,7 +57,7 @@ def _add_link(root: Element, k: int, robot: Robot, bodies: RigidBodies) -> None:
     parameters = robot.denavit_hartenberg[k - 1]
     rotation, translation = link_tail(parameters)
     center = translation + rotation @ bodies.center_of_mass[k - 1]
-    inertia = bodies.inertia[k - 1]
+    inertia = thick(bodies.inertia[k - 1])
     entries = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2)}
     entries |= {"ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
 

@@ -3,22 +3,55 @@
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy import signal
+from scipy.interpolate import CubicSpline
 
-from ur5lib.signals.clocks import Clock
+from ur5lib.signals.clocks import Clock, even_samples, interpolate
+from ur5lib.signals.lowpass import by_segment
 
 Array = NDArray[np.float64]
 
+PASSED, STOPPED = 0.8, 60.0  # share of the robot's Nyquist frequency; dB from there on
+
 
 def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
-    """A device's channels at the robot's times, by linear interpolation.
+    """A device's channels at the robot's times, without aliases.
 
     device: `time` [s] on its own clock, increasing, and channels; time: (N,) [s].
-    Before the device's first sample and after its last the result is NaN: nothing is invented.
+    A device that samples faster than the robot is low-passed without delay below the robot's
+    Nyquist frequency; a slower one is interpolated linearly. In the device's gaps, before its
+    first sample and after its last the result is NaN: nothing is invented.
     """
-    own = clock.offset + (1 + (clock.drift or 0.0)) * device["time"].to_numpy()
+    own, at = device["time"].to_numpy(), clock.device_time(time)
     channels = device.drop(columns="time")
-    values = {
-        name: np.interp(time, own, column, left=np.nan, right=np.nan)
-        for name, column in channels.items()
-    }
-    return pd.DataFrame(values)
+    values = channels.to_numpy(np.float64)
+    result = interpolate(at, own, values)
+    rate = 1 / float(np.median(np.diff(time)))
+    if len(own) > 1 and 1 / np.diff(own).mean() > rate:
+        grid, even = even_samples(own, values)
+        smooth = _below_nyquist(grid, even, rate)
+        known = np.isfinite(smooth).all(axis=1)
+        # A cubic: a line between samples would take 5 % of what moves at 30 Hz.
+        cubic = CubicSpline(grid[known], smooth[known])(at)
+        result = np.where(np.isnan(result), np.nan, cubic)
+    return pd.DataFrame(result, columns=channels.columns)
+
+
+def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
+    """A device's even samples (K, C), low-passed for a robot that samples at `rate` [Hz].
+
+    A symmetric window of finite length: it has no phase, hardly rings at a push, and leaves
+    straight lines as they are, up to the ends.
+    """
+    own_rate = 1 / (grid[1] - grid[0])
+    count, beta = signal.kaiserord(STOPPED, (1 - PASSED) * rate / own_rate)
+    half = count // 2
+    window = signal.firwin(
+        2 * half + 1, (1 + PASSED) / 4 * rate, window=("kaiser", beta), fs=own_rate
+    )[:, None]
+
+    def smooth(stretch: Array) -> Array:
+        padded = np.pad(stretch, ((half, half), (0, 0)), mode="reflect", reflect_type="odd")
+        return signal.oaconvolve(padded, window, mode="valid", axes=0)
+
+    return by_segment(smooth, even, np.zeros(len(grid), dtype=np.int64))

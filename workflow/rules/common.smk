@@ -50,10 +50,18 @@ def recording_of(wildcards):
     return RECORDINGS[wildcards.recording]
 
 
+def what_was_recorded(wildcards):
+    """What a reader needs to know of a recording: nothing of what it is used for."""
+    return recording_of(wildcards).model_dump_json(exclude={"name", "role", "robot"})
+
+
 def raw_files(wildcards):
-    """Everything below a recording's folder."""
-    folder = Path(recording_of(wildcards).folder)
-    return sorted(str(path) for path in folder.rglob("*") if path.is_file())
+    """The files that a recording names, or everything below its folder."""
+    recording = recording_of(wildcards)
+    folder = Path(recording.folder)
+    named = [folder / name for name in recording.file_names()]
+    files = named or [path for path in folder.rglob("*") if path.is_file()]
+    return sorted(str(path) for path in files if path.is_file())
 
 
 def arm_file(wildcards):

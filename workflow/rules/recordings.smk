@@ -1,6 +1,7 @@
 rule repair_frames:
     input:
         raw=raw_files,
+        arm=arm_file,
         code=code("repair_frames"),
     output:
         robot=result("robot.parquet"),
@@ -12,8 +13,7 @@ rule repair_frames:
     benchmark:
         f"{RESULTS}/benchmarks/repair_frames/{{recording}}.tsv"
     params:
-        folder=lambda wildcards: recording_of(wildcards).folder,
-        format=lambda wildcards: recording_of(wildcards).format,
+        recording=what_was_recorded,
         max_gap_s=SETTINGS.repair_frames.max_gap_s,
     script:
         "../scripts/repair_frames.py"

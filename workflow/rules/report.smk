@@ -15,6 +15,7 @@ rule draw_figures:
         signals=result("signals.parquet"),
         torques=result("torques.parquet"),
         forces=result("forces.parquet"),
+        arm=arm_file,
         code=code("draw_figures"),
     output:
         **{name: f"{RESULTS}/figures/{{recording}}/{name}.svg" for name in FIGURES},

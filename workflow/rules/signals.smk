@@ -4,6 +4,7 @@ rule align_signals:
         force=result("force.parquet"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),
+        kinematics=result("kinematics.parquet"),
         code=code("align_signals"),
     output:
         signals=result("signals.parquet"),

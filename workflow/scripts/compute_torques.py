@@ -20,12 +20,16 @@ STATES = {
 def compute_torques(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
     tables = {"target": read_table(input.signals), "measured": read_table(input.motion)}
+    recorded = {
+        motion: [torch.from_numpy(channel(tables[motion], name)) for name in names]
+        for motion, names in STATES.items()
+        if all(f"{name}_0" in tables[motion] for name in names)
+    }
     columns: dict[str, Array] = {}
     for model in robot.models:
         arm = build_arm(robot, model)
-        for motion, names in STATES.items():
-            q, qd, qdd = (torch.from_numpy(channel(tables[motion], name)) for name in names)
-            torque = inverse_dynamics(arm, q, qd, qdd).numpy()
+        for motion, states in recorded.items():
+            torque = inverse_dynamics(arm, *states).numpy()
             columns |= named(torque, f"tau_{motion}_{model}")
     times = tables["target"][["time", "segment", "interpolated"]]
     write_table(times.join(pd.DataFrame(columns)), output.torques)

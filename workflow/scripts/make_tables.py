@@ -35,7 +35,7 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
         for recording, summary in summaries.items()
         for row in force_errors(recording, summary, printed.force_mae, printed.force_max)
     ]
-    write_csv(quality_table(qualities), output.quality)
+    write_csv(quality_table(qualities, clocks), output.quality)
     write_csv(clock_table(clocks), output.clocks)
     write_csv(pd.DataFrame(torque_rows, columns=TORQUE_COLUMNS), output.torque_mae)
     write_csv(pd.DataFrame(force_rows, columns=FORCE_COLUMNS), output.force_mae)

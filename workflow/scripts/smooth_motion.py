@@ -13,9 +13,15 @@ from ur5lib.tables import channel, named, period, read_table, write_table
 
 def smooth_motion(input: Any, output: Any, params: Any) -> None:
     filtered = read_table(input.filtered)
-    q, qd = channel(filtered, "actual_q"), channel(filtered, "actual_qd")
-    derivative = partial(differentiate, period=period(filtered))
-    qdd = by_segment(derivative, qd, filtered["segment"].to_numpy())
+    differentiated = partial(
+        by_segment,
+        partial(differentiate, period=period(filtered)),
+        segment=filtered["segment"].to_numpy(),
+    )
+    q = channel(filtered, "actual_q")
+    measured = "actual_qd_0" in filtered
+    qd = channel(filtered, "actual_qd") if measured else differentiated(values=q)
+    qdd = differentiated(values=qd)
     columns = named(q, "q") | named(qd, "qd") | named(qdd, "qdd")
     motion = filtered[["time", "segment"]].join(pd.DataFrame(columns))
     write_table(motion, output.motion)

@@ -1,0 +1,89 @@
+"""`ur5 check`: a study looked through in seconds, without the workflow."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.synthetic import write_recording
+from ur5lib import cli
+from ur5lib.report.result_tables import group_findings, quality_table
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "160")
+    write_recording(tmp_path / "raw" / "good", seconds=2, seed=0, force_sensor=True)
+    write_recording(tmp_path / "raw" / "bad", seconds=2, seed=1)
+    path = tmp_path / "study.yaml"
+    path.write_text(
+        "study: mine\ntitle: Mine\nrecordings:\n"
+        "- {name: good, robot: ur5, format: thesis-csv, folder: raw/good, role: fit}\n"
+        "- {name: bad, robot: ur5, format: thesis-csv, folder: raw/bad, role: fit}\n"
+    )
+    return path
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
+    monkeypatch.setattr("sys.argv", ["ur5", *map(str, arguments)])
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    return int(stop.value.code or 0)
+
+
+def test_findings_and_clocks_are_printed(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    assert run(monkeypatch, "check", study) == 0
+    text = capsys.readouterr().out
+    assert "force: no sensor (note)" in text
+    assert "0.0050 ± 0.0058" in text
+    assert not (study.parent / "results").exists()
+
+
+def test_an_unusable_recording_does_not_hide_the_others(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    (study.parent / "raw/bad/csv_files/log_q_actual.csv").write_text("nothing\n")
+    assert run(monkeypatch, "check", study) == 1
+    text = capsys.readouterr().out
+    assert "robot: unusable (error)" in text
+    assert "good" in text
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("study: [", "cannot be read as YAML"),
+        ("a letter", "is no study"),
+        ("study: mine", "`title` is missing"),
+        (None, "No such file"),
+    ],
+)
+def test_a_wrong_study_is_told(
+    study: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+    content: str | None,
+    sentence: str,
+) -> None:
+    if content is None:
+        study.unlink()
+    else:
+        study.write_text(content)
+    assert run(monkeypatch, "check", study) == 1
+    assert sentence in capsys.readouterr().err
+
+
+def test_copies_and_poor_clocks_are_findings() -> None:
+    finding = {"device": "robot", "finding": "torn", "severity": "note", "count": 1}
+    torn = [finding | {"detail": f"{name}, line 3: left out"} for name in "ab"]
+    quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
+    stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
+    clocks = {"one": {"imu": {"warning": "the arm rests", "offset_std": 0.1}}}
+    table = group_findings(quality_table({"one": quality, "two": stale}, clocks))
+    told = table.set_index(["recording", "finding"])["detail"].to_dict()
+    assert told["one", "torn"] == "a, line 3; b, line 3: left out"
+    assert told["one", "same file"] == "byte for byte that of two; used here"
+    assert told["two", "same file"] == "byte for byte that of one; not used here"
+    assert told["one", "clock by stamps alone"] == "the arm rests; good to 0.1 s at best"

@@ -1,0 +1,353 @@
+"""Clocks found from the turning that both the joints and a gyroscope tell; resampling."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+from scipy import signal
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import jacobian, link_frames
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.signals.clocks import Clock, clock_from_rotation, clock_from_stamps
+from ur5lib.signals.lowpass import zero_phase_lowpass
+from ur5lib.signals.motion import differentiate
+from ur5lib.signals.resampling import resample
+
+OFFSET, DRIFT = -0.08, -3300e-6
+STAMPS = clock_from_stamps(-0.03, 0.1)
+PERIOD, DURATION = 0.008, 25.0
+TIME = np.arange(0, DURATION, PERIOD)
+
+Motion = Callable[[np.ndarray], np.ndarray]
+
+
+def trajectory(time: np.ndarray) -> np.ndarray:
+    """Angular velocity (N, 3) [rad/s] of a few moves that repeat every 6.4 s."""
+    phase = 2 * np.pi * time[:, None] / 6.4
+    return 0.4 * np.sin(phase * [1, 2, 1] + [0, 1, 2]) + 0.2 * np.sin(phase * [3, 1, 2])
+
+
+def swinging(period: float) -> Motion:
+    """The same swing over and over."""
+    return lambda time: np.sin(2 * np.pi * time[:, None] / period + [0, 1, 2]) * [0.5, 0.3, 0.4]
+
+
+@dataclass
+class Record:
+    """What robot and device recorded of one motion."""
+
+    rate: np.ndarray
+    device_time: np.ndarray
+    gyroscope: np.ndarray
+    segment: np.ndarray
+
+    def clock(self, stamps: Clock = STAMPS) -> tuple[Clock, str | None]:
+        return clock_from_rotation(
+            TIME, self.rate, self.segment, self.device_time, self.gyroscope, stamps
+        )
+
+
+def record(motion: Motion, seed: int = 0, offset: float = OFFSET) -> Record:
+    """A gyroscope at 266 Hz, turned by half a degree, biased, its noise lasting; its stamps
+    come late by up to some ms."""
+    random = np.random.default_rng(seed)
+    own = np.arange(0, DURATION, 1 / 266.3)
+    felt = motion(offset + (1 + DRIFT) * own)
+    lasting = signal.lfilter([1], [1, -0.99], random.normal(size=felt.shape), axis=0)
+    noise = 0.005 * random.normal(size=felt.shape) + 5e-4 * lasting
+    felt = felt + np.cross(felt, [-0.009, 0.002, 0.003]) + [-0.031, 0.024, 0.027] + noise
+    stamped = np.sort(np.round(own + random.exponential(5e-4, len(own)), 3))
+    rate = motion(TIME) + 0.003 * random.normal(size=(len(TIME), 3))
+    return Record(rate, stamped - stamped[0], felt, np.zeros(len(TIME), dtype=np.int64))
+
+
+def test_offset_and_drift_are_recovered_within_their_errors() -> None:
+    clock, reason = record(trajectory).clock()
+    assert reason is None
+    assert clock.method == "angular rate"
+    assert clock.drift is not None
+    assert clock.drift_std is not None
+    assert abs(clock.offset - OFFSET) < 3 * clock.offset_std < 0.01
+    assert abs(clock.drift - DRIFT) < 3 * clock.drift_std < 500e-6
+
+
+def test_the_standard_errors_hold() -> None:
+    """Two of them cover the truth about as often as they should, without being generous."""
+    clocks = [record(trajectory, seed).clock()[0] for seed in range(60)]
+    for name, truth in (("offset", OFFSET), ("drift", DRIFT)):
+        error = np.array([getattr(clock, name) - truth for clock in clocks])
+        std = np.array([getattr(clock, f"{name}_std") for clock in clocks])
+        assert 0.85 <= np.mean(np.abs(error) < 2 * std) <= 1
+        assert 0.6 < std.mean() / error.std() < 1.7
+
+
+@pytest.mark.parametrize("offset", [-0.9, -0.45, 0.3, 0.45])
+def test_a_wrong_stamp_is_mended_or_reported(offset: float) -> None:
+    """Up to half a second, five standard errors, from the stamps; beyond, they stand."""
+    clock, reason = record(trajectory, offset=offset).clock()
+    if abs(offset - STAMPS.offset) < 0.5:
+        assert reason is None
+        assert clock.offset == pytest.approx(offset, abs=0.01)
+    else:
+        assert clock == STAMPS
+        assert reason is not None
+        assert "-0.87 s from the stamps'" in reason
+
+
+@pytest.mark.parametrize("period", [0.5, 0.6, 0.7, 1.0, 2.0])
+def test_a_periodic_motion_does_not_jump_a_period(period: float) -> None:
+    clock, reason = record(swinging(period)).clock()
+    assert reason is None
+    assert clock.offset == pytest.approx(OFFSET, abs=0.01)
+
+
+def test_nothing_is_used_across_a_gap() -> None:
+    """Half a second is missing, and the robot's turning beside it is not joined up."""
+    whole = record(trajectory)
+    kept = (TIME < 9) | (TIME > 9.5)
+    parts = np.where(TIME < 9, 0, 1)[kept]
+    clock, reason = clock_from_rotation(
+        TIME[kept], whole.rate[kept], parts, whole.device_time, whole.gyroscope, STAMPS
+    )
+    assert reason is None
+    assert clock.offset == pytest.approx(OFFSET, abs=3 * clock.offset_std)
+
+
+def test_at_a_standstill_the_stamps_stand() -> None:
+    clock, reason = record(lambda time: np.zeros((len(time), 3))).clock()
+    assert clock == STAMPS
+    assert reason is not None
+    assert "hardly turned" in reason
+
+
+def test_a_dead_gyroscope_is_no_failure() -> None:
+    dead = record(trajectory)
+    dead.gyroscope = np.zeros_like(dead.gyroscope)
+    clock, reason = dead.clock()
+    assert clock == STAMPS
+    assert reason is not None
+
+
+@pytest.mark.parametrize("every", [50, 100])
+def test_sparse_samples_are_no_failure(every: int) -> None:
+    sparse = record(trajectory)
+    sparse.device_time, sparse.gyroscope = sparse.device_time[::every], sparse.gyroscope[::every]
+    clock, reason = sparse.clock()
+    assert clock == STAMPS
+    assert reason is not None
+
+
+def test_another_runs_copy_is_not_believed() -> None:
+    stale = record(trajectory)
+    stale.rate = swinging(1.7)(TIME)
+    clock, reason = stale.clock()
+    assert clock == STAMPS
+    assert reason is not None
+    assert "of another run" in reason
+
+
+def test_a_better_stamp_is_not_given_up() -> None:
+    """What the gyroscope tells to some 0.3 ms is worth less than a stamp good to 0.1 ms."""
+    stamps = clock_from_stamps(OFFSET, 1e-4)
+    clock, reason = record(trajectory).clock(stamps)
+    assert clock == stamps
+    assert reason is not None
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 300])
+def test_a_record_that_is_too_short_is_no_failure(count: int) -> None:
+    short = record(trajectory)
+    short.device_time, short.gyroscope = short.device_time[:count], short.gyroscope[:count]
+    clock, reason = short.clock()
+    assert clock == STAMPS
+    assert reason is not None
+    assert "too short" in reason or "hardly any unbroken stretch" in reason
+
+
+# Resampling
+
+CLOCK = clock_from_stamps(0.0, 0.01)
+
+
+def tone(frequency: float, rate: float, jitter: float = 0.0) -> pd.DataFrame:
+    own = np.arange(0, 8, 1 / rate)
+    own = np.sort(own + jitter * np.random.default_rng(1).uniform(-0.5, 0.5, len(own)) / rate)
+    return pd.DataFrame({"time": own, "ft_fx": np.sin(2 * np.pi * frequency * own)})
+
+
+def middle(table: pd.DataFrame) -> np.ndarray:
+    return table["ft_fx"].to_numpy()[200:800]
+
+
+@pytest.mark.parametrize("rate", [207.0, 266.0, 1000.0])
+@pytest.mark.parametrize("frequency", [63.0, 80.0, 100.0])
+def test_what_the_robot_cannot_sample_disappears(rate: float, frequency: float) -> None:
+    """Without a low-pass, 100 Hz would come out as 25 Hz."""
+    aligned = middle(resample(tone(frequency, rate), CLOCK, TIME[:1000]))
+    assert np.abs(aligned).max() < 2e-3
+
+
+@pytest.mark.parametrize(("rate", "jitter"), [(207.0, 0.0), (266.0, 1.0), (100.0, 0.0)])
+def test_a_movement_keeps_amplitude_and_phase(rate: float, jitter: float) -> None:
+    """Also of a device slower than the robot, as far as lines between its samples go."""
+    aligned = middle(resample(tone(10, rate, jitter), CLOCK, TIME[:1000]))
+    allowed = 0.03 if rate > 125 else (np.pi * 10 / rate) ** 2 / 2 + 1e-3
+    np.testing.assert_allclose(aligned, middle(tone(10, 125)), atol=allowed)
+
+
+def test_a_sharp_push_keeps_its_height() -> None:
+    own = np.arange(0, 8, 1 / 207)
+    push = pd.DataFrame({"time": own, "ft_fx": 50 * np.exp(-(((own - 4) / 0.03) ** 2))})
+    assert resample(push, CLOCK, TIME[:1000])["ft_fx"].max() == pytest.approx(50, rel=0.002)
+
+
+@pytest.mark.parametrize("rate", [50.0, 266.0])
+def test_a_gap_of_the_device_is_not_bridged(rate: float) -> None:
+    """And what stands beside it is not bent."""
+    own = np.arange(0, 8, 1 / rate)
+    own = own[(own < 3) | (own > 3.5)]
+    device = pd.DataFrame({"time": own, "ft_fx": np.where(own < 3.2, 1.0, 20.0)})
+    aligned = resample(device, CLOCK, TIME[:1000])["ft_fx"].to_numpy()
+    inside = (TIME[:1000] > own[own < 3.2][-1]) & (TIME[:1000] < own[own > 3.2][0])
+    assert np.isnan(aligned[inside]).all()
+    expected = np.where(TIME[:1000] < 3.2, 1.0, 20.0)
+    seen = ~inside & (TIME[:1000] <= own[-1])
+    np.testing.assert_allclose(aligned[seen], expected[seen], atol=1e-4)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 3])
+def test_few_samples_do_not_fail(count: int) -> None:
+    device = tone(1, 266).iloc[:count]
+    aligned = resample(device, CLOCK, TIME)["ft_fx"].to_numpy()
+    assert np.isfinite(aligned).sum() == (count > 1)  # three samples end before 8 ms
+
+
+# Real recordings
+
+REFERENCE = {  # offset [s], drift [ppm]: a fit to linear and angular acceleration, made apart
+    "Movement_No4_Acc": (-0.081, -2690),
+    "Movement_No5_Acc_slow_no_disturbance": (-0.078, -3170),
+    "Movement_No6_Acc_slow_Verify_Model": (-0.064, -3270),
+    "Movement_No7_Acc_slow_Verify_Model_short": (-0.080, -3040),
+    "Movement_No8_Singularity_Free_1": (-0.115, -4310),
+    "Movement_No9_Singularity_Free_NoDist": (-0.074, -2940),
+}
+# Where the reference leaves more of the accelerometer's reading unexplained.
+BETTER = [name for name in REFERENCE if any(f"_No{number}_" in name for number in (4, 8, 9))]
+PUSHED = "Movement_No5_Acc_slow_w_disturbance"
+STILL = "Movement_No10_Standstill_WDist"
+
+
+MOUNTING = np.array(load_robot(robot_path("ur5")).mounting.imu)  # type: ignore[union-attr]
+GRAVITY = np.array([0, 0, -9.81])
+
+
+@dataclass
+class RealRecord:
+    """What one of the thesis's recordings tells of the turning; and of specific force, which
+    takes no part in finding the clock."""
+
+    turning: dict[str, np.ndarray]
+    specific_force: np.ndarray
+    accelerometer: np.ndarray
+    clock: Clock
+    reason: str | None
+
+    def accelerometer_error(self, clock: Clock) -> float:
+        """Of R_6^T (a - g0) at the IMU against its accelerometer under a clock, below 2 Hz: RMS
+        [m/s²] that is left beside a bias and a mounting rotation."""
+        inside = slice(125, -125)
+        acc = pd.DataFrame(self.accelerometer).assign(time=self.turning["device_time"])
+        felt = resample(acc, clock, self.turning["time"]).to_numpy()[inside]
+        seen = np.isfinite(felt).all(axis=1)
+        felt = zero_phase_lowpass(felt[seen], 125, 4, 2.0)
+        told = zero_phase_lowpass(self.specific_force[inside][seen], 125, 4, 2.0)
+        A = np.column_stack([told, np.ones(len(told))])
+        return float(np.std((felt - A @ np.linalg.lstsq(A, felt)[0])[125:-125]))
+
+
+def numbers(path: Path, width: int) -> np.ndarray:
+    """The complete rows of a CSV."""
+    rows = [line.split(",") for line in path.read_text().splitlines()[:-1]]
+    return np.array([row for row in rows if len(row) == width], dtype=float)
+
+
+@cache
+def real(folder: Path) -> RealRecord:
+    csv = folder / "csv_files"
+    joints = [numbers(csv / f"log_{name}_actual.csv", 7) for name in ("q", "qd")]
+    count = min(map(len, joints))
+    (time, q), qd = (joints[0][:count, 0], joints[0][:count, 1:]), joints[1][:count, 1:]
+    arm = build_arm(load_robot(robot_path("ur5")), "A")
+    rotations, origins = link_frames(arm, torch.from_numpy(q))
+    R, o6 = rotations[:, 6].numpy(), origins[:, 6].numpy()
+    omega = np.einsum("nij,nj->ni", jacobian(arm, torch.from_numpy(q)).numpy()[:, 3:], qd)
+    a = differentiate(differentiate(o6 + R @ MOUNTING, PERIOD), PERIOD)
+    imu = numbers(csv / "acc_data.csv", 10)
+    starts = [float((csv / f"{n}start_time.csv").read_text().split()[0]) for n in ("", "acc_")]
+    stamps = clock_from_stamps((starts[1] / 1000 - starts[0] + 43200) % 86400 - 43200, 0.1)
+    turning = {
+        "time": time,
+        "rate": np.einsum("nji,nj->ni", R, omega),
+        "segment": np.zeros(count, dtype=np.int64),
+        "device_time": (imu[:, 0] - imu[0, 0]) / 1000,
+        "gyroscope": imu[:, 7:],
+    }
+    force = np.einsum("nji,nj->ni", R, a - GRAVITY)
+    return RealRecord(turning, force, imu[:, 1:4], *clock_from_rotation(**turning, stamps=stamps))
+
+
+@pytest.mark.parametrize("name", REFERENCE)
+def test_the_real_clocks_are_found(thesis_data: Path, name: str) -> None:
+    """Within 20 ms of the reference in the middle of the record, where it is known best."""
+    found = real(thesis_data / name)
+    assert found.reason is None
+    assert found.clock.drift is not None
+    offset, drift = REFERENCE[name]
+    middle = found.turning["time"].mean()
+    apart = found.clock.offset - offset + (found.clock.drift - 1e-6 * drift) * middle
+    assert abs(apart) < 0.02
+    if name not in BETTER:
+        assert found.clock.offset == pytest.approx(offset, abs=0.01)
+        assert found.clock.drift == pytest.approx(1e-6 * drift, abs=300e-6)
+
+
+@pytest.mark.parametrize("name", BETTER)
+def test_the_accelerometer_bears_out_what_differs(thesis_data: Path, name: str) -> None:
+    """It took no part, and agrees better with the clock found than with the reference."""
+    found = real(thesis_data / name)
+    offset, drift = REFERENCE[name]
+    reference = Clock(offset, 0.0, 1e-6 * drift, 0.0, "reference")
+    ratio = found.accelerometer_error(reference) / found.accelerometer_error(found.clock)
+    assert ratio > 1.3
+
+
+def test_the_drifts_are_those_of_one_imu(thesis_data: Path) -> None:
+    """Mutually consistent within their standard errors; also where the arm was pushed."""
+    clocks = [real(thesis_data / name).clock for name in (*REFERENCE, PUSHED)]
+    drift = np.array([clock.drift for clock in clocks])
+    std = np.array([clock.drift_std for clock in clocks])
+    common = np.average(drift, weights=std**-2)
+    assert np.abs((drift - common) / std).max() < 3
+    assert np.mean(((drift - common) / std) ** 2) < 2
+    assert common == pytest.approx(-3300e-6, abs=50e-6)
+
+
+def test_what_determines_a_clock_poorly_says_so(thesis_data: Path) -> None:
+    """16 s of motion (No 8), and hardly any turning (No 4), against the rest."""
+    std = {name: real(thesis_data / name).clock.drift_std or 0.0 for name in REFERENCE}
+    poor = [std.pop("Movement_No8_Singularity_Free_1"), std.pop("Movement_No4_Acc")]
+    assert min(poor) > 1.5 * max(std.values())
+
+
+def test_the_stamps_stand_where_the_arm_stood(thesis_data: Path) -> None:
+    found = real(thesis_data / STILL)
+    assert found.clock.method == "start stamps"
+    assert found.reason is not None
+    assert "hardly turned" in found.reason

@@ -1,0 +1,172 @@
+"""Damaged recordings: the right data with the damage named, or one clear error. Nothing else."""
+
+import re
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.corpus import Case, corpus
+from ur5lib.errors import InputError
+from ur5lib.intake import Intake, take_in
+from ur5lib.recordings.quality import Device
+from ur5lib.robots.description import Robot
+
+SECONDS = 10  # for one recording
+JARGON = re.compile(
+    r"Traceback|Error\b|Exception|Arrow|pandas|numpy|NoneType|dtype|KeyError|0x[0-9a-f]+"
+)
+FAR = 0.15  # share of a channel's span that filled or resampled values may be off by
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a recording gave: data or an error, and how the data compare with the undamaged.
+
+    wrong: cells that are told as received but differ; lost: frames fewer; named: new findings.
+    """
+
+    error: str | None
+    wrong: int = 0
+    lost: int = 0
+    named: frozenset[str] = frozenset()
+
+
+@contextmanager
+def time_limit(seconds: int) -> Iterator[None]:
+    """Raise TimeoutError in a run that does not end."""
+
+    def stop(signum: int, frame: FrameType | None) -> None:
+        raise TimeoutError(f"took more than {seconds} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.alarm(seconds)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
+    """Take a damaged recording in and compare it with the undamaged one."""
+    try:
+        with time_limit(SECONDS):
+            taken = take_in(case.recording, arm, max_gap=0.1)
+    except InputError as error:
+        return Answer(str(error))
+    named = findings(taken) - findings(whole)
+    wrong, lost = compare(taken.robot, whole.robot, start_of(case), case.base.name != "table")
+    if case.on_sensor:
+        assert (wrong, lost) == (0, 0), "a sensor's damage took the robot's data with it"
+        wrong, lost = compare_sensor(taken, whole, "imu" if "IMU" in case.label else "force")
+    return Answer(None, wrong, lost, frozenset(name for name, _, _ in named))
+
+
+def findings(taken: Intake) -> set[tuple[str, int, str]]:
+    return {(f["finding"], f["count"], f["device"]) for f in taken.quality["findings"]}
+
+
+def start_of(case: Case) -> float:
+    """How much later than the undamaged recording's the clock of this one starts [s]."""
+    if case.expected.lost == 0:
+        return 0.0
+    rows = case.base.text(next(iter(case.base.files)), 0).rows
+    return float(rows[case.expected.lost][0]) - float(rows[0][0])
+
+
+def compare(robot: pd.DataFrame, whole: pd.DataFrame, start: float, exact: bool) -> tuple[int, int]:
+    """Cells that differ from the undamaged recording's at their time, and frames fewer.
+
+    Cells that are told as filled, or lie between the undamaged recording's times, may differ some.
+    """
+    time, at = robot["time"].to_numpy() + start, whole["time"].to_numpy()
+    period = float(np.median(np.diff(at)))
+    outside = (time < at[0] - period) | (time > at[-1] + period)
+    nearest = np.abs(np.interp(time, at, np.arange(len(at))) % 1 - 0.5) > 0.499
+    wrong = int(outside.sum())
+    channels = [name for name in whole if name not in FLAGS and not name.startswith("filled_")]
+    for name in set(channels) & set(robot):
+        truth = np.interp(time, at, whole[name])
+        loose = FAR * np.ptp(whole[name]) + 5 * np.std(np.diff(whole[name])) + 1e-3
+        flag = f"filled_{name.rpartition('_')[0]}"
+        filled = robot[flag].to_numpy(bool) if flag in robot else np.zeros(len(robot), dtype=bool)
+        tolerance = np.where(filled | ~nearest | (not exact), loose, 1e-5)
+        wrong += int((~(np.abs(robot[name].to_numpy() - truth) <= tolerance) & ~outside).sum())
+    missing = len(set(channels) - set(robot))
+    return wrong, max(0, len(whole) - len(robot)) + len(whole) * missing
+
+
+FLAGS = ("time", "segment", "interpolated")
+
+
+def compare_sensor(taken: Intake, whole: Intake, device: Device) -> tuple[int, int]:
+    """The same for a sensor, on its own clock."""
+    if device not in taken.sensors:
+        return 0, len(whole.sensors[device])
+    mine, truth = (
+        intake.sensors[device].assign(segment=0, interpolated=False) for intake in (taken, whole)
+    )
+    wrong, lost = compare(mine, truth, 0.0, True)
+    starts = [intake.quality["starts"][device]["seconds"] for intake in (taken, whole)]
+    return wrong + int(abs(starts[0] - starts[1]) > 1e-3) * len(mine), lost
+
+
+@pytest.fixture(scope="module")
+def cases(thesis_data: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Case]:
+    return corpus(tmp_path_factory.mktemp("corpus"), thesis_data)
+
+
+def test_the_corpus_is_large_and_its_labels_are_unique(cases: list[Case]) -> None:
+    assert len(cases) >= 200
+    assert len({case.label for case in cases}) == len(cases)
+
+
+def test_the_undamaged_ones_are_read_without_complaint(cases: list[Case], ur5: Robot) -> None:
+    for base in {case.base.name: case.base for case in cases}.values():
+        named = {name for name, _, _ in findings(take_in(base.recording, ur5, 0.1))}
+        assert named <= {"no sensor", "irregular steps"}, base.name
+
+
+def test_every_damaged_recording_gets_an_honest_answer(cases: list[Case], ur5: Robot) -> None:
+    """All of them in one test, so that the list of those that fail reads as one."""
+    bases = {case.base.name: case.base for case in cases}
+    wholes = {name: take_in(base.recording, ur5, 0.1) for name, base in bases.items()}
+    objections = {case.label: objection(case, ur5, wholes[case.base.name]) for case in cases}
+    told = [f"{label}: {text}" for label, text in objections.items() if text]
+    assert not told, "\n".join(told)
+
+
+def objection(case: Case, arm: Robot, whole: Intake) -> str | None:
+    """What is dishonest, or not as expected, in the answer to a damaged recording."""
+    try:
+        given = answer(case, arm, whole)
+    except Exception as error:
+        return f"{type(error).__name__}: {error}"  # what must never reach a user
+    if given.error is not None:
+        return fault_of_error(case, given.error)
+    if (given.wrong or given.lost) and not given.named:
+        return f"silently wrong: {given}"
+    return None if as_expected(case, given) else f"{case.expected} but {given}"
+
+
+def fault_of_error(case: Case, error: str) -> str | None:
+    if case.expected.outcome != "refused" or not re.search(case.expected.words, error):
+        return f"{case.expected} but error: {error}"
+    clear = "\n" not in error and "; " in error and case.recording["folder"] in error
+    return None if clear and not JARGON.search(error) else f"unclear: {error}"
+
+
+def as_expected(case: Case, given: Answer) -> bool:
+    expected = case.expected
+    if expected.outcome == "same":
+        return not (given.wrong or given.lost or given.named)
+    if expected.outcome == "repaired":
+        return given.wrong == 0 and expected.words in given.named
+    return expected.outcome == "told" and expected.words in given.named

@@ -1,0 +1,183 @@
+"""Frame repair: back onto a uniform grid, in order, each slot once, gaps marked."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.quality import Finding
+
+CYCLE = 0.008
+COUNT = 120
+RANDOM = np.random.default_rng(0)
+NOISE = RANDOM.normal(size=(10_000, 6))
+
+
+def frames(slots: list[int] | range = range(COUNT), cycle: float = CYCLE) -> pd.DataFrame:
+    """A parabola in the positions, a line in the velocities, noise in the currents."""
+    time = 0.05 + cycle * np.array(slots)
+    columns = {"time": time}
+    for joint in range(6):
+        columns[f"actual_q_{joint}"] = 0.1 * time**2
+        columns[f"actual_qd_{joint}"] = 0.2 * time
+        columns[f"actual_current_{joint}"] = NOISE[np.array(slots), joint]
+    return pd.DataFrame(columns)
+
+
+def repair(
+    table: pd.DataFrame, max_gap: float = 0.1, cycle: float | None = CYCLE
+) -> tuple[pd.DataFrame, dict[str, Finding]]:
+    repaired, _, findings = repair_frames(table, cycle, max_gap, "run.csv")
+    return repaired, {finding.finding: finding for finding in findings}
+
+
+def without_flags(table: pd.DataFrame) -> pd.DataFrame:
+    return table.drop(columns=["segment", "interpolated"])
+
+
+def test_complete_frames_pass_unchanged() -> None:
+    repaired, findings = repair(frames())
+    assert findings == {}
+    assert repaired["segment"].eq(0).all()
+    assert not repaired["interpolated"].any()
+    pd.testing.assert_frame_equal(without_flags(repaired), frames(), check_like=True)
+
+
+@pytest.mark.parametrize("cycle", [0.002, 0.008])
+def test_the_cycle_is_found_where_it_is_not_told(cycle: float) -> None:
+    slots = sorted({*range(0, 100), *range(103, 400)} - {17, 203, 204})
+    repaired, findings = repair(frames(slots, cycle), cycle=None)
+    np.testing.assert_allclose(np.diff(repaired["time"]), cycle)
+    assert set(findings) == {"lost frames"}
+
+
+lost_slots = st.sets(st.integers(1, COUNT - 2), max_size=70)
+
+
+@given(lost_slots)
+def test_short_gaps_are_filled_and_flagged(lost: set[int]) -> None:
+    kept = [slot for slot in range(COUNT) if slot not in lost]
+    repaired, findings = repair(frames(kept), max_gap=10.0)
+    assert set(repaired.index[repaired["interpolated"]]) == lost
+    assert sum(finding.count for finding in findings.values()) == len(lost)
+    assert repaired["segment"].eq(0).all()
+    received = ~repaired["interpolated"]
+    pd.testing.assert_frame_equal(without_flags(repaired)[received][frames().columns],
+                                  frames()[received])  # fmt: skip
+    np.testing.assert_allclose(repaired["actual_qd_0"], 0.2 * repaired["time"])  # a line is kept
+    assert (repaired["actual_q_0"].diff()[1:] > 0).all()  # and a rise is
+
+
+@given(lost_slots)
+def test_long_gaps_split_and_hold_no_data(lost: set[int]) -> None:
+    kept = [slot for slot in range(COUNT) if slot not in lost]
+    repaired, _ = repair(frames(kept), max_gap=0.0)
+    pd.testing.assert_frame_equal(without_flags(repaired), frames(kept), check_like=True)
+    assert not repaired["interpolated"].any()
+    breaks = np.flatnonzero(np.diff(kept) > 1) + 1
+    np.testing.assert_array_equal(np.flatnonzero(repaired["segment"].diff().fillna(0)), breaks)
+
+
+@settings(deadline=None)
+@given(st.permutations(range(40)), st.lists(st.integers(0, 39), max_size=10))
+def test_order_and_repeats_do_not_matter(order: list[int], repeated: list[int]) -> None:
+    clean, _ = repair(frames(range(40)))
+    mixed, findings = repair(frames([*order, *repeated]))
+    pd.testing.assert_frame_equal(mixed, clean)
+    assert ("repeated frames" in findings) == bool(repeated)
+    if repeated:
+        assert findings["repeated frames"].count == len(repeated)
+
+
+def test_jitter_does_not_lose_frames() -> None:
+    shaken = frames(range(1000))
+    shaken["time"] += np.random.default_rng(0).uniform(-5e-4, 5e-4, 1000)
+    repaired, findings = repair(shaken)
+    assert len(repaired) == 1000
+    assert "lost frames" not in findings
+
+
+def test_new_data_under_an_old_stamp_go_to_the_next_slot() -> None:
+    """As seen in real 500 Hz recordings."""
+    stale = frames()
+    stale.loc[30, "time"] = stale.loc[29, "time"]
+    repaired, findings = repair(stale)
+    assert findings["stale stamps"].count == 1
+    np.testing.assert_allclose(repaired["actual_current_0"], frames()["actual_current_0"])
+
+
+def test_old_data_under_a_new_stamp_are_a_lost_frame() -> None:
+    stale = frames()
+    channels = stale.columns.drop("time")
+    stale.loc[30, channels] = stale.loc[29, channels]
+    repaired, findings = repair(stale)
+    assert findings["stale data"].count == 1
+    assert list(repaired.index[repaired["interpolated"]]) == [30]
+    assert repaired["actual_q_0"][30] == pytest.approx(frames()["actual_q_0"][30], rel=1e-3)
+
+
+def test_an_arm_at_rest_is_no_stale_data() -> None:
+    rest = frames()
+    rest[rest.columns.drop("time")] = 0.25
+    repaired, findings = repair(rest)
+    assert findings == {}
+    assert len(repaired) == COUNT
+
+
+def test_a_reset_clock_splits_the_recording() -> None:
+    twice = pd.concat([frames(range(60, 120)), frames(range(70))], ignore_index=True)
+    repaired, findings = repair(twice)
+    assert findings["clock reset"].count == 1
+    assert repaired["segment"].tolist() == [0] * 60 + [1] * 70
+    np.testing.assert_array_equal(repaired["actual_current_0"], twice["actual_current_0"])
+
+
+def test_missing_cells_are_filled_and_flagged_by_channel() -> None:
+    holes = frames()
+    holes.loc[50:52, "actual_q_3"] = np.nan
+    repaired, findings = repair(holes)
+    assert findings["missing cells"].count == 3
+    assert repaired.index[repaired["filled_actual_q"]].tolist() == [50, 51, 52]
+    assert "filled_actual_current" not in repaired
+    np.testing.assert_array_equal(repaired["actual_current_3"], frames()["actual_current_3"])
+    assert repaired["actual_q_3"][51] == pytest.approx(frames()["actual_q_3"][51], rel=1e-3)
+
+
+def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
+    """As in the UR10e's logs: 10 and 12 ms, on average 10.6."""
+    steps = np.random.default_rng(0).choice([0.010, 0.012], 500, p=[0.7, 0.3])
+    time = np.cumsum(steps)
+    table = pd.DataFrame({"time": time, **{f"actual_q_{j}": 0.1 * time**2 for j in range(6)}})
+    repaired, findings = repair(table, cycle=None)
+    assert "irregular steps" in findings
+    np.testing.assert_allclose(np.diff(repaired["time"]), 0.010)
+    np.testing.assert_allclose(repaired["actual_q_0"], 0.1 * repaired["time"] ** 2, atol=1e-5)
+    assert not repaired["interpolated"].any()
+
+
+def test_impossible_frames_are_left_out() -> None:
+    shifted = frames()
+    shifted.loc[40:42, "actual_q_1"] = -1.1e200
+    shifted.loc[43, "time"] = 2.6e154
+    repaired, findings = repair(shifted)
+    assert findings["impossible frames"].count == 4
+    assert repaired.index[repaired["interpolated"]].tolist() == [40, 41, 42, 43]
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda t: t.assign(**{f"actual_q_{j}": 57.3 + t.time for j in range(6)}),
+         "run.csv: actual_q_. is 57.* beyond 12.57 .*; correct the file, or name"),
+        (lambda t: t.assign(time=t.time * 1000), "run.csv: frames are 8 s apart .*; give the time"),
+        (lambda t: t.assign(time=1.0), "run.csv: frames are 0 s apart .*; give the time"),
+        (lambda t: t.drop(columns="actual_q_5"), "run.csv: has no actual_q_0 .*; record or name"),
+        (lambda t: t[:1], "run.csv: holds 1 whole frames; record at least a second"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_repaired_is_told(change: object, sentence: str) -> None:
+    with pytest.raises(InputError, match=sentence):
+        repair(change(frames()))  # type: ignore[operator]

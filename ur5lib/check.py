@@ -1,0 +1,101 @@
+"""A study's recordings looked through, without the workflow."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from ur5lib.device_clock import device_clock
+from ur5lib.errors import InputError
+from ur5lib.intake import Intake, take_in
+from ur5lib.report.result_tables import clock_table, group_findings, quality_table
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.study import Recording, Study, parse_study
+from ur5lib.tables import channel
+
+COLOURS = {"error": "bold red", "warning": "yellow", "note": ""}
+
+
+def print_findings(path: Path) -> int:
+    """Print the findings of a study's recordings; returns how many cannot be used.
+
+    Raises InputError when the study itself is wrong.
+    """
+    study = read_study(path)
+    console = Console()
+    recordings = track(study.recordings, "reading", console=console, transient=True)
+    results = {recording.name: look_through(recording, study) for recording in recordings}
+    qualities = {name: quality for name, (quality, _) in results.items()}
+    clocks = {name: clock for name, (_, clock) in results.items()}
+    console.print(_findings(quality_table(qualities, clocks), list(results)))
+    console.print(_clocks(clock_table(clocks)))
+    return sum(not quality["devices"] for quality in qualities.values())
+
+
+def read_study(path: Path) -> Study:
+    """A study from its YAML file."""
+    try:
+        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read as YAML: {error}") from error
+    if not isinstance(raw, dict):
+        raise InputError(f"{path} is no study; it must hold `study`, `title` and `recordings`")
+    return parse_study(raw, str(path))
+
+
+def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A recording's quality.json and clocks.json; of an unusable one, the error is all."""
+    arm = load_robot(robot_path(recording.robot))
+    try:
+        intake = take_in(recording.model_dump(), arm, study.settings.repair_frames.max_gap_s)
+    except InputError as error:
+        finding = {"device": "robot", "finding": "unusable", "severity": "error", "count": 1}
+        return {"devices": [], "files": {}, "findings": [finding | {"detail": str(error)}]}, {}
+    return intake.quality, _clocks_of(intake, arm)
+
+
+def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
+    if not intake.sensors:
+        return {}
+    from ur5lib.dynamics.flange import flange_kinematics  # torch, where there is a clock to tell
+
+    rotation, _, jacobian = flange_kinematics(arm, channel(intake.robot, "actual_q"))
+    clocks = {}
+    for device, start in intake.quality["starts"].items():
+        table = intake.sensors[device]
+        clock, warning = device_clock(table, start, intake.robot, rotation, jacobian)
+        clocks[device] = asdict(clock) | {"warning": warning}
+    return clocks
+
+
+def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
+    """One section a recording."""
+    table = Table("recording", "finding", "count", "what it means", title="Findings")
+    table.columns[0].overflow = "fold"
+    findings = group_findings(quality)
+    for name in names:
+        title = name
+        rows = findings[findings["recording"] == name]
+        for row in rows.itertuples():
+            said = f"{row.device}: {row.finding} ({row.severity})"
+            table.add_row(title, said, str(row.count), row.detail, style=COLOURS[row.severity])
+            title = ""
+        if rows.empty:
+            table.add_row(title, "nothing found", "0", "")
+        table.add_section()
+    return table
+
+
+def _clocks(clocks: pd.DataFrame) -> Table:
+    table = Table("recording", "device", "offset [s]", "drift [ppm]", "method", title="Clocks")
+    for row in clocks.itertuples():
+        known = pd.notna(row.drift_ppm)
+        drift = f"{row.drift_ppm:.0f} ± {row.drift_std_ppm:.0f}" if known else "not estimated"
+        offset = f"{row.offset_s:.4f} ± {row.offset_std_s:.4f}"
+        table.add_row(row.recording, row.device, offset, drift, row.method)
+    return table

@@ -1,0 +1,41 @@
+"""The clock of a recording's device, by the best that its signals allow."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.signals.clocks import Array, Clock, clock_from_rotation, clock_from_stamps
+from ur5lib.tables import channel
+
+GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
+
+
+def device_clock(
+    device: pd.DataFrame,
+    start: Mapping[str, float],
+    robot: pd.DataFrame,
+    rotation: Array,
+    jacobian: Array,
+) -> tuple[Clock, str | None]:
+    """How a device's clock runs against the robot's, and why only its stamps could tell, if so.
+
+    device: as read, on its own clock; start: its stamp's `seconds` and `std`; robot: repaired;
+    rotation, jacobian: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
+    A gyroscope is compared with the turning of frame 6. Other devices feel no motion that could
+    be told apart from contact: their stamps stand.
+    """
+    stamps = clock_from_stamps(start["seconds"], start["std"])
+    if not set(GYROSCOPE) <= set(device):
+        return stamps, None
+    if "actual_qd_0" not in robot:
+        return stamps, "without joint velocities, motion cannot tell a clock"
+    omega = np.einsum("nij,nj->ni", jacobian[:, 3:], channel(robot, "actual_qd"))
+    return clock_from_rotation(
+        time=robot["time"].to_numpy(),
+        rate=np.einsum("nji,nj->ni", rotation, omega),  # in frame 6
+        segment=robot["segment"].to_numpy(),
+        device_time=device["time"].to_numpy(),
+        gyroscope=device[GYROSCOPE].to_numpy(),
+        stamps=stamps,
+    )

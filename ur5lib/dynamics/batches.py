@@ -1,0 +1,75 @@
+"""Kernels over any number of samples: in batches that fit the caches, plain or fused."""
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+
+import torch
+from torch import Tensor
+
+from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.tracing import Geometry, Kernel, straight_line
+
+# Samples at once: intermediate rows, some hundred, shall stay in the caches of a processor; a GPU
+# wants work for all its cores.
+CPU, GPU = 1 << 14, 1 << 20
+
+
+def evaluate(arm: Arm, kernel: Kernel, *states: Tensor) -> Tensor:
+    """A kernel of (geometry, parameters, *states), for all samples.
+
+    states: (N, 6) each, which the kernel takes as (6, N). Returns (N, ...) of its (..., N).
+    Raises ValueError where the states are not six values each of the same samples, or not of the
+    arm's precision.
+    """
+    wanted = (len(states[0]), 6), arm.parameters.dtype
+    if any((state.shape, state.dtype) != wanted for state in states):
+        given = ", ".join(f"{tuple(state.shape)} {state.dtype}" for state in states)
+        raise ValueError(f"states must be (N, 6) of the same N, {wanted[1]}, not {given}")
+    program = (_fused if arm.fused else straight_line)(kernel, arm.geometry)
+
+    def samples_first(*batch: Tensor) -> Tensor:
+        rows = program(arm.parameters, *(state.T.contiguous() for state in batch))
+        return rows.movedim(-1, 0)
+
+    return in_batches(samples_first, batch_size(arm), *states)
+
+
+def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:
+    """function(*states), some samples at a time: what it needs in between does not grow with N."""
+    count = len(states[0])
+    result = torch.empty(0)
+    for start in range(0, max(count, 1), size):
+        part = function(*(state[start : start + size] for state in states))
+        if count <= size:
+            return part.contiguous()
+        if start == 0:
+            result = part.new_empty(count, *part.shape[1:])
+        result[start : start + size] = part
+    return result
+
+
+def batch_size(arm: Arm) -> int:
+    """How many samples are worth taking at once."""
+    if arm.parameters.device.type != "cpu":
+        return GPU
+    return CPU * torch.get_num_threads() if arm.fused else CPU
+
+
+@cache
+def _fused(kernel: Kernel, geometry: Geometry) -> Callable[..., Tensor]:
+    """The same program as one compiled loop; where that fails, told once, as it stands."""
+    plain = straight_line(kernel, geometry)
+    program: Callable[..., Tensor] = torch.compile(plain, dynamic=True)
+
+    def run(*rows: Tensor) -> Tensor:
+        nonlocal program
+        try:
+            return program(*rows)
+        except torch._dynamo.exc.TorchDynamoException as error:
+            reason, *_ = str(error).splitlines()
+            warnings.warn(f"not fused, because torch.compile fails: {reason}", stacklevel=2)
+            program = plain
+            return plain(*rows)
+
+    return run

@@ -1,0 +1,55 @@
+"""The equations of motion as the thesis derives them: from energies, by Jacobians, batched.
+
+The second derivation of what `rigid_body` computes, faster, by Newton and Euler.
+"""
+
+import torch
+from torch import Tensor
+from torch.func import jvp
+
+from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.kinematics import jacobian, link_frames
+
+
+def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
+    """D(q) of Equation 2.61: the sum of m J_vᵀ J_v + J_ωᵀ R I Rᵀ J_ω over links, and the rotors.
+
+    q: (N, 6) [rad]. Returns (N, 6, 6) [kg m²], symmetric and positive definite.
+    """
+    rotation, _ = link_frames(arm, q)
+    total = torch.diag(arm.rotor_inertia).repeat(len(q), 1, 1)
+    for k in range(6):
+        columns = jacobian(arm, q, link=k + 1, point=arm.center_of_mass[k])
+        linear, angular = columns[:, :3], columns[:, 3:]
+        inertia = rotation[:, k + 1] @ arm.inertia[k] @ rotation[:, k + 1].mT
+        total += arm.mass[k] * linear.mT @ linear + angular.mT @ inertia @ angular
+    return total
+
+
+def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
+    """C(q, q̇) of Equation 2.65, with the Christoffel symbols (2.66) from exact slopes of D.
+
+    q, qd: (N, 6) [rad, rad/s]. Returns (N, 6, 6) [Nm s/rad].
+    """
+
+    def inertia(q: Tensor) -> Tensor:
+        return inertia_matrix(arm, q)
+
+    units = torch.eye(6, dtype=q.dtype, device=q.device)
+    slopes = [jvp(inertia, (q,), (unit.expand_as(q),))[1] for unit in units]
+    slope = torch.stack(slopes, dim=1)  # ∂d_kj/∂q_i as (N, i, k, j)
+    along = torch.einsum("nikj,ni->nkj", slope, qd)
+    across = torch.einsum("njki,ni->nkj", slope, qd)
+    return (along + across - across.mT) / 2
+
+
+def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
+    """g(q) of Equation 2.67, with P = -Σ m g0ᵀ r (erratum 2): g = -Σ m J_vᵀ g0.
+
+    q: (N, 6) [rad]. Returns (N, 6) [Nm].
+    """
+    total = torch.zeros_like(q)
+    for k in range(6):
+        columns = jacobian(arm, q, link=k + 1, point=arm.center_of_mass[k])
+        total -= arm.mass[k] * columns[:, :3].mT @ arm.gravity
+    return total

@@ -1,0 +1,38 @@
+"""The regressor: joint torques as a linear function of the inertial parameters."""
+
+from dataclasses import replace
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from ur5lib.dynamics import recursion
+from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.batches import evaluate
+from ur5lib.dynamics.recursion import NO_WRENCH, components, link_inertia
+from ur5lib.dynamics.tracing import Geometry, Number, stacked
+
+
+def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
+    """Y(q, q̇, q̈) of τ = Y π, (N, 6, 66), with π as `Arm.parameters`.
+
+    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
+    The first 60 columns are those of Pinocchio's computeJointTorqueRegressor.
+    Raises ValueError where states are not (N, 6) of the same N, or not of the arm's precision.
+    """
+    plain = replace(arm, fused=False)  # thousands of operations would compile for minutes
+    return evaluate(plain, _columns, q, qd, qdd)
+
+
+def _columns(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
+    """Torques of links of which one parameter is one and the others are zero."""
+    chain = recursion.joints(geometry, components(q))
+    rates = components(qd), components(qdd)
+    columns: list[list[Number]] = []
+    for k, motion in enumerate(recursion.link_motions(chain, geometry.gravity, *rates)):
+        for unit in torch.eye(10).tolist():
+            wrench = recursion.needed_wrench(link_inertia(unit), motion)
+            torques = recursion.joint_torques(chain[: k + 1], [NO_WRENCH] * k + [wrench])
+            columns.append(torques + [0.0] * (5 - k))
+    columns += [[rates[1][k] if j == k else 0.0 for j in range(6)] for k in range(6)]
+    return torch.stack([stacked([column[j] for column in columns], q[0]) for j in range(6)])

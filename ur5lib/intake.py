@@ -1,0 +1,79 @@
+"""A recording taken in: read, repaired, checked, its sensors placed."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.starts import place_sensors
+from ur5lib.robots.description import Robot
+from ur5lib.tables import has_unit
+
+CHECKS = {"force": check_force_sensor, "imu": check_imu}
+
+
+@dataclass(frozen=True)
+class Intake:
+    """What a recording holds and what was found in it.
+
+    robot: on a uniform grid; sensors: each on its own clock; quality: as in quality.json.
+    """
+
+    robot: pd.DataFrame
+    sensors: dict[Device, pd.DataFrame]
+    quality: dict[str, Any]
+
+
+def take_in(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
+    """Read and repair a recording. recording: an entry of a study; max_gap: [s].
+
+    Raises InputError when it cannot be used.
+    """
+    raw = read_recording(recording)
+    known, findings = _known_channels(raw.robot.table)
+    robot, timing, repairs = repair_frames(known, raw.cycle, max_gap, raw.robot.source)
+    findings += raw.findings + repairs
+    placed = place_sensors(raw, findings)
+    motors = [arm.motor(joint) for joint in range(1, 7)]
+    limits = [m.position_max for m in motors], [m.velocity_max for m in motors]
+    findings += check_robot(robot, timing.period, *limits)
+    for device, (record, _) in placed.items():
+        findings += CHECKS[device](record.table)
+    quality = {
+        "rows": len(raw.robot.table),
+        "frames": len(robot),
+        "duration_s": float(robot["time"].iloc[-1] - robot["time"].iloc[0]),
+        "period_s": timing.period,
+        "longest_step_s": timing.longest_step,
+        "jitter_s": {"median": timing.jitter_median, "99 %": timing.jitter_99},
+        "devices": ["robot", *placed],
+        "starts": {
+            device: {"seconds": start.seconds, "std": start.std}
+            for device, (_, start) in placed.items()
+        },
+        "files": {device: _checksum(record.source) for device, record in raw.sensors.items()},
+        "findings": [finding.as_row() for finding in findings],
+    }
+    return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
+
+
+def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
+    """The channels whose meaning and unit are known, and a note on the others."""
+    unknown = [name for name in table if not has_unit(name)]
+    if not unknown:
+        return table, []
+    told = ", ".join(unknown[:5]) + (", ..." if len(unknown) > 5 else "")
+    detail = f"{told}: no channel of RTDE; left out"
+    note = Finding("robot", "unknown channels", "note", len(unknown), detail)
+    return table.drop(columns=unknown), [note]
+
+
+def _checksum(path: str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()

@@ -1,0 +1,85 @@
+"""Columns that a study names, and their units."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.errors import InputError
+
+SKIPPED = "-"
+RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # made by frame repair
+SIX = [f"_{index}" for index in range(6)]
+XYZ = ["x", "y", "z"]
+SUFFIXES = {  # of channels that are vectors; all others have one column
+    "actual_q": SIX,
+    "actual_qd": SIX,
+    "actual_current": SIX,
+    "actual_TCP_pose": SIX,
+    "actual_TCP_speed": SIX,
+    "actual_TCP_force": SIX,
+    "actual_joint_voltage": SIX,
+    "actual_current_as_torque": SIX,
+    "target_q": SIX,
+    "target_qd": SIX,
+    "target_qdd": SIX,
+    "target_current": SIX,
+    "target_moment": SIX,
+    "target_TCP_pose": SIX,
+    "target_TCP_speed": SIX,
+    "joint_temperatures": SIX,
+    "joint_control_output": SIX,
+    "ft_raw_wrench": SIX,
+    "actual_tool_accelerometer": SIX[:3],
+    "ft": ["_fx", "_fy", "_fz", "_tx", "_ty", "_tz"],
+    "ft_f": XYZ,
+    "ft_t": XYZ,
+    "imu_a": XYZ,
+    "imu_g": XYZ,
+    "imu_m": XYZ,
+}
+FACTORS = {  # to SI
+    "deg": np.pi / 180,
+    "deg/s": np.pi / 180,
+    "deg/s2": np.pi / 180,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "mA": 1e-3,
+    "mm": 1e-3,
+    "mNm": 1e-3,
+    "g": 9.80665,
+}
+
+
+def expand(columns: Sequence[str]) -> list[str]:
+    """Names of single columns: actual_q becomes actual_q_0 .. actual_q_5.
+
+    Raises InputError when a column is named twice or there is no time.
+    """
+    names = [
+        f"{SKIPPED}{index}" if column == SKIPPED else column + suffix
+        for index, column in enumerate(columns)
+        for suffix in SUFFIXES.get(column, [""])
+    ]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice or "time" not in names:
+        fault = f"name {twice[0]} twice" if twice else "do not name the time"
+        raise InputError(f"the study's `columns` {fault}; name each column once, time among them")
+    return names
+
+
+def to_si(table: pd.DataFrame, units: Mapping[str, str]) -> pd.DataFrame:
+    """A table with its channels in SI units, and without the columns to skip.
+
+    units: by channel, with or without suffix. Raises InputError for an unknown channel or unit.
+    """
+    table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
+    for channel, unit in units.items():
+        names = [channel + suffix for suffix in SUFFIXES.get(channel, [""])]
+        if unit not in FACTORS or not set(names) <= set(table):
+            raise InputError(
+                f"the study's `units` give {channel} in {unit}; "
+                f"give units ({', '.join(FACTORS)}) of channels that `columns` names"
+            )
+        table[names] = table[names] * FACTORS[unit]
+    return table

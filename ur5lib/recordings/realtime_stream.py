@@ -1,0 +1,475 @@
+"""Reader of captures of the realtime port (30003): the bytes as they came off the socket.
+
+A message is an int32 size, then big-endian doubles, the first of them the controller's time stamp.
+TCP keeps the bytes in order but not the messages apart, and a capture may have lost bytes or hold
+foreign ones. A message counts when it is whole and what comes after its last byte is again a
+message whose stamp follows on, or the end of the data. A size word alone proves nothing: its bytes
+also occur inside messages. Where bytes are missing, or too many, the search goes on byte by byte,
+so that damage costs the messages it touches and at most the one before or after it.
+
+Bytes cut out in whole multiples of the message size leave no trace in the sizes: then the head of
+one message may go on with the tail of a later one, unless a damaged line shows where it was.
+"""
+
+import binascii
+import math
+import re
+from collections import deque
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.csv as pacsv
+from numpy.typing import NDArray
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.quality import Finding
+from ur5lib.tables import columns
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+SOFTWARE = {  # of the controller, by the size of its messages [bytes]
+    756: "1.5, 1.6",
+    764: "1.7",
+    812: "1.8",
+    1044: "3.0, 3.1",
+    1060: "3.2 to 3.4",
+    1108: "3.5 to 3.9, 5.0 to 5.3",
+    1116: "3.10 to 3.13, 5.4 to 5.8",
+    1140: "3.14, 3.15, 5.9",
+    1220: "5.10 and later",
+}
+FROM_1_7, FROM_3 = 764, 1044  # bytes of the first layouts from software 1.7 and 3.0 on
+
+# First byte and number of doubles of what has an RTDE name. Bits and raw counts are left out.
+ALWAYS = {
+    "target_q": (12, 6),
+    "target_qd": (60, 6),
+    "target_qdd": (108, 6),
+    "target_current": (156, 6),
+    "target_moment": (204, 6),
+    "actual_q": (252, 6),
+    "actual_qd": (300, 6),
+    "actual_current": (348, 6),
+    "actual_TCP_force": (540, 6),
+    "joint_temperatures": (692, 6),
+    "robot_mode": (756, 1),
+    "joint_mode": (764, 6),
+}
+OLD = {  # before 3.0
+    "actual_TCP_pose": (588, 6),
+    "actual_TCP_speed": (636, 6),
+}
+NEW = {
+    "joint_control_output": (396, 6),
+    "actual_TCP_pose": (444, 6),
+    "actual_TCP_speed": (492, 6),
+    "target_TCP_pose": (588, 6),
+    "target_TCP_speed": (636, 6),
+    "safety_mode": (812, 1),
+    "actual_tool_accelerometer": (868, 3),
+    "speed_scaling": (940, 1),
+    "actual_momentum": (948, 1),
+    "actual_main_voltage": (972, 1),
+    "actual_robot_voltage": (980, 1),
+    "actual_robot_current": (988, 1),
+    "actual_joint_voltage": (996, 6),
+    "elbow_position": (1060, 3),
+    "elbow_velocity": (1084, 3),
+    "safety_status": (1108, 1),
+    "payload": (1140, 1),
+    "payload_cog": (1148, 3),
+    "payload_inertia": (1172, 6),
+}
+OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
+
+HEADER = b"received_s"
+BLOCK = 1 << 22  # bytes of CSV parsed at a time; no line may be longer
+AHEAD = 4  # blocks parsed before they are worked on
+HEAD = 12  # bytes: size and stamp
+RUN = 1024  # messages taken together: they stay in the cache
+EVIDENCE = 16  # messages by whose stamps size words are compared
+MARGIN = (EVIDENCE + 2) * max(SOFTWARE)  # bytes that such a comparison may look at
+SHORTEST, LONGEST = 1e-4, 60.0  # s; from one message to the next, where the stamp is not stale
+SETTLED = 1.0  # s; the longest where none before them vouches for the first
+AGES = 1e9  # s; no controller runs longer
+
+SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
+
+
+@dataclass(frozen=True)
+class _Run:
+    """Messages of one size [bytes], one directly after the other, from an offset on."""
+
+    start: int
+    count: int
+    size: int
+
+    @property
+    def end(self) -> int:
+        """The offset after the last byte."""
+        return self.start + self.count * self.size
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """Lines of two cells: how many bytes each holds (L,), -1 where damaged; when received [s]."""
+
+    lengths: Integers
+    received: Array
+
+    @property
+    def ends(self) -> Integers:
+        """The offset after each line's bytes (L,)."""
+        return np.cumsum(np.maximum(self.lengths, 0))
+
+
+class _Messages:
+    """The whole messages among bytes that come piece by piece.
+
+    runs: where they lie; length: how many bytes came; tables: by message size, a row for `time`,
+    one for `received`, which is left open, and the channels' (2 + C, room for all messages).
+    """
+
+    def __init__(self, most: int) -> None:
+        """For at most so many bytes; memory that is not used is not taken."""
+        self.runs: list[_Run] = []
+        self.tables: dict[int, Array] = {}
+        self.counts: dict[int, int] = {}
+        self.length = 0
+        self._most = most
+        self._rest = b""
+        self._last = math.nan  # the stamp of the last message [s]
+
+    def add(self, data: bytes, more: bool) -> None:
+        """Go through the next bytes; more: whether others come directly after them.
+
+        What cannot be judged before those are known waits for them.
+        """
+        stream = self._rest + data
+        offset = self.length - len(self._rest)
+        self.length += len(data)
+        at, end = 0, len(stream)
+        limit = end - MARGIN if more else end
+        while at < limit:
+            at = min(_seek(stream, at, end, self._last), limit)
+            if at == limit:
+                break
+            count, size = _whole(stream, at, end)
+            if count:
+                self.runs.append(_Run(offset + at, count, size))
+                self._keep(np.ndarray((count, size // 8), ">f8", stream, at + 4, (size, 8)), size)
+            at += max(count * size, 1)
+        self._rest = stream[at:]
+
+    def _keep(self, doubles: NDArray[np.float64], size: int) -> None:
+        """Enter messages, their doubles as sent (N, D), into the table of their size."""
+        fields = _fields(size)
+        if size not in self.tables:
+            rows = 2 + sum(count for _, count in fields.values())
+            # Channels first, as pandas keeps them. Not np.empty, which asks for huge pages: to
+            # clear those can take longer than all the rest.
+            room = pa.allocate_buffer(rows * (self._most // size) * 8)
+            self.tables[size] = np.frombuffer(room, np.float64).reshape(rows, -1)
+            self.counts[size] = 0
+        first = self.counts[size]
+        self.counts[size] += len(doubles)
+        part = self.tables[size][:, first : self.counts[size]]
+        part[0], row = doubles[:, 0], 2
+        for byte, count in fields.values():
+            column = (byte - 4) // 8
+            part[row : row + count] = doubles[:, column : column + count].T
+            row += count
+        self._last = float(part[0, -1])
+
+
+def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
+    """The messages of a capture, a CSV of `received_s,payload_hex` with one line per recv.
+
+    The frame has one row a message, float64: `time` [s], the controller's own stamp as it was sent;
+    `received` [s], when the recv returned that completed the message; then the channels of the
+    layout under RTDE names (joint_temperatures in °C, else SI). Its attrs name the layout:
+    `message_bytes`, and `software`, the controller versions that send it. When messages of
+    several layouts occur, the most frequent one is taken.
+
+    Raises InputError when the file cannot be read as lines or holds no whole message of a known
+    layout.
+    """
+    findings: list[Finding] = []
+    try:
+        lines, messages = _read(Path(path), findings)
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be read ({error.strerror}); put the capture there"
+        ) from error
+    except pa.ArrowInvalid as error:
+        raise InputError(
+            f"{path} is no CSV with one line `received_s,payload_hex` per recv; capture it anew"
+        ) from error
+    if not messages.runs:
+        raise InputError(
+            f"{path} holds no whole message of a known layout ({min(SOFTWARE)} to {max(SOFTWARE)} "
+            "bytes); capture port 30003 anew, one line `received_s,payload_hex` per recv"
+        )
+    size = _layout(messages.counts, findings)
+    findings += _left_out(messages, lines, size)
+    return _frame(messages, lines, size), findings
+
+
+def _read(path: Path, findings: list[Finding]) -> tuple[_Lines, _Messages]:
+    """The lines of a file and the messages in them; damaged lines are left out and found."""
+    try:
+        return _go_through(path, None, findings)  # fast, but for files without torn lines only
+    except pa.ArrowInvalid:
+        return _go_through(path, [], findings)
+
+
+def _go_through(
+    path: Path, torn: list[int] | None, findings: list[Finding]
+) -> tuple[_Lines, _Messages]:
+    """As _read; torn: gets the numbers of the lines that are not two cells, None: there are none.
+
+    Raises pyarrow.ArrowInvalid when lines cannot be told apart, or one is torn and none should be.
+    """
+    with path.open("rb") as file:
+        skip = int(file.read(len(HEADER)) == HEADER)
+    messages = _Messages(path.stat().st_size // 2)
+    blocks, count = [_Lines(np.zeros(0, np.int64), np.zeros(0))], 0
+    for batch in _batches(path, skip, torn):
+        payload, block = _unhex(batch)
+        start = 0
+        for loss in _losses(block, _before(torn, skip) - count):
+            messages.add(payload[start:loss], more=False)
+            start = loss
+        messages.add(payload[start:], more=True)
+        blocks.append(block)
+        count += len(block.lengths)
+    messages.add(b"", more=False)
+    lengths, received = zip(*((block.lengths, block.received) for block in blocks), strict=True)
+    lines = _Lines(np.concatenate(lengths), np.concatenate(received))
+    _find_damaged(lines, _before(torn, skip), skip, findings)
+    return lines, messages
+
+
+def _before(torn: list[int] | None, skip: int) -> Integers:
+    """How many lines of two cells stand before each that is not (T,), after a header of `skip`."""
+    torn = torn or []
+    return np.array(torn, np.int64) - 1 - skip - np.arange(len(torn))
+
+
+def _losses(block: _Lines, before: Integers) -> list[int]:
+    """Offsets in a block's bytes at which lines were left out.
+
+    before (T,): how many lines of the block stand before each that was not two cells.
+    """
+    ends = np.append(0, block.ends)
+    here = before[(before >= 0) & (before < len(ends) - 1)]
+    offsets: list[int] = np.union1d(ends[here], ends[:-1][block.lengths < 0]).tolist()
+    return offsets
+
+
+def _find_damaged(lines: _Lines, before: Integers, skip: int, findings: list[Finding]) -> None:
+    """Say how many lines were left out and which was the first; arguments as above."""
+    damaged = np.flatnonzero(lines.lengths < 0)
+    if count := len(damaged) + len(before):
+        torn = before + np.arange(len(before))
+        others = damaged + np.searchsorted(before, damaged, side="right")
+        first = int(np.concatenate([torn, others]).min()) + 1 + skip
+        detail = f"lines that are not `number,hex` are left out; the first is line {first}"
+        findings.append(Finding("robot", "damaged lines", "warning", count, detail))
+
+
+def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.RecordBatch]:
+    """Lines of two cells, as bytes; the next blocks are parsed while one is worked on."""
+
+    def leave_out(row: pacsv.InvalidRow) -> str:
+        assert torn is not None
+        torn.append(row.number)
+        return "skip"
+
+    cells = ["received", "payload"]
+    options = pacsv.ReadOptions(
+        column_names=cells,
+        skip_rows=skip,
+        use_threads=False,  # else lines are not numbered
+        block_size=BLOCK,
+        encoding="utf8" if torn is None else "latin1",  # a torn line may hold any byte
+    )
+    parsing = pacsv.ParseOptions(
+        quote_char=False,
+        ignore_empty_lines=False,
+        invalid_row_handler=None if torn is None else leave_out,
+    )
+    converting = pacsv.ConvertOptions(column_types=dict.fromkeys(cells, pa.binary()))
+    reader = pacsv.open_csv(path, options, parsing, converting)
+    with ThreadPoolExecutor(1) as ahead:
+        coming = deque(ahead.submit(next, reader, None) for _ in range(AHEAD))
+        while (batch := coming.popleft().result()) is not None:
+            coming.append(ahead.submit(next, reader, None))
+            yield batch
+
+
+def _unhex(batch: pa.RecordBatch) -> tuple[bytes, _Lines]:
+    """The lines' bytes, one after the other, and which line holds how many.
+
+    All lines are turned at once; only where that fails, one by one.
+    """
+    offsets = np.frombuffer(batch[1].buffers()[1], np.int32, len(batch) + 1, 4 * batch[1].offset)
+    text = memoryview(batch[1].buffers()[2] or b"")[offsets[0] : offsets[-1]]
+    digits = np.diff(offsets)
+    try:
+        received = batch[0].cast(pa.string()).cast(pa.float64()).to_numpy()
+        if np.isfinite(received).all() and not (digits & 1).any():
+            return binascii.unhexlify(text), _Lines(digits.astype(np.int64) // 2, received)
+    except (pa.ArrowInvalid, binascii.Error):
+        pass
+    lines = [_unhex_line(*line) for line in zip(*batch.to_pydict().values(), strict=True)]
+    lengths = [-1 if payload is None else len(payload) for _, payload in lines]
+    received = np.array([received for received, _ in lines])
+    return b"".join(payload or b"" for _, payload in lines), _Lines(
+        np.array(lengths, np.int64), received
+    )
+
+
+def _unhex_line(received: bytes, payload: bytes) -> tuple[float, bytes | None]:
+    """When a line was received [s] and its bytes; NaN and None for one that is damaged."""
+    if not received and not payload:  # an empty line loses nothing
+        return math.nan, b""
+    try:
+        seconds, data = float(received), binascii.unhexlify(payload)
+    except ValueError:
+        return math.nan, None
+    return (seconds, data) if math.isfinite(seconds) else (math.nan, None)
+
+
+def _seek(stream: bytes, at: int, end: int, last: float) -> int:
+    """Where the next message seems to begin, `at` or later; `end` if nowhere.
+
+    Of the size words within a message's length, one begins a message: the most trustworthy.
+    """
+    if _follows(np.array([last]), _stamps(stream, at, end, 1)[1]).any():
+        return at
+    while word := SIZE_WORD.search(stream, at, end):
+        at = min(word.start() + max(SOFTWARE), end)
+        words = [word.start() for word in SIZE_WORD.finditer(stream, word.start(), at)]
+        trusts = [_trust(_stamps(stream, word, end, EVIDENCE)[1], last) for word in words]
+        if max(trusts) > 0:
+            return words[trusts.index(max(trusts))]
+        at -= 3  # a size word may lie across
+    return end
+
+
+def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
+    """The message size at an offset and the stamps [s] from there on in steps of it, (most,).
+
+    Fewer where `end` comes first, size words disagree or stamps cannot be; 0, none at no size word.
+    """
+    size = int.from_bytes(stream[at : at + 4], "big")
+    if size not in SOFTWARE or at + HEAD > end:
+        return 0, np.zeros(0)
+    count = min(most, (end - at - HEAD) // size + 1)
+    agree = np.ndarray(count, ">i4", stream, at, (size,)) == size
+    stamps = np.ndarray(count, ">f8", stream, at + 4, (size,)).astype(np.float64)
+    possible = (stamps == 0) | ((stamps >= SHORTEST) & (stamps <= AGES))
+    return size, stamps[: _leading(agree & possible)]
+
+
+def _leading(flags: NDArray[np.bool_]) -> int:
+    """How many flags (N,) are set before the first that is not."""
+    return len(flags) if flags.all() else int(flags.argmin())
+
+
+def _follows(before: Array, after: Array, longest: float = LONGEST) -> NDArray[np.bool_]:
+    """Whether stamps [s] can belong to consecutive messages: moved on, or stale, which is seen."""
+    step = after - before
+    return ((step == 0) & (after > 0)) | ((step >= SHORTEST) & (step <= longest))
+
+
+def _trust(stamps: Array, last: float) -> int:
+    """How well stamps [s] (N,) go with messages after one stamped `last` (NaN: none); 0: not.
+
+    Best is to follow on it; after a long gap or a restart they must move on among themselves.
+    """
+    if not len(stamps):
+        return 0
+    count = _leading(_follows(stamps[:-1], stamps[1:], SETTLED))
+    moved = int(np.count_nonzero(np.diff(stamps[: count + 1])))
+    if _follows(np.array([last]), stamps[:1])[0]:
+        return 2 * EVIDENCE + 1 + count + moved
+    if len(stamps) == 1:
+        return int(math.isnan(last))
+    return count + moved if moved else 0
+
+
+def _whole(stream: bytes, at: int, end: int) -> tuple[int, int]:
+    """How many messages from an offset on are whole, at most RUN, and their size.
+
+    That is those whose last byte is followed by a message again, or by the end.
+    """
+    size, stamps = _stamps(stream, at, end, RUN)
+    count = _leading(_follows(stamps[:-1], stamps[1:]))
+    if count:
+        return count, size
+    at += size
+    if end - at < HEAD:  # no stamp any more: the end, or a size word
+        return int(at == end or SIZE_WORD.match(stream, at, end) is not None), size
+    return int(_trust(_stamps(stream, at, end, EVIDENCE)[1], float(stamps[0])) > 0), size
+
+
+def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
+    """The message size that occurs most often; messages of others are found."""
+    size = max(counts, key=counts.__getitem__)
+    if others := sorted(counts.keys() - {size}):
+        which = ", ".join(map(str, others))
+        detail = f"messages of {which} bytes among those of {size} bytes are left out"
+        count = sum(counts[other] for other in others)
+        findings.append(Finding("robot", "other layouts", "warning", count, detail))
+    return size
+
+
+def _left_out(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
+    """What is said about bytes that belong to no whole message."""
+    total = messages.length
+    starts = [0, *(run.end for run in messages.runs)]
+    ends = [*(run.start for run in messages.runs), total]
+    gaps = [(start, end) for start, end in zip(starts, ends, strict=True) if start < end]
+    partial = [gap for gap in gaps if gap[1] - gap[0] < size and (gap[0] == 0 or gap[1] == total)]
+    skipped = [gap for gap in gaps if gap not in partial]
+    findings = []
+    if skipped:
+        when = lines.received[np.searchsorted(lines.ends, skipped[0][0], side="right")]
+        count = sum(end - start for start, end in skipped)
+        places = "1 place" if len(skipped) == 1 else f"{len(skipped)} places, the first"
+        detail = f"they belong to no whole message: lost, cut or foreign, in {places} at {when:g} s"
+        findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
+    if partial:
+        detail = "the capture begins or ends in the middle of a message, which is left out"
+        findings.append(Finding("robot", "incomplete message", "note", len(partial), detail))
+    return findings
+
+
+def _fields(size: int) -> dict[str, tuple[int, int]]:
+    """First byte and number of doubles of the channels of a layout, in the order sent."""
+    own = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
+    fields = {name: at for name, at in (ALWAYS | own).items() if at[0] < size}
+    return dict(sorted(fields.items(), key=lambda field: field[1]))
+
+
+def _frame(messages: _Messages, lines: _Lines, size: int) -> pd.DataFrame:
+    """The messages of one size [bytes], one row each."""
+    table = messages.tables[size][:, : messages.counts[size]]
+    ends = [
+        run.start + size * np.arange(1, run.count + 1) for run in messages.runs if run.size == size
+    ]
+    table[1] = lines.received[np.searchsorted(lines.ends, np.concatenate(ends))]
+    names = ["time", "received"]
+    for name, (_, count) in _fields(size).items():
+        names += columns(name, count) if count > 1 else [name]
+    frame = pd.DataFrame(table.T, columns=names, copy=False)
+    frame.attrs = {"message_bytes": size, "software": SOFTWARE[size]}
+    return frame

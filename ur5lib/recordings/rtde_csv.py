@@ -1,0 +1,44 @@
+"""Reader of what ur_rtde's file recording and Universal Robots' own client write."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.columns import RESERVED
+from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
+from ur5lib.recordings.plausibility import first_time
+from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
+from ur5lib.recordings.sensors import read_sensors
+
+CYCLES = (0.002, 0.008)  # s: e-Series and CB controllers
+
+
+def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
+    """Read a CSV with RTDE's names in its header. recording: `folder`, `file`, and sensors.
+
+    `timestamp` counts from the controller's start; here, time counts from the first row.
+    Raises InputError when there is no such column or no row.
+    """
+    path = Path(recording["folder"]) / recording["file"]
+    findings: list[Finding] = []
+    table = read_numbers(path, None, "robot", findings)
+    begins = f"(it begins {first_line(path)})"
+    if "timestamp" not in table:
+        raise InputError(
+            f"{path}, line 1: has no column timestamp {begins}; "
+            "record it with its header, or use format table-csv"
+        )
+    if not np.isfinite(table["timestamp"]).any():
+        raise InputError(
+            f"{path}, line 1: holds no complete row of {len(table.columns)} numbers {begins}; "
+            "record it again, or use format table-csv if the columns are others"
+        )
+    table = table.drop(columns=RESERVED, errors="ignore").rename(columns={"timestamp": "time"})
+    table = drop_untimed(table, path, "robot", findings)
+    table["time"] -= first_time(table["time"].to_numpy())
+    robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))
+    return RawRecording(robot, None, read_sensors(recording, findings), findings)

@@ -1,0 +1,186 @@
+"""Force sensor and IMU files with clocks of their own."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.columns import expand, to_si
+from ur5lib.recordings.delimited import drop_untimed, read_numbers
+from ur5lib.recordings.ordering import drop_repeats, epochs
+from ur5lib.recordings.plausibility import drop_implausible, first_time
+from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.recording import DeviceRecord, Stamp
+
+Array = NDArray[np.float64]
+
+FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
+IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
+NOTHING = 1e-6  # what an unconnected force sensor writes
+DEVICES: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
+GAP, LONG_GAP = 2.5, 4.0  # usual steps: of lost samples, where they are many; of one gap
+FEW = 0.01  # share of samples that a device's jitter explains
+STAMP_STD = 0.05  # s, of a start stamp that nothing more is known of
+
+
+@dataclass(frozen=True)
+class Samples:
+    """A sensor's samples, and the stamp [s] of the first, damaged ones included."""
+
+    table: pd.DataFrame
+    first: float
+
+
+def read_sensors(
+    recording: Mapping[str, Any], findings: list[Finding]
+) -> dict[Device, DeviceRecord]:
+    """The sensors that a study names for a recording, where they recorded something."""
+    records = {
+        device: _read_sensor(Path(recording["folder"]), recording[key], device, findings)
+        for key, device in DEVICES.items()
+        if recording.get(key)
+    }
+    return {device: record for device, record in records.items() if record is not None}
+
+
+def read_device(
+    path: Path,
+    names: list[str],
+    device: Device,
+    findings: list[Finding],
+    units: Mapping[str, str] = MappingProxyType({}),
+) -> Samples | None:
+    """A sensor's whole rows in order, or None and a finding when there are none to use.
+
+    units: of channels that are not in SI units. Damage to a sensor never takes the robot's data
+    with it; only a unit that the study cannot mean raises InputError.
+    """
+    to_si(pd.DataFrame(columns=names, dtype=float), units)
+    absence = _absence(path)
+    if absence is not None:
+        findings.append(Finding(device, "no sensor", "note", 1, absence))
+        return None
+    try:
+        table = to_si(read_numbers(path, names, device, findings), units)
+        return _repair(table, path, device, findings)
+    except InputError as error:
+        findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
+        return None
+
+
+def first_number(path: Path, ended: bool = False) -> float | None:
+    """The number that a file begins with, as the stamps of the thesis do.
+
+    ended: the file's line is known to end, so that a number without an end is torn.
+    """
+    text = path.read_text(errors="replace") if path.is_file() else ""
+    words = text.split()
+    try:
+        number = float(words[0]) if words and (text[len(words[0]) :] or not ended) else math.nan
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def table_start(first: float, counts: str) -> Stamp:
+    """When a table's first row was. first: its time [s]; counts: what that counts."""
+    return Stamp(first, STAMP_STD, counts)  # type: ignore[arg-type]
+
+
+def _absence(path: Path) -> str | None:
+    if not path.is_file():
+        return f"there is no {path.name}"
+    with path.open("rb") as stream:
+        head = stream.read(100)
+    if b"no values recorded" in head or not head.strip():
+        return f"{path.name} says that no values were recorded"
+    return None
+
+
+def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
+    """A sensor's rows without holes: it samples fast enough to do without the others."""
+    whole = np.isfinite(table.to_numpy()).all(axis=1)
+    if not whole.all():
+        detail = "samples with empty cells are left out"
+        findings.append(Finding(device, "missing cells", "warning", int((~whole).sum()), detail))
+    return table[whole].reset_index(drop=True)
+
+
+def _repair(
+    table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
+) -> Samples | None:
+    """Possible samples in order, each once. Raises InputError when their units must be wrong."""
+    table = drop_untimed(table, path, device, findings)
+    absence = _nothing(table, path, device)
+    if absence is not None:
+        findings.append(Finding(device, "no sensor", "note", 1, absence))
+        return None
+    table = drop_implausible(table, str(path), device, findings)
+    whole = _in_order(_drop_incomplete(table, device, findings), device, findings)
+    if len(whole) < 2:
+        raise InputError(f"{path}: holds no two samples that are possible; record it again")
+    _tell_timing(whole["time"].to_numpy(), device, findings)
+    return Samples(whole, first_time(table["time"].to_numpy()))
+
+
+def _nothing(table: pd.DataFrame, path: Path, device: Device) -> str | None:
+    """Why a sensor's rows hold nothing, or None when they do."""
+    whole = table.dropna()
+    if len(whole) < 2:
+        return f"{path.name} holds no two complete rows of {len(table.columns)} numbers"
+    if device == "force" and (whole.drop(columns="time").abs() <= NOTHING).all(axis=None):
+        return f"{path.name} holds only zeros: no sensor was connected"
+    return None
+
+
+def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
+    table = drop_repeats(table, device, findings)
+    later = epochs(table["time"].to_numpy()) > 0
+    if later.any():
+        detail = "the device's time starts again; the samples from there on are left out"
+        findings.append(Finding(device, "clock reset", "warning", int(later.sum()), detail))
+        table = table[~later]
+    backwards = int((table["time"].diff() < 0).sum())
+    if backwards:
+        detail = "samples come after later ones; they are put in order"
+        findings.append(Finding(device, "samples out of order", "note", backwards, detail))
+        table = table.sort_values("time", kind="stable")
+    return table.reset_index(drop=True)
+
+
+def _tell_timing(time: Array, device: Device, findings: list[Finding]) -> None:
+    """Samples lost and stamps that stood still, beyond the jitter that devices have."""
+    steps = np.diff(time)
+    usual, middle = np.quantile(steps, [0.25, 0.5])
+    lost = int(np.rint(steps[steps > GAP * usual] / middle - 1).clip(min=0).sum())
+    if lost > FEW * len(time) or steps.max() > LONG_GAP * middle:
+        detail = f"longest step {1000 * steps.max():.0f} ms, {1000 * middle:.1f} ms in the middle"
+        findings.append(Finding(device, "lost samples", "warning", max(lost, 1), detail))
+    still = int((steps == 0).sum())
+    if still > FEW * len(time):
+        detail = "samples under the stamp of the one before"
+        findings.append(Finding(device, "stale stamps", "warning", still, detail))
+
+
+def _read_sensor(
+    folder: Path, sensor: Mapping[str, Any], device: Device, findings: list[Finding]
+) -> DeviceRecord | None:
+    path, counts = folder / sensor["file"], sensor["time"]
+    units = sensor["units"] | ({"time": "ms"} if counts == "day_ms" else {})
+    samples = read_device(path, expand(sensor["columns"]), device, findings, units)
+    if samples is None:
+        return None
+    if sensor["start_file"] is None:
+        table = samples.table.assign(time=samples.table["time"] - samples.first)
+        return DeviceRecord(table, table_start(samples.first, counts), str(path))
+    zero = first_number(folder / sensor["start_file"])
+    scale = 1000 if sensor["start"] == "day_ms" else 1
+    stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor["start"])
+    return DeviceRecord(samples.table, stamp, str(path))
