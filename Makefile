@@ -19,7 +19,7 @@ lint: .venv/ready ## check style, types and the workflow's form
 	snakemake --quiet --lint
 
 bench: .venv/ready ## measure speed side by side
-	python benchmarks/dynamics.py
+	for benchmark in benchmarks/*.py; do echo "$$benchmark"; python $$benchmark || exit 1; done
 
 schema: .venv/ready ## write the JSON schema of a study anew
 	ur5 schema > workflow/study.schema.json

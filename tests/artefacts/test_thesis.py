@@ -233,6 +233,8 @@ def test_the_readme_tells_the_numbers_of_the_tables(
     readme = (PROJECT / "README.md").read_text()
     row = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C'").iloc[1]
     assert f"| {row['printed']:.3f} | {row['mae']:.3f} | |" in readme
+    rotors = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C+rotors'")
+    assert f"| | {rotors['mae'].iloc[1]:.3f} | |" in readme
     along_x = force.query("estimate == 'F*' and component == 'Fx'").set_index("kind")
     printed, corrected = along_x.loc["printed"], along_x.loc["corrected"]
     values = (printed["printed_mae"], printed["mae"], printed["zero_mae"])

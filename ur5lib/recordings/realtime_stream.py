@@ -306,7 +306,7 @@ def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.Recor
         invalid_row_handler=None if torn is None else leave_out,
     )
     converting = pacsv.ConvertOptions(column_types=dict.fromkeys(cells, pa.binary()))
-    reader = pacsv.open_csv(path, options, parsing, converting)
+    reader = pacsv.open_csv(pa.memory_map(str(path)), options, parsing, converting)
     with ThreadPoolExecutor(1) as ahead:
         coming = deque(ahead.submit(next, reader, None) for _ in range(AHEAD))
         while (batch := coming.popleft().result()) is not None:
