@@ -188,6 +188,17 @@ def test_table_5_6_shows_the_numbers_of_the_csv(page: Page, torque: pd.DataFrame
             assert cells[f"{model} rebuilt"].lstrip("▼▲ ") == f"{expected.loc[joint, 'mae']:.4f}"
 
 
+def test_the_torque_table_shows_each_number_in_its_column(page: Page, torque: pd.DataFrame) -> None:
+    header, *rows = page.table(f"on {TABLE_5_6}, at the target and at the measured motion")
+    computed = torque[(torque["recording"] == TABLE_5_6) & torque["mae"].notna()]
+    expected = computed.set_index(["motion", "model", "joint"])["mae"]
+    assert len(rows) * (len(header) - 2) == len(expected)
+    for row in rows:
+        for title, cell in list(zip(header, row, strict=True))[1:-1]:
+            model, motion = title.split(", ")
+            assert cell.lstrip("▼▲ ") == f"{expected[motion, model, int(row[0])]:.4f}"
+
+
 @pytest.mark.parametrize(
     ("figure", "words"), [("mae", "beside Table 6.1"), ("max", "beside Table 6.2")]
 )
@@ -203,6 +214,24 @@ def test_tables_6_show_the_numbers_of_the_csv(
             expected = printed.loc[(component, estimate)]
             assert cells[f"{label} printed"] == f"{expected[f'printed_{figure}']:.2f}"
             assert cells[f"{label} rebuilt"].lstrip("▼▲ ") == f"{expected[figure]:.2f}"
+
+
+@pytest.mark.parametrize("figure", ["mae", "max"])
+def test_the_force_tables_show_each_number_in_its_column(
+    page: Page, force: pd.DataFrame, figure: str
+) -> None:
+    name = {"mae": "Mean", "max": "Largest"}[figure]
+    header, *rows = page.table(f"{name} absolute error on {TABLE_6_1}, as printed and corrected")
+    labels = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "zero": "Fu"}
+    kinds = {"as printed": "printed", "corrected": "corrected"}
+    expected = force.set_index(["kind", "estimate", "component"])
+    assert [len(row) for row in rows] == [9] * 6
+    for row in rows:
+        for title, cell in list(zip(header, row, strict=True))[1:]:
+            label, _, kind = title.partition(" ")
+            column = f"zero_{figure}" if label == "zero" else figure
+            value = expected.loc[(kinds[kind], labels[label], row[0].split()[0]), column]
+            assert cell.lstrip("▼▲ ") == f"{value:.2f}"
 
 
 def test_the_report_holds_what_was_promised(thesis_results: Path, page: Page) -> None:

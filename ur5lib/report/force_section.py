@@ -45,19 +45,19 @@ def force_blocks(force: pd.DataFrame, figures: Path) -> list[Block]:
 
 def _printed_table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
     """Table 6.1 or 6.2: printed, rebuilt, their difference."""
+    known = _known(rows)
     header = ["component"]
-    header += [
-        f"{x} {what}" for x in ESTIMATES.values() for what in ("printed", "rebuilt", "diff.")
-    ]
+    header += [f"{ESTIMATES[x]} {what}" for x in known for what in ("printed", "rebuilt", "diff.")]
     body = []
     for component, group in rows.groupby("component", sort=False):
+        part = group.set_index("estimate")
         line = [_component(component)]
-        marks = extremes(dict(zip(group["estimate"], group[figure], strict=True)))
-        for row in group.to_dict("records"):
-            printed, value = row[f"printed_{figure}"], row[figure]
+        marks = extremes(part[figure].to_dict())
+        for name in known:
+            printed, value = part.loc[name, [f"printed_{figure}", figure]]
             line += [
                 number(printed, 2),
-                number(value, 2, marks[row["estimate"]]),
+                number(value, 2, marks[name]),
                 signed(100 * (value / printed - 1), 1, " %"),
             ]
         body.append([*line, number(group[f"zero_{figure}"].iloc[0], 2)])
@@ -68,18 +68,26 @@ def _printed_table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
 
 def _table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
     """Both kinds side by side."""
-    columns = [*ESTIMATES.values(), "zero"]
+    known = _known(rows)
+    columns = [*(ESTIMATES[name] for name in known), "zero"]
     header = ["component", *(f"{column} {kind}" for kind in KINDS.values() for column in columns)]
+    values = rows.set_index(["kind", "estimate", "component"])[[figure, f"zero_{figure}"]]
     body = []
-    for component, group in rows.groupby("component", sort=False):
+    for component in rows["component"].unique():
         line = [_component(component)]
         for kind in KINDS:
-            part = group[group["kind"] == kind]
-            marks = extremes(dict(zip(part["estimate"], part[figure], strict=True)))
-            line += [number(row[figure], 2, marks[row["estimate"]]) for _, row in part.iterrows()]
-            line.append(number(part[f"zero_{figure}"].iloc[0], 2))
+            errors = {name: values.loc[(kind, name, component), figure] for name in known}
+            marks = extremes(errors)
+            line += [number(errors[name], 2, marks[name]) for name in known]
+            line.append(number(values.loc[(kind, known[0], component), f"zero_{figure}"], 2))
         body.append(line)
     return Table(f"{FIGURES[figure][0]} on {recording}, as printed and corrected.", header, body)
+
+
+def _known(rows: pd.DataFrame) -> list[str]:
+    """The estimates that were made of every kind, in the report's order."""
+    made = set.intersection(*(set(part["estimate"]) for _, part in rows.groupby("kind")))
+    return [name for name in ESTIMATES if name in made]
 
 
 def _component(name: str) -> Cell:

@@ -8,12 +8,6 @@ import pandas as pd
 from ur5lib.report.document import Block, Cell, Table
 from ur5lib.report.result_tables import group_findings
 
-ROLES = {
-    "fit": "contact-free, for fitting",
-    "validate": "contact-free, not fitted on",
-    "contact": "something touches the arm",
-}
-
 
 def recording_blocks(
     roles: Mapping[str, str],
@@ -36,7 +30,7 @@ def _recording_table(roles: Mapping[str, str], qualities: Mapping[str, Any]) -> 
         rows.append(
             [
                 Cell(name),
-                Cell(ROLES[role]),
+                Cell(role),
                 Cell(f"{quality['duration_s']:.1f}"),
                 Cell(str(quality["rows"])),
                 Cell(str(quality["frames"])),
@@ -48,7 +42,9 @@ def _recording_table(roles: Mapping[str, str], qualities: Mapping[str, Any]) -> 
     header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
     caption = (
         "The recordings: rows read, frames on the uniform grid, the longest step between stamps, "
-        "how far 99 % of the steps lie from the grid's, and the devices whose data are used."
+        "how far 99 % of the steps lie from the grid's, the devices whose data are used. Roles: "
+        "fit, contact-free, for fitting; validate, contact-free, not fitted on; contact, something "
+        "touches the arm."
     )
     return Table(caption, [*header, "jitter [ms]", "devices used"], rows)
 

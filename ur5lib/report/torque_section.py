@@ -55,14 +55,16 @@ def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
 
 def _table(recording: str, rows: pd.DataFrame) -> Table:
     """Every model, at the target and at the measured motion."""
-    pairs = rows[["motion", "model"]].drop_duplicates().itertuples(index=False)
-    header = ["joint", *(f"{model}, {motion}" for motion, model in pairs), "zero"]
+    motions, models = rows["motion"].unique(), rows["model"].unique()
+    errors = rows.set_index(["joint", "motion", "model"])["mae"]
+    header = ["joint", *(f"{model}, {motion}" for motion in motions for model in models), "zero"]
     body = []
     for joint, group in rows.groupby("joint"):
         line = [Cell(str(joint))]
-        for _, part in group.groupby("motion", sort=False):
-            marks = extremes(dict(zip(part["model"], part["mae"], strict=True)))
-            line += [number(row.mae, 4, marks[row.model]) for row in part.itertuples()]
+        for motion in motions:
+            values = {model: errors[joint, motion, model] for model in models}
+            marks = extremes(values)
+            line += [number(values[model], 4, marks[model]) for model in models]
         body.append([*line, number(group["zero_mae"].iloc[0], 4)])
     caption = f"Torque error [Nm] on {recording}, at the target and at the measured motion."
     return Table(caption, header, body)

@@ -31,7 +31,7 @@ def _best_model(torque: pd.DataFrame) -> Iterator[str]:
     differ = mean.max(axis="columns") - mean.min(axis="columns") > SMALLEST_DIFFERENCE
     best = mean.idxmin(axis="columns")[differ]
     winner = mean.columns[0] if best.empty else best.mode()[0]
-    errors = {model: ", ".join(f"{value:.2f}" for value in mean[model]) for model in mean}
+    errors = {model: ", ".join(f"{value:.3f}" for value in mean[model]) for model in mean}
     others = "; ".join(f"Model {model}: {errors[model]}" for model in errors if model != winner)
     if len(errors) > 1:
         yield (
