@@ -17,6 +17,10 @@ MAX_DRIFT = 0.01  # far more than a quartz drifts
 EXPLAINED = 0.8  # least share of the gyroscope's variance that the joints must explain
 BLOCKS = 8  # of the jackknife: few, so that each is longer than what correlates the residuals
 SAMPLES = 20  # least number in a block
+# What no jackknife of one recording sees [s]: joint velocities lag the positions by some 2 ms, and
+# clocks found from gyroscope and accelerometer of one IMU differ by 3 to 7 ms; over a recording
+# the clock wanders about its straight line, which tilts it.
+LATENCY, WANDER = 0.005, 0.004
 NOTHING = 1e-30  # (rad/s)²: keeps a perfect fit, or a dead gyroscope, from infinity
 
 
@@ -61,7 +65,7 @@ def clock_from_rotation(
 
     Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
     rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
-    blocks of time, because neighbouring residuals are alike.
+    blocks of time, because neighbouring residuals are alike, and the latencies it cannot see.
     """
     if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
         return stamps, "the record is too short to tell a clock from motion"
@@ -73,6 +77,8 @@ def clock_from_rotation(
         return stamps, "hardly any unbroken stretch is in both the device's record and the robot's"
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
+    offset_std = float(np.hypot(offset_std, LATENCY))
+    drift_std = float(np.hypot(drift_std, WANDER / (time[-1] - time[0])))
     clock = Clock(float(offset), offset_std, float(drift), drift_std, "angular rate")
     variance = np.nanvar(pair.gyroscope, axis=0).mean() + NOTHING
     explained = 1 - float(np.mean(residual**2) / variance) if len(residual) else 0.0
