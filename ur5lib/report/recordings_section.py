@@ -19,7 +19,7 @@ def recording_blocks(
     return [
         _recording_table(roles, qualities),
         _finding_table(quality),
-        _clock_table(clocks),
+        *([_clock_table(clocks)] if len(clocks) else []),
     ]
 
 

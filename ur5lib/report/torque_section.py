@@ -66,7 +66,7 @@ def _table(recording: str, rows: pd.DataFrame) -> Table:
             marks = extremes(values)
             line += [number(values[model], 4, marks[model]) for model in models]
         body.append([*line, number(group["zero_mae"].iloc[0], 4)])
-    caption = f"Torque error [Nm] on {recording}, at the target and at the measured motion."
+    caption = f"Torque error [Nm] on {recording}, at the {' and at the '.join(motions)} motion."
     return Table(caption, header, body)
 
 
