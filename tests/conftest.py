@@ -27,22 +27,22 @@ def ur5() -> Robot:
     return load_robot(robot_path("ur5"))
 
 
-@pytest.fixture(scope="session")
-def thesis_data() -> Path:
-    """The thesis's real recordings, where they are at hand."""
-    for folder in (PROJECT / "raw" / "thesis", PROJECT.parent / "shared" / "thesis"):
+def recordings(name: str, remedy: str) -> Path:
+    """A folder of real recordings, where it is at hand."""
+    for folder in (PROJECT / "raw" / name, PROJECT.parent / "shared" / name):
         if folder.is_dir():
             return folder
-    pytest.skip("the thesis's recordings are not here: `make thesis` fetches them")
+    pytest.skip(f"the recordings in raw/{name} are not here: {remedy}")
+
+
+@pytest.fixture(scope="session")
+def thesis_data() -> Path:
+    return recordings("thesis", "`make thesis` fetches them")
 
 
 @pytest.fixture(scope="session")
 def ur10e_data() -> Path:
-    """The logs of a real UR10e, where they are at hand."""
-    for folder in (PROJECT / "raw" / "ur10e", PROJECT.parent / "shared" / "ur10e"):
-        if folder.is_dir():
-            return folder
-    pytest.skip("the UR10e's logs are not here: workflow/studies/ur10e.yaml says where they are")
+    return recordings("ur10e", "workflow/studies/ur10e.yaml says where they are")
 
 
 def copy_project(target: Path) -> Path:

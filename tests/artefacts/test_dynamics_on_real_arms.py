@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 import torch
 
-from tests.conftest import PROJECT
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import gravity_torque, inverse_dynamics
 from ur5lib.intake import take_in
@@ -22,14 +21,6 @@ COLUMNS = ["time", "actual_q", "actual_qd", "actual_current", "target_current", 
 @pytest.fixture(scope="module")
 def ur10e() -> Robot:
     return load_robot(robot_path("ur10e"))
-
-
-@pytest.fixture(scope="module")
-def ur10e_data() -> Path:
-    for folder in (PROJECT / "raw" / "ur10e", PROJECT.parent / "shared" / "ur10e"):
-        if list(folder.glob("*.csv")):
-            return folder
-    pytest.skip("the UR10e's recordings are not here: workflow/studies/ur10e.yaml says where")
 
 
 def received(recording: Recording, arm: Robot) -> pd.DataFrame:

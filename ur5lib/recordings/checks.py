@@ -5,11 +5,9 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from ur5lib.recordings.quality import Finding
-
-Array = NDArray[np.float64]
+from ur5lib.tables import channel
 
 MOVES = 0.05  # rad/s, of a joint that tells something about its velocity
 DERIVATIVES = [  # a channel, and the channel that must be its derivative
@@ -93,7 +91,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
     """Least-squares ratio of the derivative of one channel to another, for joints that move."""
-    values, rates = (_joints(robot, name) for name in (below, above))
+    values, rates = (channel(robot, name) for name in (below, above))
     whole = (robot["segment"].diff() == 0).to_numpy() & ~robot["interpolated"].to_numpy()
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
     slope = np.diff(values, axis=0)[whole[1:]] / period
@@ -108,7 +106,7 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
     for one, other, bound in TWINS:
         if f"{one}_0" in robot and f"{other}_0" in robot:
-            apart = np.nanmedian(np.abs(_joints(robot, one) - _joints(robot, other)), axis=0)
+            apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
                 joints = ", ".join(str(joint + 1) for joint in wrong)
@@ -133,7 +131,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     """Pairs of joints that follow each other's targets, not their own."""
     if f"{one}_0" not in robot or f"{other}_0" not in robot:
         return
-    values, targets = _joints(robot, one), _joints(robot, other)
+    values, targets = channel(robot, one), channel(robot, other)
     apart = np.array(
         [np.nanmedian(np.abs(column[:, None] - targets), axis=0) for column in values.T]
     )
@@ -151,18 +149,14 @@ def _limits(
 ) -> Iterator[Finding]:
     if f"{name}_0" not in robot:
         return
-    beyond = np.abs(_joints(robot, name)) > np.asarray(bounds)
+    beyond = np.abs(channel(robot, name)) > np.asarray(bounds)
     if beyond.any():
         joints = ", ".join(str(joint + 1) for joint in np.flatnonzero(beyond.any(axis=0)))
-        largest = np.nanmax(np.abs(_joints(robot, name)))
+        largest = np.nanmax(np.abs(channel(robot, name)))
         detail = f"{name} exceeds the limits of joints {joints} (up to {largest:.3g} {unit})"
         yield Finding("robot", "joint limits", "note", int(beyond.any(axis=1).sum()), detail)
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:
     """Root mean square over all joints."""
-    return float(np.sqrt(np.nanmean(_joints(robot, name) ** 2)))
-
-
-def _joints(robot: pd.DataFrame, name: str) -> Array:
-    return robot[[f"{name}_{joint}" for joint in range(6)]].to_numpy(float)
+    return float(np.sqrt(np.nanmean(channel(robot, name) ** 2)))
