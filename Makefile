@@ -14,9 +14,8 @@ thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), 
 test: lint ## run every check
 	pytest
 
-lint: .venv/ready ## check style, types and the workflow's form
+lint: .venv/ready ## check style and types
 	pre-commit run --all-files
-	snakemake --quiet --lint
 
 bench: .venv/ready ## measure speed side by side
 	for benchmark in benchmarks/*.py; do echo "$$benchmark"; python $$benchmark || exit 1; done

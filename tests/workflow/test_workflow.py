@@ -45,6 +45,12 @@ def append(path: Path, text: str) -> None:
 # What a run makes
 
 
+def test_snakemake_finds_no_fault_with_the_rules(built_workflow: Workflow) -> None:
+    done = built_workflow.run("--lint")
+    assert done.returncode == 0, done.stdout
+    assert "Congratulations" in done.stdout
+
+
 def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
     done = workflow.run("--dry-run")
     assert done.returncode == 0
