@@ -17,7 +17,7 @@ STUDY = """\
 study: small
 title: Two made-up recordings
 recordings:
-  - {name: still, robot: ur5, format: thesis-csv, folder: raw/still, role: validate}
+  - {name: still, robot: ur5, format: thesis-csv, folder: raw/still, role: fit}
   - {name: pushed, robot: ur5, format: thesis-csv, folder: raw/pushed, role: contact}
 """
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import norm
 
 Array = NDArray[np.float64]
 
@@ -25,3 +26,30 @@ def correlation(estimate: Array, reference: Array) -> Array:
     scale = np.sqrt(np.nansum(x**2, axis=0) * np.nansum(y**2, axis=0))
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.nansum(x * y, axis=0) / scale
+
+
+def skill(estimate: Array, reference: Array) -> Array:
+    """1 - MAE / MAE of zero, of each column: 0 is no better than saying "none", 1 is perfect."""
+    zero = mean_absolute_error(
+        np.zeros_like(reference), np.where(np.isfinite(estimate), reference, np.nan)
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return 1 - mean_absolute_error(estimate, reference) / zero
+
+
+def gain(estimate: Array, reference: Array) -> Array:
+    """Slope of each column of the estimate over its reference, least squares with an offset."""
+    both = np.isfinite(estimate) & np.isfinite(reference)
+    x = np.where(both, reference, np.nan)
+    y = np.where(both, estimate, np.nan)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        x = x - np.nanmean(x, axis=0)
+        return np.nansum(x * y, axis=0) / np.nansum(x**2, axis=0)
+
+
+def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
+    """Share of each column's references inside the band that states to hold `stated` of them."""
+    band = norm.ppf(0.5 + stated / 2) * std
+    both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
+    inside = both & (np.abs(reference - estimate) <= band)
+    return inside.sum(axis=0) / both.sum(axis=0)

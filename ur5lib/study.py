@@ -9,7 +9,7 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, Field, ValidationError
 from pydantic_core import ErrorDetails
@@ -151,16 +151,66 @@ class FilterSignals(Strict):
     cutoff_hz: float = Field(10.0, gt=0, lt=62.5)
 
 
-class EstimateForces(Strict):
-    """Contact forces from motor currents, and the sensor they are compared with."""
+class CompareAccelerations(Strict):
+    """Zero-phase Butterworth low-pass of joints and IMU where they are compared."""
+
+    order: int = Field(4, ge=1, le=12)
+    cutoff_hz: float = Field(2.0, gt=0, lt=62.5)
+
+
+FrictionTerm = Literal[
+    "load", "stribeck", "saturating", "quadratic", "cubic", "asymmetric", "periodic"
+]
+
+
+class FitFriction(Strict):
+    """Torque constants and friction, from currents and motion low-passed without delay."""
+
+    order: int = Field(4, ge=1, le=12)
+    cutoff_hz: float = Field(
+        2.0, gt=0, lt=62.5, description="above it, a measured current is noise"
+    )
+    terms: list[FrictionTerm] = Field(
+        [*get_args(FrictionTerm)],
+        description="to choose from besides Coulomb and viscous friction; those that predict "
+        "recordings left out are taken",
+    )
+
+
+class RebuildForces(Strict):
+    """The thesis's estimates of a contact force."""
 
     order: int = Field(5, ge=1, le=12, description="of the low-pass on the external torque")
     cutoff_hz: float = Field(1.454, gt=0, lt=62.5)
-    bias_window_s: float = Field(
-        1.0, gt=0, le=60, description="contact-free start of a run, where the sensor's bias is read"
-    )
     min_singular_value: float = Field(
         0.01, gt=0, le=1, description="of the Jacobian; below it the torques tell no force"
+    )
+
+
+class EstimateForces(Strict):
+    """What is known of a contact before any measurement."""
+
+    contact_force_n: float = Field(
+        10.0, gt=0, le=1000, description="standard deviation of each component"
+    )
+    contact_lever_m: float = Field(
+        0.05, ge=0, le=1, description="how far from the flange it acts; 0: no moment"
+    )
+
+
+class CompareForces(Strict):
+    """The force sensor that estimates are compared with."""
+
+    bias_window_s: float = Field(
+        1.0, gt=0, le=60, description="start of a run, free of contact, for the kind “corrected”"
+    )
+
+
+class SetThreshold(Strict):
+    """From which odds on a contact is called one."""
+
+    false_alarms_per_min: float = Field(
+        1.0, ge=0, le=60, description="at most so many on the recordings for fitting"
     )
 
 
@@ -169,7 +219,12 @@ class Settings(Strict):
 
     repair_frames: RepairFrames = RepairFrames()
     filter_signals: FilterSignals = FilterSignals()
+    compare_accelerations: CompareAccelerations = CompareAccelerations()
+    fit_friction: FitFriction = FitFriction()
+    rebuild_forces: RebuildForces = RebuildForces()
     estimate_forces: EstimateForces = EstimateForces()
+    compare_forces: CompareForces = CompareForces()
+    set_threshold: SetThreshold = SetThreshold()
 
 
 class Study(Strict):

@@ -10,7 +10,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from ur5lib.errors import InputError
 
 Array = NDArray[np.float64]
 
+WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 UNITS = {  # of a channel, by its name without suffix
     "time": "s",
     "segment": "1",
@@ -80,14 +81,42 @@ UNITS = {  # of a channel, by its name without suffix
     "q": "rad",
     "qd": "rad/s",
     "qdd": "rad/s2",
+    "q_std": "rad",
+    "qd_std": "rad/s",
+    "qdd_std": "rad/s2",
+    "fused_q": "rad",
+    "fused_qd": "rad/s",
+    "fused_qdd": "rad/s2",
+    "fused_accelerometer_bias": "m/s2",
+    "fused_gyroscope_bias": "rad/s",
+    "felt": "m/s2, rad/s2",
+    "published": "m/s2, rad/s2",
+    "acceleration": "m/s2, rad/s2",
     "o6": "m",
     "R6": "1",
     "J": "m, 1",
     "sigma_min": "1",
+    "tau_ext": "Nm",
+    "tau_observer": "Nm",
+    "coriolis_torque": "Nm",
+    "gravity_torque": "Nm",
+    "momentum": "Nm s",
+    "log_odds": "1",
+    "tau_motor": "Nm",
+    "predicted_current": "A",
+    "current_band": "A",
+    "tau_friction": "Nm",
+    "tau_contact": "Nm",
+    "wrench": "N, Nm",
     "tau_target": "Nm",
     "tau_measured": "Nm",
+    "tau_closed_loop": "Nm",
     "printed": "N, Nm",
     "corrected": "N, Nm",
+    "compensated": "N, Nm",
+    "Fmap": "N, Nm",
+    "observer": "N, Nm",
+    "repeat": "N, Nm",
 }
 
 
@@ -142,6 +171,16 @@ def named(values: Array, name: str) -> dict[str, Array]:
     """An array (N, M), or (N, ...) flattened row by row, as named columns."""
     flat = values.reshape(len(values), -1)
     return dict(zip(columns(name, flat.shape[1]), flat.T, strict=True))
+
+
+def labelled(values: Array, name: str, labels: Sequence[str]) -> dict[str, Array]:
+    """An array (N, M) as columns name_label, one for each of M labels."""
+    return {f"{name}_{label}": column for label, column in zip(labels, values.T, strict=True)}
+
+
+def labelled_channel(table: pd.DataFrame, name: str, labels: Sequence[str]) -> Array:
+    """Columns name_label as an array (N, M)."""
+    return table[[f"{name}_{label}" for label in labels]].to_numpy(np.float64)
 
 
 def write_csv(table: pd.DataFrame, path: str | Path) -> None:

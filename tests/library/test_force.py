@@ -8,13 +8,21 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian
 from ur5lib.force.current_based import (
     delay,
+    environment_on_arm,
     friction_torque,
     motor_torque,
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.force.sensor import bias, move_to_frame_6, wrench_on_arm
-from ur5lib.metrics import correlation, largest_error, mean_absolute_error
+from ur5lib.force.sensor import bias, move_to_frame_6, wrench_of_environment
+from ur5lib.metrics import (
+    correlation,
+    coverage,
+    gain,
+    largest_error,
+    mean_absolute_error,
+    skill,
+)
 from ur5lib.robots.description import Robot
 
 RANDOM = np.random.default_rng(0)
@@ -34,6 +42,15 @@ def test_a_wrench_comes_back_from_its_torques(ur5: Robot) -> None:
     seen = np.linalg.svd(J, compute_uv=False)[:, -1] >= 1e-3
     np.testing.assert_allclose(estimate[seen], wrench[seen], rtol=1e-7, atol=1e-9)
     assert np.isnan(estimate[~seen]).all()
+
+
+def test_a_published_wrench_is_turned_round_once(ur5: Robot) -> None:
+    """Lifted from outside, the motors give less: J^-T (tau_motor - tau_model) points downwards."""
+    J = jacobian(build_arm(ur5, "C"), torch.tensor(RANDOM.uniform(0.5, 1.5, (5, 6)))).numpy()
+    lift = np.tile([0.0, 0, 10, 0, 0, 0], (5, 1))
+    missing = -(J.mT @ lift[..., None])[..., 0]
+    published = wrench_from_torque(J, missing, min_singular_value=1e-3)
+    np.testing.assert_allclose(environment_on_arm(published), lift, atol=1e-8)
 
 
 def test_no_wrench_is_told_at_a_singularity(ur5: Robot) -> None:
@@ -88,15 +105,17 @@ def test_bias_is_read_in_the_first_window() -> None:
     np.testing.assert_allclose(bias(reading, time, 0.5), [1, 2, 3, 4, 5, 6])
 
 
-def test_the_sensor_reads_the_arm_on_the_hand() -> None:
-    """Erratum 7: the wrench on the arm is the opposite, turned into base axes."""
+def test_a_reading_is_turned_into_base_axes() -> None:
+    """Equation 6.11, without its minus: the environment acting on the arm."""
     rotation = rotations(20)
     force, moment = RANDOM.normal(size=(20, 3)), RANDOM.normal(size=(20, 3))
     reading = np.concatenate(
-        [-np.einsum("nji,nj->ni", rotation, half) for half in (force, moment)], axis=1
+        [np.einsum("nji,nj->ni", rotation, half) for half in (force, moment)], axis=1
     )
     np.testing.assert_allclose(
-        wrench_on_arm(reading, rotation), np.concatenate([force, moment], axis=1), atol=1e-12
+        wrench_of_environment(reading, rotation),
+        np.concatenate([force, moment], axis=1),
+        atol=1e-12,
     )
 
 
@@ -128,3 +147,24 @@ def test_correlation_does_not_see_scale_and_offset() -> None:
         correlation(x, x[::-1]), [np.corrcoef(x[:, i], x[::-1, i])[0, 1] for i in (0, 1)]
     )
     assert np.isnan(correlation(np.ones((9, 1)), x[:9, :1])).all()
+
+
+def test_skill_compares_with_saying_nothing() -> None:
+    reference = np.array([[2.0], [-2.0], [np.nan], [4.0]])
+    assert skill(reference, reference) == pytest.approx(1)
+    assert skill(np.zeros((4, 1)), reference) == pytest.approx(0)
+    assert skill(-reference, reference) == pytest.approx(-1)
+
+
+def test_gain_is_the_slope() -> None:
+    x = RANDOM.normal(size=(50, 2))
+    np.testing.assert_allclose(gain(0.7 * x + 3, x), 0.7)
+    assert np.isnan(gain(x, np.ones_like(x))).all()
+
+
+@pytest.mark.parametrize("stated", [0.5, 0.8, 0.95])
+def test_a_true_band_covers_what_it_states(stated: float) -> None:
+    reference = np.random.default_rng(1).normal(0, 2, size=(20000, 1))
+    estimate, std = np.zeros_like(reference), np.full_like(reference, 2.0)
+    assert coverage(estimate, std, reference, stated) == pytest.approx(stated, abs=0.01)
+    assert coverage(estimate, std / 2, reference, stated) < stated - 0.1

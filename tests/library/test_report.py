@@ -11,7 +11,7 @@ import pytest
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed
 from ur5lib.report.document import Cell, Code, Document, Items, Paragraph, Picture, Section, Table
-from ur5lib.report.figures import joint_panels, save, wrench_panels
+from ur5lib.report.figures import cartesian_panels, joint_panels, save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.result_tables import torque_errors
@@ -109,13 +109,13 @@ def test_the_same_figure_is_the_same_file(picture: Path, tmp_path: Path) -> None
     time = np.linspace(0, 1, 50)
     values = np.outer(np.cos(time), np.ones(6))
     for name in ("a.svg", "b.svg"):
-        save(wrench_panels(time, {"sensor": (values, "measured")}), tmp_path / name)
+        save(cartesian_panels(time, {"sensor": (values, "measured")}), tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
 def test_forces_stand_left_and_moments_right(tmp_path: Path) -> None:
     time = np.linspace(0, 1, 50)
-    figure = wrench_panels(time, {"sensor": (np.tile(np.arange(6.0), (50, 1)), "measured")})
+    figure = cartesian_panels(time, {"sensor": (np.tile(np.arange(6.0), (50, 1)), "measured")})
     shown = {axis.get_ylabel(): axis.lines[0].get_ydata()[0] for axis in figure.axes}
     assert list(shown.values()) == [0, 3, 1, 4, 2, 5]
     assert [*shown][:2] == ["$F_x$ [N]", "$n_x$ [Nm]"]

@@ -93,8 +93,11 @@ def test_motion_is_the_derivative_of_itself(results: Path) -> None:
 
 def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
     torque = read_csv(results / "tables" / "torque_mae.csv")
-    assert len(torque) == 2 * 2 * len(ur5.models) * 6  # recordings, motions, models, joints
+    looped = ur5.models.keys() & ur5.closed_loop_gains.keys()
+    assert len(torque) == 2 * (2 * len(ur5.models) + len(looped)) * 6  # recordings, ..., joints
     assert torque["printed"].isna().all()
     force = read_csv(results / "tables" / "force_mae.csv")
     assert set(force["recording"]) == {"pushed"}
-    assert len(force) == 2 * 3 * 6  # kinds, estimates, components
+    estimates = force.groupby("kind")["estimate"].nunique().to_dict()
+    assert estimates == {"printed": 3, "corrected": 5, "compensated": 5}  # F^map and the observer
+    assert len(force) == (3 + 5 + 5) * 6

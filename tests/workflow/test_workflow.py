@@ -12,17 +12,19 @@ import pytest
 from tests.conftest import PROJECT, STUDY, Workflow
 
 RECORDINGS = 2
-EACH_RECORDING = [
-    "repair_frames",
-    "align_signals",
-    "compute_kinematics",
-    "filter_signals",
-    "smooth_motion",
-    "compute_torques",
-    "estimate_forces",
-    "draw_figures",
-]
+FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures"]
+FROM_CURRENTS = ["predict_currents", "estimate_forces", *FROM_SENSOR]
+FROM_TORQUES = ["compute_torques", "rebuild_forces", *FROM_CURRENTS]
+FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
+FROM_SIGNALS = ["filter_signals", "estimate_gains", *FROM_MOTION]
+FROM_KINEMATICS = ["compute_kinematics", "align_signals", *FROM_SIGNALS]
+EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
+MODELS = {"fit_rotor_inertia": 1, "identify_model": 1}  # of the only arm
+RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
+FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS
+ARM = {"calibrate_imu": 1} | MODELS | FRICTION
 REPORT = {"make_tables": 1, "write_report": 1}
+ALL_ELSE = ARM | {"draw_filters": 1} | REPORT
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
@@ -59,7 +61,7 @@ def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
 
 def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "results")
-    assert workflow.plan() == jobs(*EACH_RECORDING) | REPORT
+    assert workflow.plan() == jobs(*EACH_RECORDING) | ALL_ELSE
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -81,20 +83,24 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     ("module", "expected"),
     [
         ("ur5lib/signals/lowpass.py",
-         jobs("align_signals", "filter_signals", "smooth_motion", "compute_torques",
-              "estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/signals/motion.py",
-         jobs("smooth_motion", "compute_torques", "estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/signals/resampling.py",
-         jobs("align_signals", "filter_signals", "smooth_motion", "compute_torques",
-              "estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/dynamics/rigid_body.py",
-         jobs("compute_torques", "estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/dynamics/kinematics.py",
-         jobs("compute_kinematics", "align_signals", "filter_signals", "smooth_motion",
-              "compute_torques", "estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/force/sensor.py", jobs("estimate_forces", "draw_figures") | REPORT),
-        ("ur5lib/report/figures.py", jobs("draw_figures") | {"write_report": 1}),
+         jobs("align_signals", *FROM_SIGNALS) | ALL_ELSE),
+        ("ur5lib/signals/motion.py", jobs(*FROM_MOTION) | ARM | REPORT),
+        ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
+        ("ur5lib/signals/smoothing.py", jobs(*FROM_MOTION) | MODELS | FRICTION | REPORT),
+        ("ur5lib/signals/euler_route.py",
+         jobs("compare_accelerations", "draw_figures") | REPORT),
+        ("ur5lib/identification/closed_loop.py",
+         jobs("estimate_gains", *FROM_TORQUES) | FRICTION | REPORT),
+        ("ur5lib/identification/rotor_inertia.py",
+         jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/identification/friction.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
+        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | ARM | REPORT),
+        ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
+        ("ur5lib/force/residual_model.py",
+         jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
+        ("ur5lib/report/figures.py",
+         jobs("draw_figures") | {"draw_filters": 1, "draw_friction": 1, "write_report": 1}),
         ("ur5lib/report/verdict.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
         ("workflow/scripts/make_tables.py", REPORT),
@@ -114,8 +120,9 @@ def test_touching_code_reruns_nothing(workflow: Workflow) -> None:
 
 
 def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {cutoff_hz: 2.0}}\n")
-    assert workflow.plan() == jobs("estimate_forces", "draw_figures") | REPORT
+    append(workflow.folder / "config.yaml", "settings: {rebuild_forces: {cutoff_hz: 2.0}}\n")
+    changed = jobs("rebuild_forces", *FROM_SENSOR) | {"draw_filters": 1} | REPORT
+    assert workflow.plan() == changed
     workflow.build()
     (workflow.folder / "config.yaml").write_text(STUDY)
     workflow.build()
@@ -123,7 +130,7 @@ def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
 
 
 def test_spelling_out_a_default_recomputes_nothing(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {order: 5}}\n")
+    append(workflow.folder / "config.yaml", "settings: {rebuild_forces: {order: 5}}\n")
     assert workflow.plan() == {}
 
 
@@ -131,21 +138,41 @@ def test_a_new_recording_runs_alone(workflow: Workflow) -> None:
     shutil.copytree(workflow.folder / "raw" / "still", workflow.folder / "raw" / "new")
     append(
         workflow.folder / "config.yaml",
-        "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: fit}\n",
+        "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: contact}\n",
     )
     assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
 
 
+def test_a_new_contact_free_recording_may_be_a_template_for_forces(workflow: Workflow) -> None:
+    shutil.copytree(workflow.folder / "raw" / "still", workflow.folder / "raw" / "new")
+    append(
+        workflow.folder / "config.yaml",
+        "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: validate}\n",
+    )
+    again = jobs("estimate_forces", *FROM_SENSOR, recordings=RECORDINGS + 1)
+    alone = jobs(*EACH_RECORDING, "estimate_payload", recordings=1)
+    assert workflow.plan() == alone | again | {"set_threshold": 1} | REPORT
+
+
+def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) -> None:
+    shutil.copytree(workflow.folder / "raw" / "still", workflow.folder / "raw" / "new")
+    append(
+        workflow.folder / "config.yaml",
+        "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: fit}\n",
+    )
+    again = jobs(*FROM_MOTION, recordings=RECORDINGS + 1)
+    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | again | ARM | REPORT
+
+
 def test_a_changed_raw_file_reruns_its_recording(workflow: Workflow) -> None:
-    append(workflow.folder / "raw/still/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
+    append(workflow.folder / "raw/pushed/csv_files/log_q_actual.csv", "9.0, 1, 1, 1, 1, 1, 1\n")
     assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
 
 
 @pytest.mark.parametrize(
     ("file", "expected"),
     [
-        ("recordings/still/torques.parquet",
-         jobs("compute_torques", "estimate_forces", "draw_figures", recordings=1) | REPORT),
+        ("recordings/pushed/torques.parquet", jobs(*FROM_TORQUES, recordings=1) | REPORT),
         ("tables/force_mae.csv", REPORT),
         ("figures/still/torques.svg", {"draw_figures": 1, "write_report": 1}),
         ("report.pdf", {"write_report": 1}),
@@ -180,7 +207,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     run.wait()
     assert not (folder / "report.html").exists()
     remaining = workflow.plan()
-    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | REPORT).values())
+    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | ALL_ELSE).values())
     workflow.build()
     assert results(workflow) == before
     assert workflow.plan() == {}
@@ -194,7 +221,8 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     other = STUDY.replace("study: small", "study: other").splitlines()[:-1]
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
-        workflow.plan("--configfile", "other.yaml") == jobs(*EACH_RECORDING, recordings=1) | REPORT
+        workflow.plan("--configfile", "other.yaml")
+        == jobs(*EACH_RECORDING, recordings=1) | ALL_ELSE
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()

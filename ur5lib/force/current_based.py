@@ -47,6 +47,15 @@ def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float
     return wrench
 
 
+def environment_on_arm(published: Array) -> Array:
+    """A wrench (N, 6) of the thesis, or the controller's F^u, with the sign of all others here.
+
+    Both are J^-T (tau_motor - tau_model): what the arm does to its environment. This is the one
+    place where that is turned round.
+    """
+    return -published
+
+
 def delay(values: Array, samples: int) -> Array:
     """The value of `samples` rows before, and the first row until there is one."""
     return values[np.maximum(np.arange(len(values)) - samples, 0)]

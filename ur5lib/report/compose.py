@@ -1,14 +1,17 @@
 """The whole report of a study, from its results."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import yaml
 
+from ur5lib.report.closed_loop_section import closed_loop_blocks
+from ur5lib.report.current_section import current_blocks
 from ur5lib.report.document import Block, Cell, Code, Document, Items, Paragraph, Section, Table
 from ur5lib.report.force_section import force_blocks
+from ur5lib.report.motion_section import motion_blocks
 from ur5lib.report.recordings_section import recording_blocks
 from ur5lib.report.reference import Erratum
 from ur5lib.report.torque_section import torque_blocks
@@ -28,21 +31,36 @@ def compose(
     study: the configuration; tables: results by name; qualities: quality.json by recording;
     figures: holds a folder of figures for each recording.
     """
-    torque, force, quality = tables["torque_mae"], tables["force_mae"], tables["quality"]
     roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
+    found = findings(tables["torque_mae"], tables["force_mae"], tables["quality"])
+    quality = recording_blocks(roles, qualities, tables["quality"], tables["clocks"])
     sections = [
-        Section("What was found", [Items(findings(torque, force, quality))]),
-        Section(
-            "Recordings and their quality",
-            recording_blocks(roles, qualities, quality, tables["clocks"]),
-        ),
-        Section("Joint torques", torque_blocks(torque, figures)),
-        Section("Contact forces", force_blocks(force, figures)),
+        Section("What was found", [Items(found)]),
+        Section("Recordings and their quality", quality),
+        *_results(tables, figures),
         *([_errata_section(errata)] if errata else []),
         Section("Provenance", [*provenance, *_configuration(study)]),
     ]
     subtitle = f"Study “{study['study']}”, recordings: {len(roles)}"
     return Document(study["title"], subtitle, sections).numbered()
+
+
+def _results(tables: Mapping[str, pd.DataFrame], figures: Path) -> list[Section]:
+    """What each step found: each section with the tables that it shows."""
+    parts: dict[str, tuple[Callable[..., list[Block]], str]] = {
+        "Closed loop": (closed_loop_blocks, "closed_loop_mae gains published_gains"),
+        "Joint torques": (torque_blocks, "torque_mae rotor_inertia parameters"),
+        "Accelerations": (motion_blocks, "acceleration_mae imu_calibration innovations"),
+        "Friction and currents": (
+            current_blocks,
+            "friction current_rmse cross_validation payload",
+        ),
+        "Contact forces": (force_blocks, "force_mae detection"),
+    }
+    return [
+        Section(title, blocks(*(tables[name] for name in names.split()), figures))
+        for title, (blocks, names) in parts.items()
+    ]
 
 
 def versions_blocks(commit: str, versions: Mapping[str, str]) -> list[Block]:

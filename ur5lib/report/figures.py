@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from io import BytesIO
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ STYLES: dict[str, Any] = {
     "first": {"color": "#0072B2", "linewidth": 1.0, "linestyle": (0, (5, 1.2))},
     "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
     "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
+    "fourth": {"color": "#CC79A7", "linewidth": 1.0},
 }
 HOUSE_STYLE: Any = {
     "axes.grid": True,
@@ -34,33 +36,90 @@ HOUSE_STYLE: Any = {
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 
-SMALLEST_SPAN = 0.1  # Nm or N, of a panel
+DOTS: Any = {"color": "#0072B2", "markersize": 1.5, "alpha": 0.4, "rasterized": True}
+BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
+SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
+SMALLEST_SPAN = 1e-3  # of a panel
 
-COMPONENTS = [
-    (f"{quantity}_{axis}", unit) for quantity, unit in (("F", "N"), ("n", "Nm")) for axis in "xyz"
-]
+WRENCH = (("F", "N"), ("n", "Nm"))
+ACCELERATION = ((r"\ddot{p}", "m/s²"), (r"\dot{\omega}", "rad/s²"))
 
 Series = Mapping[str, tuple[Array, str]]
+Symbols = tuple[tuple[str, str], tuple[str, str]]
 
 
-def joint_panels(time: Array, series: Series, symbol: str) -> Figure:
-    """Six panels, joints 1 to 6. series: by label, values (N, 6) [Nm] and a style."""
-    return _panels(time, series, [f"${symbol}_{joint}$ [Nm]" for joint in range(1, 7)])
+def joint_panels(time: Array, series: Series, symbol: str, unit: str = "Nm") -> Figure:
+    """Six panels, joints 1 to 6. series: by label, values (N, 6) and a style."""
+    return _panels(time, series, [f"${symbol}_{joint}$ [{unit}]" for joint in range(1, 7)])
 
 
-def wrench_panels(time: Array, series: Series, prefix: str = "") -> Figure:
-    """Six panels, forces left and moments right. series: by label, values (N, 6) and a style."""
+def cartesian_panels(
+    time: Array,
+    series: Series,
+    symbols: Symbols = WRENCH,
+    prefix: str = "",
+    band: tuple[str, Array] | None = None,
+    shaded: Array | None = None,
+) -> Figure:
+    """Six panels, x to z: linear left, angular right. series: by label, values (N, 6), a style.
+
+    band: the label of a series, and the half width (N, 6) of its 95 % band; shaded: (N,), where
+    the background is grey.
+    """
     order = [0, 3, 1, 4, 2, 5]
     reordered = {label: (values[:, order], style) for label, (values, style) in series.items()}
-    names = [f"${prefix}{COMPONENTS[i][0]}$ [{COMPONENTS[i][1]}]" for i in order]
+    names = [f"${prefix}{symbol}_{axis}$ [{unit}]" for axis in "xyz" for symbol, unit in symbols]
     return _panels(time, reordered, names)
+
+
+def scatter_panels(
+    x: Array, y: Array, axes: tuple[str, str], line: tuple[Array, Array] | None = None
+) -> Figure:
+    """Six panels, joints 1 to 6, of samples (N, 6) over (N, 6), and a line (M, 6) over (M, 6).
+
+    axes: what is along x and y, with units; a {} in them is the joint.
+    """
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(7.2, 4.4))
+        for joint, axis in enumerate(figure.subplots(2, 3).flat):
+            axis.plot(x[:, joint], y[:, joint], ".", **DOTS)
+            if line is not None:
+                axis.plot(line[0][:, joint], line[1][:, joint], **STYLES["second"])
+            axis.set(xlabel=axes[0].format(joint + 1), ylabel=axes[1].format(joint + 1))
+    return figure
+
+
+def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Figure:
+    """Residuals (N, 6), a row of panels a joint, a column each over what they may depend on."""
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(7.2, 8.0))
+        rows = figure.subplots(6, len(against), sharey="row")
+        for joint, row in enumerate(rows):
+            for axis, (name, values) in zip(row, against.items(), strict=True):
+                axis.plot(values[:, joint], residual[:, joint], ".", **DOTS)
+                if joint == 5:
+                    axis.set_xlabel(name)
+            row[0].set_ylabel(f"joint {joint + 1} [{unit}]")
+    return figure
+
+
+def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz") -> Figure:
+    """Gain of filters over frequency, both logarithmic. gains: by label, (K,)."""
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(7.2, 3.2))
+        axis = figure.subplots()
+        for (label, gain), style in zip(gains.items(), cycle(STYLES.values()), strict=False):
+            axis.loglog(frequency, gain, label=label, **style)
+        axis.set(xlabel=f"frequency [{unit}]", ylabel="gain", ylim=(1e-4, 2))
+        axis.legend(loc="lower left", frameon=False)
+    return figure
 
 
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure as SVG, byte for byte the same for the same data."""
     buffer = BytesIO()
     with matplotlib.rc_context(HOUSE_STYLE):
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
+        figure.savefig(buffer, format="svg", dpi=200, metadata={"Date": None})
     write_bytes(buffer.getvalue(), path)
 
 
@@ -79,6 +138,11 @@ def _panels(time: Array, series: Series, labels: list[str]) -> Figure:
         if names:
             figure.legend(handles, names, loc="outside upper center", ncols=4, frameon=False)
     return figure
+
+
+def _across(axis: Axes) -> Any:
+    """Coordinates of data along x, of the panel's height along y."""
+    return axis.get_xaxis_transform()
 
 
 def _widen(axis: Axes) -> None:

@@ -7,8 +7,14 @@ import pandas as pd
 from ur5lib.report.cells import extremes, number, signed
 from ur5lib.report.document import Block, Cell, Paragraph, Picture, Table
 
-ESTIMATES = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
-KINDS = {"printed": "as printed", "corrected": "corrected"}
+PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
+NEW = {"Fmap": "F^map", "observer": "observer", "repeat": "repeat-aware"}
+ESTIMATES = PUBLISHED | NEW
+KINDS = {
+    "printed": "the raw sensor",
+    "corrected": "the sensor less its reading at the start",
+    "compensated": "the sensor less bias and tool weight",
+}
 FIGURES = {"mae": ("Mean absolute error", "6.1"), "max": ("Largest absolute error", "6.2")}
 UNITS = {"F": "N", "n": "Nm"}
 PICTURES = {  # file: what it shows, after which figures
@@ -17,30 +23,38 @@ PICTURES = {  # file: what it shows, after which figures
     "force_errors": ("Errors of F̂ᵘ, F̂ and F̂*", "6.8 and 6.9"),
 }
 INTRODUCTION = (
-    "Three estimates of the contact wrench against the force sensor: F̂ᵘ, the controller's own; F̂, "
-    "from motor currents without friction (Equation 6.8); F̂*, with friction (6.9), both with the "
-    "thesis's printed constants. “As printed” keeps what the published script does: raw sensor, "
-    "causal filter, its line for joint 6 and its lag of the Jacobian (errata 5, 6, 7 and 13). "
-    "“Corrected” removes the sensor's bias, filters without delay and uses the printed formula at "
-    "the measured motion. “Zero” is the error of an estimate that always says “no force”. ▼ marks "
-    "the smallest error of the three estimates in a row, ▲ the largest."
+    "Wrenches are what the environment does to the arm, base axes, at the origin of frame 6. "
+    "Three published estimates: F̂ᵘ, the controller's own; F̂, from motor currents without "
+    "friction (Equation 6.8); F̂*, with friction (6.9), both with the thesis's printed constants. "
+    "“As printed” keeps what the published script does: raw sensor, causal filter, its line for "
+    "joint 6 and its lag of the Jacobian (errata 5, 6, 7 and 13); “corrected” filters without "
+    "delay and uses the printed formula at the measured motion. Three new ones, from the external "
+    "torque k (i_predicted − i): F^map, the most probable wrench given how far that torque is "
+    "from zero on recordings without contact; the same of the momentum observer's torque; and, "
+    "where the study has contact-free runs of the same trajectory, F^map with their residual "
+    "taken off. Nothing of them is fitted on recordings with contact. “Zero” is the error of an "
+    "estimate that always says “no force”; skill is 1 − MAE / MAE of zero. ▼ marks the smallest "
+    "error in a row, ▲ the largest."
 )
 NO_SENSOR = "No recording of this study has a working force sensor to compare with."
 
 
-def force_blocks(force: pd.DataFrame, figures: Path) -> list[Block]:
-    """force: the table force_mae; figures: holds a folder for each recording."""
-    if force.empty:
-        return [Paragraph(NO_SENSOR)]
+def force_blocks(force: pd.DataFrame, detection: pd.DataFrame, figures: Path) -> list[Block]:
+    """force, detection: force_mae and detection; figures: holds a folder for each recording."""
     blocks: list[Block] = [Paragraph(INTRODUCTION)]
+    if force.empty:
+        blocks.append(Paragraph(NO_SENSOR))
     for recording, rows in force.groupby("recording", sort=False):
+        blocks.append(_estimate_picture(recording, figures / recording))
+        blocks.append(_bands(recording, rows))
         for figure in FIGURES:
             printed = rows[rows[f"printed_{figure}"].notna()]
             if len(printed):
                 blocks.append(_printed_table(recording, printed, figure))
-            blocks.append(_table(recording, rows, figure))
-        blocks += _pictures(recording, figures / recording)
-    return blocks
+            blocks += [_table(recording, rows, figure, kind) for kind in KINDS]
+        if rows["printed_mae"].notna().any():
+            blocks += _pictures(recording, figures / recording)
+    return blocks + ([_detections(detection)] if len(detection) else [])
 
 
 def _printed_table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
@@ -66,32 +80,83 @@ def _printed_table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
     return Table(caption, [*header, "zero"], body)
 
 
-def _table(recording: str, rows: pd.DataFrame, figure: str) -> Table:
-    """Both kinds side by side."""
-    known = _known(rows)
-    columns = [*(ESTIMATES[name] for name in known), "zero"]
-    header = ["component", *(f"{column} {kind}" for kind in KINDS.values() for column in columns)]
-    values = rows.set_index(["kind", "estimate", "component"])[[figure, f"zero_{figure}"]]
+def _table(recording: str, rows: pd.DataFrame, figure: str, kind: str) -> Table:
+    """Every estimate against one reference."""
+    part = rows[rows["kind"] == kind]
+    known = _known(part)
+    values = part.set_index(["component", "estimate"])[[figure, f"zero_{figure}"]]
     body = []
-    for component in rows["component"].unique():
-        line = [_component(component)]
-        for kind in KINDS:
-            errors = {name: values.loc[(kind, name, component), figure] for name in known}
-            marks = extremes(errors)
-            line += [number(errors[name], 2, marks[name]) for name in known]
-            line.append(number(values.loc[(kind, known[0], component), f"zero_{figure}"], 2))
-        body.append(line)
-    return Table(f"{FIGURES[figure][0]} on {recording}, as printed and corrected.", header, body)
+    for component in part["component"].unique():
+        errors = {name: values.loc[(component, name), figure] for name in known}
+        marks = extremes(errors)
+        line = [_component(component), *(number(errors[x], 2, marks[x]) for x in known)]
+        body.append([*line, number(values.loc[(component, known[0]), f"zero_{figure}"], 2)])
+    header = ["component", *(ESTIMATES[name] for name in known), "zero"]
+    return Table(f"{FIGURES[figure][0]} on {recording} against {KINDS[kind]}.", header, body)
+
+
+def _bands(recording: str, rows: pd.DataFrame) -> Table:
+    """The new estimates: skill, gain, correlation, and what their bands hold."""
+    part = rows[(rows["kind"] == "compensated") & rows["coverage95"].notna()]
+    body = [
+        [
+            Cell(ESTIMATES[row.estimate]),
+            _component(row.component),
+            *(number(getattr(row, name), 2) for name in ("skill", "correlation", "gain")),
+            *(number(100 * getattr(row, f"coverage{x}"), 0) for x in (50, 80, 95)),
+        ]
+        for row in part.itertuples()
+    ]
+    header = ["estimate", "component", "skill", "correlation", "gain"]
+    header += [f"in {x} % band [%]" for x in (50, 80, 95)]
+    caption = (
+        f"The new estimates on {recording}, against the sensor less bias and tool weight: stated "
+        "bands beside what they hold."
+    )
+    return Table(caption, header, body)
+
+
+def _detections(detection: pd.DataFrame) -> Table:
+    """Contacts of at least 15 N found, false alarms, delay, and the smallest force found."""
+    body = [
+        [
+            Cell(row.recording),
+            Cell(ESTIMATES[row.estimate]),
+            Cell("–" if pd.isna(row.contacts) else f"{row.found:.0f} of {row.contacts:.0f}"),
+            number(row.precision, 2),
+            number(row.false_alarms_per_min, 1),
+            number(row.alarms_per_min, 1),
+            number(row.median_delay_s, 2),
+            *(number(getattr(row, f"smallest_force_95_{axis}"), 0) for axis in "xyz"),
+        ]
+        for row in detection.itertuples()
+    ]
+    header = ["recording", "estimate", "contacts found", "precision", "false alarms [1/min]"]
+    header += ["alarms [1/min]", "median delay [s]", *(f"found at 95 %, {a} [N]" for a in "xyz")]
+    caption = (
+        "Contacts of 15 N and more by the sensor; without one, alarms alone. The delay counts from "
+        "3 N by the sensor; estimates are offline and may be first. “Found at 95 %”: the smallest "
+        "push along an axis that is found with that probability on a contact-free motion."
+    )
+    return Table(caption, header, body)
 
 
 def _known(rows: pd.DataFrame) -> list[str]:
-    """The estimates that were made of every kind, in the report's order."""
-    made = set.intersection(*(set(part["estimate"]) for _, part in rows.groupby("kind")))
-    return [name for name in ESTIMATES if name in made]
+    """The estimates that were made, in the report's order."""
+    return [name for name in ESTIMATES if name in set(rows["estimate"])]
 
 
 def _component(name: str) -> Cell:
     return Cell(f"{name} [{UNITS[name[0]]}]")
+
+
+def _estimate_picture(recording: str, folder: Path) -> Picture:
+    return Picture(
+        f"Force sensor and the new estimates on {recording}, with the 95 % band of the last; grey "
+        "where the arm is near a singularity and some force leaves no trace.",
+        folder / "forces_estimated.svg",
+        "Six panels over time, forces left and moments right: sensor, estimates and band.",
+    )
 
 
 def _pictures(recording: str, folder: Path) -> list[Block]:
@@ -101,6 +166,6 @@ def _pictures(recording: str, folder: Path) -> list[Block]:
             folder / f"{name}_{kind}.svg",
             f"Six panels, forces left and moments right, over time: {content}, {how}.",
         )
-        for kind, how in KINDS.items()
+        for kind, how in (("printed", "as printed"), ("corrected", "corrected"))
         for name, (content, numbers) in PICTURES.items()
     ]

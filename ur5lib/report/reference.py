@@ -1,6 +1,7 @@
 """Published values and errata, to stand beside what a study finds."""
 
 from pathlib import Path
+from typing import Any
 
 import yaml
 from pydantic import ValidationError
@@ -20,7 +21,10 @@ class PrintedTable(Strict):
 class Printed(Strict):
     """The published tables that are compared with."""
 
+    closed_loop_q: PrintedTable | None = None
+    closed_loop_qd: PrintedTable | None = None
     torque_mae: PrintedTable | None = None
+    acceleration_mae: PrintedTable | None = None
     force_mae: PrintedTable | None = None
     force_max: PrintedTable | None = None
 
@@ -51,3 +55,10 @@ def read_reference(path: str | Path | None) -> Reference:
         return Reference.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
     except (ValidationError, yaml.YAMLError) as error:
         raise InputError(f"{path} is no file of published values: {error}") from error
+
+
+def published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:
+    """The values that a table prints of a recording: none of another one."""
+    if printed is None or printed.recording != recording:
+        return {}
+    return dict(printed.values)

@@ -7,10 +7,12 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.metrics import mean_absolute_error
-from ur5lib.report.reference import PrintedTable
+from ur5lib.report.reference import PrintedTable, published
 from ur5lib.tables import channel
 
 Row = dict[str, object]
+
+COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 
 
 def quality_table(qualities: Mapping[str, Any], clocks: Mapping[str, Any]) -> pd.DataFrame:
@@ -108,15 +110,17 @@ def torque_errors(
     received = ~signals["interpolated"].to_numpy()
     moment = channel(signals, "target_moment")[received]
     zero = mean_absolute_error(np.zeros_like(moment), moment)
-    published = _published(printed, recording)
-    computed = dict.fromkeys(tuple(name.split("_")[1:3]) for name in torques.filter(like="tau_"))
+    values = published(printed, recording)
+    computed = dict.fromkeys(
+        tuple(name[4:-2].rsplit("_", maxsplit=1)) for name in torques.filter(regex="^tau_.*_0$")
+    )
     for motion, model in computed:
         torque = channel(torques, f"tau_{motion}_{model}")[received]
         mae = mean_absolute_error(torque, moment)
-        print_ = published.get(model, [None] * 6) if motion == "target" else [None] * 6
+        print_ = values.get(model, [None] * 6) if motion in COMPARED else [None] * 6
         yield from _joints(recording, motion, model, mae, print_, zero)
-    for model in published.keys() - {model for _, model in computed}:
-        yield from _joints(recording, "closed_loop", model, [None] * 6, published[model], zero)
+    for model in values.keys() - {model for _, model in computed}:
+        yield from _joints(recording, "closed_loop", model, [None] * 6, values[model], zero)
 
 
 def _joints(
@@ -141,8 +145,8 @@ def force_errors(
     printed_max: PrintedTable | None,
 ) -> Iterator[Row]:
     """Errors of the force estimates against the sensor, from forces.json."""
-    published_mae = _published(printed_mae, recording)
-    published_max = _published(printed_max, recording)
+    published_mae = published(printed_mae, recording)
+    published_max = published(printed_max, recording)
     for kind, estimates in summary["errors"].items():
         for estimate, figures in estimates.items():
             for i, component in enumerate(figures["mae"]):
@@ -156,13 +160,6 @@ def force_errors(
                     "estimate": estimate,
                     "component": component,
                     **{name: values[component] for name, values in figures.items()},
-                    "coverage95": None,
                     "printed_mae": print_mae,
                     "printed_max": print_max,
                 }
-
-
-def _published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:
-    if printed is None or printed.recording != recording:
-        return {}
-    return dict(printed.values)

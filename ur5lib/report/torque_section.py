@@ -14,21 +14,25 @@ INTRODUCTION = (
 )
 
 
-def torque_blocks(torque: pd.DataFrame, figures: Path) -> list[Block]:
-    """torque: the table torque_mae; figures: holds a folder for each recording."""
+def torque_blocks(
+    torque: pd.DataFrame, rotors: pd.DataFrame, parameters: pd.DataFrame, figures: Path
+) -> list[Block]:
+    """torque, rotors, parameters: torque_mae, rotor_inertia, parameters; figures: a folder each."""
     blocks: list[Block] = [Paragraph(INTRODUCTION)]
+    blocks += [_rotor_table(rotors)] if len(rotors) else []
+    blocks += [Paragraph(_identified(parameters))] if len(parameters) else []
     for recording, rows in torque.groupby("recording", sort=False):
         computed = rows[rows["mae"].notna()]
         if rows["printed"].notna().any():
             blocks.append(_printed_table(recording, rows))
+            blocks += _pictures(recording, figures / recording)
         blocks.append(_table(recording, computed))
-        blocks += _pictures(recording, figures / recording)
     return blocks
 
 
 def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
     """Table 5.6: printed, rebuilt, their difference."""
-    target = rows[(rows["motion"] == "target") & rows["printed"].notna()]
+    target = rows[(rows["motion"] == "closed_loop") & rows["mae"].notna() & rows["printed"].notna()]
     others = rows[rows["mae"].isna()]  # printed, but not to be rebuilt
     models, older = target["model"].unique(), others["model"].unique()
     header = ["joint", *(f"{model} printed" for model in older)]
@@ -46,8 +50,8 @@ def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
             ]
         body.append([*line, number(group["zero_mae"].iloc[0], 4)])
     caption = (
-        f"Torque error [Nm] on {recording} beside Table 5.6: printed (in closed loop), rebuilt at "
-        "the target motion, and their difference. [21] is an older model whose equations are not "
+        f"Torque error [Nm] on {recording} beside Table 5.6: printed, rebuilt in closed loop with "
+        "the printed gains, and their difference. [21] is an older model whose equations are not "
         "printed."
     )
     return Table(caption, [*header, "zero"], body)
@@ -55,6 +59,7 @@ def _printed_table(recording: str, rows: pd.DataFrame) -> Table:
 
 def _table(recording: str, rows: pd.DataFrame) -> Table:
     """Every model, at the target and at the measured motion."""
+    rows = rows[rows["motion"] != "closed_loop"]
     motions, models = rows["motion"].unique(), rows["model"].unique()
     errors = rows.set_index(["joint", "motion", "model"])["mae"]
     header = ["joint", *(f"{model}, {motion}" for motion in motions for model in models), "zero"]
@@ -68,6 +73,36 @@ def _table(recording: str, rows: pd.DataFrame) -> Table:
         body.append([*line, number(group["zero_mae"].iloc[0], 4)])
     caption = f"Torque error [Nm] on {recording}, at the {' and at the '.join(motions)} motion."
     return Table(caption, header, body)
+
+
+def _rotor_table(rotors: pd.DataFrame) -> Table:
+    """The fitted rotor inertias, and the terms that should be zero."""
+
+    def fitted(row: pd.Series, value: str, std: str) -> Cell:
+        return Cell(f"{row[value]:.4f} ± {row[std]:.4f}".replace("-", "−"))
+
+    terms = {"offset [Nm]": "offset", "Coulomb [Nm]": "coulomb", "viscous [Nm s/rad]": "viscous"}
+    body = [
+        [Cell(row["robot"]), Cell(str(row["joint"])), fitted(row, "value", "std_error")]
+        + [fitted(row, term, f"{term}_std_error") for term in terms.values()]
+        for _, row in rotors.iterrows()
+    ]
+    caption = (
+        "Inertia of the motors' rotors seen through their gears, fitted to what rigid links leave "
+        "of the controller's torque (erratum 8), with the terms that should be zero (± standard "
+        "error)."
+    )
+    return Table(caption, ["arm", "joint", "inertia [kg m²]", *terms], body)
+
+
+def _identified(parameters: pd.DataFrame) -> str:
+    determined = (parameters["determined"] == "yes").sum()
+    return (
+        f"Model “identified” was fitted to the controller's torques of the recordings for fitting: "
+        f"{determined} of its {len(parameters)} base parameters are determined by them "
+        "(tables/parameters.csv). It lies, with every other model, in parameters/<arm>/arm.yaml "
+        "and as URDF beside it."
+    )
 
 
 def _pictures(recording: str, folder: Path) -> list[Block]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE
-from ur5lib.report.force_section import ESTIMATES
+from ur5lib.report.force_section import ESTIMATES, PUBLISHED
 
 
 def findings(torque: pd.DataFrame, force: pd.DataFrame, quality: pd.DataFrame) -> list[str]:
@@ -46,7 +46,8 @@ def _best_model(torque: pd.DataFrame) -> Iterator[str]:
 
 
 def _against_printed_torques(torque: pd.DataFrame) -> Iterator[str]:
-    rows = torque[torque["mae"].notna() & torque["printed"].notna()]
+    known = torque["mae"].notna() & torque["printed"].notna()
+    rows = torque[known & (torque["motion"] == "closed_loop")]
     if len(rows):
         gap = (rows["mae"] - rows["printed"]).abs()
         worst = rows.loc[gap.idxmax()]
@@ -62,22 +63,27 @@ def _against_printed_forces(force: pd.DataFrame) -> Iterator[str]:
         if len(rows):
             gap = 100 * (rows[figure] / rows[f"printed_{figure}"] - 1).abs()
             widest = gap.groupby(rows["estimate"]).max()
-            parts = [f"{label} within {widest[name]:.1f} %" for name, label in ESTIMATES.items()]
+            parts = [f"{label} within {widest[name]:.1f} %" for name, label in PUBLISHED.items()]
             yield f"The published {name} force errors are met: {', '.join(parts)}."
 
 
 def _against_no_force(force: pd.DataFrame) -> Iterator[str]:
     """Whether any estimate is better than saying "no force"."""
-    forces = force[(force["kind"] == "corrected") & force["component"].str.startswith("F")]
+    forces = force[(force["kind"] == "compensated") & force["component"].str.startswith("F")]
     for recording, rows in forces.groupby("recording", sort=False):
         zero = rows.drop_duplicates("component")["zero_mae"]
-        better = rows[rows["mae"] < rows["zero_mae"]]
-        names = [f"{ESTIMATES[row.estimate]} in {row.component}" for row in better.itertuples()]
+        mean = rows.groupby("estimate", sort=False)["mae"].mean()
+        best = rows[rows["estimate"] == mean.idxmin()]
+        verb = "beats" if (best["mae"] < best["zero_mae"]).all() else "does not beat"
         yield (
-            f"On {recording}, an estimate that always says “no force” is wrong by "
-            f"{', '.join(f'{value:.2f}' for value in zero)} N in x, y, z. With the sensor's bias "
-            f"removed and without delay, {', '.join(names) or 'no estimate'} does better."
+            f"On {recording}, {ESTIMATES[mean.idxmin()]} comes nearest to the force sensor: wrong "
+            f"by {_list(best['mae'])} N in x, y, z on the mean. It {verb} an estimate that always "
+            f"says “no force” on every axis ({_list(zero)} N)."
         )
+
+
+def _list(values: pd.Series) -> str:
+    return ", ".join(f"{value:.2f}" for value in values)
 
 
 def _data_quality(quality: pd.DataFrame) -> str:

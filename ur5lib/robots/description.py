@@ -1,5 +1,6 @@
 """An arm as data: the YAML files of this folder, read and checked."""
 
+import math
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeVar
 
@@ -28,7 +29,10 @@ class DenavitHartenberg(Strict):
 
 
 class Motor(Strict):
-    """What the maker says of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm."""
+    """What the maker says of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
+
+    torque_constant: [Nm/A], of the motor, on its side of the gear.
+    """
 
     position_max: Positive
     velocity_max: Positive
@@ -40,6 +44,7 @@ class Motor(Strict):
     dynamic_friction_backdrive: float | None = None
     viscous_friction_backdrive: float | None = None
     torque_constant: Positive | None = None
+    gear_ratio: Positive | None = None
 
 
 class Cylinder(Strict):
@@ -68,10 +73,11 @@ class Model(Strict):
 
     Either cylinders make up each link, or its inertia tensor is given: xx yy zz xy xz yz
     [kg m²], about the centre of mass, axes of the link's frame. rotor_inertias: of each joint's
-    motor, seen through its gear [kg m²].
+    motor, seen through its gear [kg m²]. masses [kg]: where they are not the robot's.
     """
 
     description: str
+    masses: PerLink[Positive] | None = None
     centers_of_mass: PerLink[Vector3]
     cylinders: PerLink[list[Cylinder]] | None = None
     inertias: PerLink[PerJoint] | None = None
@@ -88,8 +94,8 @@ class Model(Strict):
 class Mounting(Strict):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6."""
 
-    imu: Vector3
-    force_sensor: Vector3
+    imu: Vector3 = (0.0, 0.0, 0.0)
+    force_sensor: Vector3 = (0.0, 0.0, 0.0)
 
 
 class CurrentToTorque(Strict):
@@ -126,7 +132,7 @@ class Robot(Strict):
     masses: PerLink[Positive]
     models: dict[str, Model]
     chosen_model: str
-    mounting: Mounting | None = None
+    mounting: Mounting = Mounting()
     current_to_torque: CurrentToTorque | None = None
     friction: Friction | None = None
     closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
@@ -143,6 +149,20 @@ class Robot(Strict):
     def motor(self, joint: int) -> Motor:
         """The motor of joint 1 to 6."""
         return self.motors[self.joints[joint - 1]]
+
+    def maker_torque_constants(self) -> list[float]:
+        """Nm/A of joints 1 to 6, behind their gears; NaN where the maker's are not known."""
+        motors = [self.motor(joint) for joint in range(1, 7)]
+        return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
+
+    def fullest_model(self) -> str:
+        """The model that explains most: identified, else with rotors, else the chosen one."""
+        names = ("identified", f"{self.chosen_model}+rotors")
+        return next((name for name in names if name in self.models), self.chosen_model)
+
+    def with_model(self, name: str, model: Model) -> Self:
+        """The same arm with a model more, or another of that name."""
+        return self.model_copy(update={"models": self.models | {name: model}})
 
     def carrying(self, payload: Payload) -> Self:
         """The same arm with a payload on its flange, in each of its models."""

@@ -91,7 +91,7 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
         else map(tensor, links.inertias or ())
     )
     bodies = RigidBodies(
-        mass=np.array(robot.masses),
+        mass=np.array(links.masses or robot.masses),
         center_of_mass=np.array(links.centers_of_mass),
         inertia=np.stack(list(inertias)),
         rotor_inertia=np.array(links.rotor_inertias),

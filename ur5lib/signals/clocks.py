@@ -1,11 +1,12 @@
 """How a device's clock runs against the robot's."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.signals.lowpass import by_segment, inner_lowpass
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -143,16 +144,8 @@ def _compare(
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
     """Low-passed without delay; NaN near the ends of a stretch, where the filter has to guess."""
-    edge = round(1 / (BAND * period))
-
-    def smooth(stretch: Array) -> Array:
-        result = np.full_like(stretch, np.nan)
-        if len(stretch) > 2 * edge:
-            inside = slice(edge, -edge)
-            result[inside] = zero_phase_lowpass(stretch, 1 / period, ORDER, BAND)[inside]
-        return result
-
-    return by_segment(smooth, values, segment)
+    lowpass = partial(inner_lowpass, rate=1 / period, order=ORDER, cutoff=BAND)
+    return by_segment(lowpass, values, segment)
 
 
 def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:

@@ -1,6 +1,7 @@
 """Butterworth low-pass filters, designed in Hz as second-order sections."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +10,23 @@ from scipy import signal
 Array = NDArray[np.float64]
 
 
+class Butterworth(NamedTuple):
+    """Order and cut-off [Hz], to be passed as `zero_phase_lowpass(values, rate, *design)`."""
+
+    order: int
+    cutoff: float
+
+
+# The thesis's N_b and Ω_c, which are Hz (erratum 4): for Equation 5.12, and of Section 6.1.
+THESIS_ACCELERATION = Butterworth(8, 4.7)
+THESIS_CURRENT = Butterworth(5, 1.454)
+
+
 def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
     """Butterworth low-pass run forwards and backwards: no delay, and -6 dB at the cut-off.
 
-    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist.
+    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist. Both ends
+    are continued by their reflection in the end point, so that lines stay lines.
     """
     sections = _design(rate, order, cutoff)
     padding = min(len(values) - 1, int(3 * rate / cutoff))
@@ -25,6 +39,24 @@ def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arr
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist.
     """
     return signal.sosfilt(_design(rate, order, cutoff), values, axis=0)
+
+
+def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
+    """As `zero_phase_lowpass`, NaN within 1/cutoff of the ends, where the filter has to guess."""
+    edge = round(rate / cutoff)
+    result = np.full_like(values, np.nan)
+    if len(values) > 2 * edge:
+        inside = slice(edge, -edge)
+        result[inside] = zero_phase_lowpass(values, rate, order, cutoff)[inside]
+    return result
+
+
+def frequency_response(frequency: Array, rate: float, order: int, cutoff: float) -> Array:
+    """Gain of one pass (K,) at frequencies (K,) [Hz] (Equation 5.12); of both, its square.
+
+    rate, cutoff: [Hz]. Raises ValueError for a cut-off beyond Nyquist.
+    """
+    return np.abs(signal.freqz_sos(_design(rate, order, cutoff), frequency, fs=rate)[1])
 
 
 def by_segment(

@@ -30,10 +30,13 @@ RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
 STUDY_YAML = yaml.safe_dump(STUDY.model_dump(), sort_keys=False, allow_unicode=True)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
+VALIDATED = [name for name, recording in RECORDINGS.items() if recording.role == "validate"]
+ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
 
 
 wildcard_constraints:
     recording="|".join(map(re.escape, RECORDINGS)),
+    robot="|".join(map(re.escape, ROBOTS)),
 
 
 def result(name):
@@ -44,6 +47,48 @@ def result(name):
 def results(name):
     """Paths of a file that each recording has, one for each recording."""
     return [f"{RESULTS}/recordings/{recording}/{name}" for recording in RECORDINGS]
+
+
+def parameter(name):
+    """Path of a file that each arm has, with the arm as a wildcard."""
+    return f"{RESULTS}/parameters/{{robot}}/{name}"
+
+
+def parameters(name):
+    """Paths of a file that each arm has, one for each arm."""
+    return [f"{RESULTS}/parameters/{robot}/{name}" for robot in ROBOTS]
+
+
+def parameter_of(name):
+    """The same file of the arm that a recording is of."""
+    return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).robot}/{name}"
+
+
+def fitted_on(wildcards):
+    """Names of the recordings that an arm's parameters are fitted on."""
+    return [
+        name
+        for name, recording in RECORDINGS.items()
+        if recording.role == "fit" and recording.robot == wildcards.robot
+    ]
+
+
+def fitted_results(name):
+    """The same file of each recording that an arm's parameters are fitted on."""
+    return lambda wildcards: [
+        f"{RESULTS}/recordings/{recording}/{name}" for recording in fitted_on(wildcards)
+    ]
+
+
+def contact_free_results(name):
+    """The same file of each other recording of the arm in which nothing touches it."""
+    return lambda wildcards: [
+        f"{RESULTS}/recordings/{other}/{name}"
+        for other, recording in RECORDINGS.items()
+        if recording.role != "contact"
+        and recording.robot == recording_of(wildcards).robot
+        and other != wildcards.recording
+    ]
 
 
 def recording_of(wildcards):
@@ -65,7 +110,8 @@ def raw_files(wildcards):
 
 
 def arm_file(wildcards):
-    return f"ur5lib/robots/{recording_of(wildcards).robot}.yaml"
+    robot = getattr(wildcards, "robot", None) or recording_of(wildcards).robot
+    return f"ur5lib/robots/{robot}.yaml"
 
 
 def code(step):

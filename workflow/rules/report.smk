@@ -1,21 +1,53 @@
 FIGURES = [
+    "positions",
+    "velocities",
     "torques",
     "torque_errors",
+    "accelerations",
+    "acceleration_errors",
+    "accelerations_published",
+    "currents",
+    "forces_estimated",
     *(
         f"{figure}_{kind}"
         for kind in ("printed", "corrected")
         for figure in ("forces", "forces_friction", "force_errors")
     ),
 ]
-TABLES = ["quality", "clocks", "torque_mae", "force_mae"]
+FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
+TABLES = [
+    "quality",
+    "clocks",
+    "torque_mae",
+    "closed_loop_mae",
+    "gains",
+    "published_gains",
+    "rotor_inertia",
+    "parameters",
+    "acceleration_mae",
+    "imu_calibration",
+    "innovations",
+    "friction",
+    "current_rmse",
+    "cross_validation",
+    "payload",
+    "force_mae",
+    "detection",
+]
 
 
 rule draw_figures:
     input:
         signals=result("signals.parquet"),
         torques=result("torques.parquet"),
+        closed_loop=result("closed_loop.parquet"),
+        accelerations=result("accelerations.parquet"),
+        currents=result("currents.parquet"),
+        kinematics=result("kinematics.parquet"),
+        published=result("published_forces.parquet"),
+        sensor=result("sensor.parquet"),
         forces=result("forces.parquet"),
-        arm=arm_file,
+        arm=parameter_of("arm.yaml"),
         code=code("draw_figures"),
     output:
         **{name: f"{RESULTS}/figures/{{recording}}/{name}.svg" for name in FIGURES},
@@ -23,6 +55,8 @@ rule draw_figures:
         f"{RESULTS}/logs/draw_figures/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/draw_figures/{{recording}}.tsv"
+    params:
+        min_singular_value=SETTINGS.rebuild_forces.min_singular_value,
     script:
         "../scripts/draw_figures.py"
 
@@ -34,7 +68,19 @@ rule make_tables:
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
+        closed_loop=results("closed_loop.parquet"),
+        gains=results("gains.json"),
+        accelerations=results("accelerations.json"),
+        motion=results("motion.json"),
         forces=results("forces.json"),
+        rotors=parameters("rotor_inertia.json"),
+        identification=parameters("identification.json"),
+        calibration=parameters("imu.json"),
+        friction=parameters("friction.json"),
+        arm=parameters("arm.yaml"),
+        currents=results("currents.json"),
+        detection=results("detection.json"),
+        payload=expand(rules.estimate_payload.output, recording=VALIDATED),
         code=code("make_tables"),
     output:
         **{name: f"{RESULTS}/tables/{name}.csv" for name in TABLES},
@@ -44,8 +90,53 @@ rule make_tables:
         f"{RESULTS}/benchmarks/make_tables.tsv"
     params:
         recordings=list(RECORDINGS),
+        robots=ROBOTS,
+        validated=VALIDATED,
     script:
         "../scripts/make_tables.py"
+
+
+rule draw_friction:
+    input:
+        signals=fitted_results("signals.parquet"),
+        motion=fitted_results("motion.parquet"),
+        torques=fitted_results("torques.parquet"),
+        friction=parameter("friction.json"),
+        arm=parameter("arm.yaml"),
+        code=code("draw_friction"),
+    output:
+        **{name: f"{RESULTS}/figures/{{robot}}_{name}.svg" for name in FRICTION_FIGURES},
+    log:
+        f"{RESULTS}/logs/draw_friction/{{robot}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_friction/{{robot}}.tsv"
+    params:
+        recordings=fitted_on,
+        order=SETTINGS.fit_friction.order,
+        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+    script:
+        "../scripts/draw_friction.py"
+
+
+rule draw_filters:
+    input:
+        code=code("draw_filters"),
+    output:
+        filters=f"{RESULTS}/figures/filters.svg",
+    log:
+        f"{RESULTS}/logs/draw_filters.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_filters.tsv"
+    params:
+        filter_signals=[SETTINGS.filter_signals.order, SETTINGS.filter_signals.cutoff_hz],
+        compare_accelerations=[
+            SETTINGS.compare_accelerations.order,
+            SETTINGS.compare_accelerations.cutoff_hz,
+        ],
+        rebuild_forces=[SETTINGS.rebuild_forces.order, SETTINGS.rebuild_forces.cutoff_hz],
+        fit_friction=[SETTINGS.fit_friction.order, SETTINGS.fit_friction.cutoff_hz],
+    script:
+        "../scripts/draw_filters.py"
 
 
 rule write_report:
@@ -53,7 +144,9 @@ rule write_report:
         **REFERENCE,
         tables=rules.make_tables.output,
         quality=results("quality.json"),
-        figures=expand(rules.draw_figures.output, recording=RECORDINGS),
+        figures=[rules.draw_filters.output.filters]
+        + expand(rules.draw_friction.output, robot=ROBOTS)
+        + expand(rules.draw_figures.output, recording=RECORDINGS),
         templates=[
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",

@@ -34,15 +34,69 @@ rule filter_signals:
         "../scripts/filter_signals.py"
 
 
+rule calibrate_imu:
+    input:
+        signals=fitted_results("signals.parquet"),
+        kinematics=fitted_results("kinematics.parquet"),
+        clocks=fitted_results("clocks.json"),
+        arm=arm_file,
+        code=code("calibrate_imu"),
+    output:
+        calibration=parameter("imu.json"),
+    log:
+        f"{RESULTS}/logs/calibrate_imu/{{robot}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/calibrate_imu/{{robot}}.tsv"
+    params:
+        recordings=fitted_on,
+        order=SETTINGS.compare_accelerations.order,
+        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+    script:
+        "../scripts/calibrate_imu.py"
+
+
 rule smooth_motion:
     input:
-        filtered=result("filtered.parquet"),
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        clocks=result("clocks.json"),
+        calibration=parameter_of("imu.json"),
+        arm=arm_file,
         code=code("smooth_motion"),
     output:
         motion=result("motion.parquet"),
+        summary=result("motion.json"),
     log:
         f"{RESULTS}/logs/smooth_motion/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/smooth_motion/{{recording}}.tsv"
+    params:
+        recording="{recording}",
     script:
         "../scripts/smooth_motion.py"
+
+
+rule compare_accelerations:
+    input:
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        motion=result("motion.parquet"),
+        clocks=result("clocks.json"),
+        imu=result("imu.parquet"),
+        quality=result("quality.json"),
+        calibration=parameter_of("imu.json"),
+        arm=arm_file,
+        code=code("compare_accelerations"),
+    output:
+        accelerations=result("accelerations.parquet"),
+        summary=result("accelerations.json"),
+    log:
+        f"{RESULTS}/logs/compare_accelerations/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/compare_accelerations/{{recording}}.tsv"
+    params:
+        recording="{recording}",
+        order=SETTINGS.compare_accelerations.order,
+        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+    script:
+        "../scripts/compare_accelerations.py"

@@ -25,7 +25,7 @@ def write_report(input: Any, output: Any, params: Any) -> None:
         study,
         tables={Path(path).stem: read_csv(path) for path in input.tables},
         qualities=dict(zip(names, map(read_json, input.quality), strict=True)),
-        figures=Path(input.figures[0]).parents[1],
+        figures=Path(input.figures[0]).parent,
         errata=read_reference(input.get("reference")).errata,
         provenance=versions_blocks(commit(), versions()),
     )

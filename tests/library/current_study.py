@@ -1,0 +1,69 @@
+"""Made-up contact-free recordings of an arm whose current-torque map is known."""
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy import signal
+
+from ur5lib.identification.estimation import Prior
+from ur5lib.identification.friction import BASE, Term
+from ur5lib.identification.regression import Normal
+from ur5lib.identification.samples import Record, design
+from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.tables import Array
+
+PERIOD = 0.02
+CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])
+LOAD = np.array([8.0, 50.0, 20.0, 2.0, 2.0, 0.0])  # Nm; joint 6 carries nothing
+TERMS = [BASE, (*BASE, Term("load")), (*BASE, Term("stribeck", 0.3)), BASE, BASE, BASE]
+FRICTION = [(6.4, 7.2), (5.7, 9.3, 0.08), (8.8, 4.9, -3.1), (1.5, 1.3), (1.6, 1.2), (1.6, 0.8)]
+OFFSET = np.array([0.1, 0.4, 0.0, 0.3, 0.2, 0.3])  # Nm
+NOISE = np.array([0.08, 0.1, 0.1, 0.03, 0.025, 0.025])  # A, of the slow residual
+
+
+def smooth(values: Array, record: Record) -> Array:
+    """Low-pass at 2 Hz within the segments."""
+    lowpass = partial(zero_phase_lowpass, rate=1 / record.period, order=4, cutoff=2.0)
+    return by_segment(lowpass, values, record.segment)
+
+
+def prior(width: float = 0.1, torque_max: float = 150.0) -> Prior:
+    """Torque constants known to `width`, each on its own."""
+    inverse = 1 / CONSTANT
+    return Prior(Normal(inverse, np.diag((width * inverse) ** -2.0)), np.full(6, torque_max))
+
+
+def coefficients(joint: int) -> Array:
+    """The true ones, of the current."""
+    return np.array([1.0, -OFFSET[joint], *FRICTION[joint]]) / CONSTANT[joint]
+
+
+def make_record(seed: int, seconds: float = 24.0) -> Record:
+    """A motion of slow waves with pauses, and the current it needs without any noise."""
+    random = np.random.default_rng(seed)
+    time = np.arange(0, seconds, PERIOD)[:, None]
+    frequency, phase = random.uniform(0.3, 1.2, (2, 6)), random.uniform(0, 6, (2, 6))
+    qd = 0.5 * np.sum(np.sin(frequency[:, None] * time + phase[:, None]), axis=0)
+    qd *= np.clip(5 * np.sin(0.5 * time + phase[0]) + 3, 0, 1)  # smooth stops
+    q = np.cumsum(qd, axis=0) * PERIOD + phase[1]
+    torque = LOAD * np.sin(q + 0.3 * np.roll(q, 1, axis=1))
+    record = Record(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
+    exact = [design(record, j, TERMS[j]) @ coefficients(j) for j in range(6)]
+    return replace(record, current=np.stack(exact, axis=1))
+
+
+def make_noise(random: np.random.Generator, count: int, step: float) -> Array:
+    """A residual (count, 6) [A] as real ones are: correlated over 0.5 s, with an offset."""
+    memory = np.exp(-step / 0.5)
+    white = random.standard_normal((count, 6)) * np.sqrt(1 - memory**2)
+    offset = 0.4 * random.standard_normal(6)
+    return NOISE * (signal.lfilter([1.0], [1.0, -memory], white, axis=0) + offset)
+
+
+def with_noise(record: Record, seed: int) -> Record:
+    """The record with a correlated residual, and white noise on top."""
+    random = np.random.default_rng(1000 + seed)
+    noise = make_noise(random, len(record.q), record.period)
+    white = 0.1 * random.standard_normal(record.current.shape)
+    return replace(record, current=record.current + noise + white)

@@ -1,0 +1,285 @@
+"""Inertial parameters: identities, known arms under noise, the model of a real controller."""
+
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+import torch
+from scipy.signal import lfilter
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.regressor import regressor
+from ur5lib.identification import base_parameters as module
+from ur5lib.identification.base_parameters import (
+    NAMES,
+    Array,
+    BaseParameters,
+    Estimate,
+    base_parameters,
+    friction_columns,
+    identify,
+    prior_width,
+    stack,
+    torque_error,
+    total,
+)
+from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.identified_model import identified_model, robot_yaml
+from ur5lib.intake import take_in
+from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.urdf import urdf
+from ur5lib.study import ThesisRecording
+from ur5lib.tables import channel
+
+torch.set_num_threads(1)
+
+FITTED = [
+    "Movement_No1",
+    "Movement_No4_Acc",
+    "Movement_No5_Acc_slow_no_disturbance",
+    "Movement_No6_Acc_slow_Verify_Model",
+    "Movement_No8_Singularity_Free_1",
+]
+PERIOD = 0.04  # s
+
+
+def columns(name: str, *motion: Array) -> Array:
+    """Y of an arm, (N, 6, 66)."""
+    arm = build_arm(load_robot(robot_path(name)), load_robot(robot_path(name)).chosen_model)
+    return regressor(arm, *map(torch.from_numpy, motion)).numpy()
+
+
+def parameters(robot: Robot, model: str) -> Array:
+    return build_arm(robot, model).parameters.numpy()
+
+
+def random_states(seed: int = 0, count: int = 200) -> Array:
+    limits = np.array([np.pi, 3.2, 15])[:, None, None]
+    return np.random.default_rng(seed).uniform(-1, 1, (3, count, 6)) * limits
+
+
+@cache
+def ur5_base() -> BaseParameters:
+    return base_parameters(columns("ur5", *random_states()))
+
+
+def sines(seconds: float, still: tuple[int, ...] = (), seed: int = 3) -> list[Array]:
+    """Five sines of up to 0.5 Hz on each joint, q, q̇, q̈ (N, 6); `still` joints do not move."""
+    random = np.random.default_rng(seed)
+    w = 2 * np.pi * random.uniform(0.05, 0.5, (6, 5))
+    size = random.uniform(0.2, 0.6, (6, 5))
+    size[list(still)] = 0
+    phase = w * np.arange(0, seconds, PERIOD)[:, None, None] + random.uniform(0, 6, (6, 5))
+    waves = size * np.sin(phase), size * w * np.cos(phase), -size * w**2 * np.sin(phase)
+    return [wave.sum(axis=2) for wave in waves]
+
+
+def blocks(rows: Array, torque: Array, size: int = 50) -> Iterator[tuple[Array, Array]]:
+    for start in range(0, len(rows), size):
+        yield rows[start : start + size], torque[start : start + size]
+
+
+def fit(rows: Array, torque: Array, prior: Array, size: int = 50) -> Estimate:
+    return identify(stack(blocks(rows, torque, size)), prior, prior_width(rows.shape[2]))
+
+
+# Base parameters
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_an_ur_has_forty_base_parameters_that_make_all_torques(name: str) -> None:
+    base = base_parameters(columns(name, *random_states(0)))
+    rows = columns(name, *random_states(1))
+    assert base.groups.shape == (40, 66)
+    assert np.linalg.matrix_rank(rows.reshape(-1, 66)) == 40
+    np.testing.assert_allclose(rows[..., base.columns] @ base.groups, rows, atol=1e-11)
+    np.testing.assert_allclose(base.groups[:, base.columns], np.eye(40), atol=1e-12)
+
+
+def test_names_say_what_is_hidden_in_what() -> None:
+    names = ur5_base().names()
+    assert "m c_y of link 5 +1 m c_z of link 6" in names  # Khalil and Dombre's regrouping
+    assert names[0].startswith("I_zz of link 1 ")
+    assert names[0].endswith(" +1 rotor inertia of joint 1")
+    assert names[-1] == "rotor inertia of joint 6"
+
+
+def test_friction_has_columns_of_its_own() -> None:
+    q, qd, qdd = random_states(count=300)
+    rows = np.concatenate([columns("ur5", q, qd, qdd), friction_columns(qd, 0.02)], axis=2)
+    assert len(base_parameters(rows).columns) == 40 + 18
+    one = friction_columns(np.array([[0.01, -2, 0, 0, 0, 0]]), 0.02) @ np.arange(18)
+    np.testing.assert_array_equal(one[0, :2], [6 * 0.01 + 12, -1 - 2 * 7 + 13])
+
+
+# Accumulation
+
+
+def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_BLOCKS", 7)
+    rows, torque = columns("ur5", *sines(20)), np.random.default_rng(0).normal(size=(500, 6))
+    torque[123, 4] = np.nan
+    data = stack(blocks(rows, torque, 10))
+    assert data.factors.shape == (7, 6, 67, 67)
+    assert data.samples.sum() == 499
+    assert data.samples.max() < 3 * data.samples.min()
+    known = np.delete(np.concatenate([rows, torque[..., None]], axis=2), 123, axis=0)
+    factor = total(data)
+    np.testing.assert_allclose(
+        factor.mT @ factor, np.einsum("njp,njq->jpq", known, known), atol=1e-9
+    )
+
+
+def test_what_cannot_be_fitted_is_refused(ur5: Robot) -> None:
+    rows, torque = columns("ur5", *sines(4)), np.zeros((100, 6))
+    with pytest.raises(ValueError, match="no row"):
+        stack(blocks(rows, torque + np.nan))
+    with pytest.raises(ValueError, match="two blocks"):
+        fit(rows, torque, parameters(ur5, "C"), size=100)
+
+
+# Known arms
+
+
+def test_exact_torques_give_exact_base_parameters(ur5: Robot) -> None:
+    rows, truth = columns("ur5", *sines(30)), parameters(ur5, "A") + 0.1
+    found = fit(rows, rows @ truth, parameters(ur5, "C"))
+    groups = ur5_base().groups
+    np.testing.assert_allclose(groups @ found.parameters, groups @ truth, atol=1e-6)
+    assert found.determined(groups).all()
+
+
+def test_friction_is_found_along_with_the_links(ur5: Robot) -> None:
+    q, qd, qdd = sines(30)
+    rows = np.concatenate([columns("ur5", q, qd, qdd), friction_columns(qd, 0.02)], axis=2)
+    friction = np.repeat([5.0, 8.0, -0.5], 6)
+    truth = np.append(parameters(ur5, "C+rotors"), friction)
+    prior = np.append(parameters(ur5, "C"), np.zeros(18))
+    noise = np.random.default_rng(0).normal(0, 0.01, (len(q), 6))
+    found = fit(rows, rows @ truth + noise, prior)
+    np.testing.assert_allclose(found.noise, 0.01, rtol=0.1)
+    np.testing.assert_allclose(found.parameters[66:], friction, atol=0.02)
+
+
+def test_intervals_hold_the_truth(ur5: Robot) -> None:
+    """200 runs with joint 6 at rest and a truth that the prior knows nothing better of than its
+    widths; noise like a current's: correlated over a fifth of a second.
+    """
+    random, groups = np.random.default_rng(0), ur5_base().groups
+    rows, prior = columns("ur5", *sines(100, still=(5,))), parameters(ur5, "C")
+    truth = prior + random.normal(size=66) * prior_width()
+    size = np.array([0.15, 0.15, 0.15, 0.06, 0.06, 0.06])  # Nm
+    exact = fit(rows, rows @ truth, prior)
+    lost = np.abs(groups @ (exact.parameters - truth)) > 0.01 * np.abs(groups @ (prior - truth))
+    assert [NAMES[column] for column in ur5_base().columns[lost]] == ["rotor inertia of joint 6"]
+
+    called, inside = [], []
+    for _ in range(200):
+        noise = lfilter([0.6], [1, -0.8], random.normal(size=(len(rows), 6)), axis=0) * size
+        found = fit(rows, rows @ truth + noise, prior)
+        called.append(found.determined(groups))
+        error = np.abs(groups @ (found.parameters - truth))
+        inside.append(error < 1.96 * found.standard_errors(groups))
+    share = np.sum(np.array(inside) & called, axis=0) / np.maximum(np.sum(called, axis=0), 1)
+    assert not np.any(np.array(called)[:, lost])
+    assert np.mean(called, axis=0)[~lost].min() > 0.99
+    assert share[~lost].min() >= 0.9
+    assert share[~lost].max() <= 0.99
+
+
+def test_a_standstill_tells_no_parameter_and_keeps_the_rest(ur5: Robot) -> None:
+    q = np.repeat([[0.1, -1, 1.2, 0.3, 0.9, 0]], 500, axis=0)
+    rows, prior = columns("ur5", q, 0 * q, 0 * q), parameters(ur5, "C")
+    torque = rows @ parameters(ur5, "B")
+    noise = np.random.default_rng(0).normal(0, 0.01, torque.shape)
+    found = fit(rows, torque + noise, prior)
+    assert not found.determined(ur5_base().groups).any()
+    assert torque_error(blocks(rows, torque), found.parameters).max() < 0.002
+    np.testing.assert_array_equal(found.parameters[60:], prior[60:])
+
+
+def test_a_recording_of_one_joint_tells_what_that_joint_feels(ur5: Robot) -> None:
+    q, qd, qdd = sines(30, still=(0, 1, 2, 3, 4))
+    rows, truth = columns("ur5", q + 0.7, qd, qdd), parameters(ur5, "C+rotors")
+    noise = np.random.default_rng(0).normal(0, 0.001, q.shape)
+    found = fit(rows, rows @ truth + noise, parameters(ur5, "C"))
+    told = np.array(NAMES)[ur5_base().columns[found.determined(ur5_base().groups)]]
+    assert {"m c_x of link 6", "m c_y of link 6"} <= set(told)
+    assert not [name for name in told if "link 2" in name or "link 3" in name]
+
+
+# The real controller
+
+
+def target_blocks(folder: Path, robot: Robot, step: int) -> Iterator[tuple[Array, Array]]:
+    """Regressor and `target_moment` at the targets that the robot sent, 2 s a block."""
+    recording = ThesisRecording(
+        name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
+    )
+    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = table[~table["interpolated"].astype(bool)][::step]
+    motion = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
+    return blocks(columns("ur5", *motion), channel(table, "target_moment"), 250 // step)
+
+
+@pytest.fixture(scope="module")
+def controller(ur5: Robot, thesis_data: Path) -> Estimate:
+    rows = (b for name in FITTED for b in target_blocks(thesis_data / name, ur5, 4))
+    return identify(stack(rows), parameters(ur5, "C"), prior_width())
+
+
+def test_the_controllers_model_predicts_every_other_recording(
+    ur5: Robot, thesis_data: Path, controller: Estimate
+) -> None:
+    assert controller.determined(ur5_base().groups).all()
+    bodies = consistent(controller)
+    others = [f for f in sorted(thesis_data.iterdir()) if f.is_dir() and f.name not in FITTED]
+    for folder in others:
+        rows = list(target_blocks(folder, ur5, 1))
+        free, physical = (torque_error(rows, p) for p in (controller.parameters, bodies))
+        assert free.max() < 0.001, folder.name
+        assert physical.max() < 0.001, folder.name  # that the links are bodies costs nothing
+    assert len(others) >= 9
+    assert (
+        smallest_eigenvalues(controller.parameters).min() < 0 < smallest_eigenvalues(bodies).min()
+    )
+
+
+# One model more
+
+
+def test_parameters_and_models_are_the_same_thing(ur5: Robot) -> None:
+    for model in ur5.models:
+        given = parameters(ur5, model)
+        again = identified_model(ur5, given, "as it was")
+        robot = ur5.model_copy(update={"models": {"again": again}})
+        np.testing.assert_allclose(parameters(robot, "again"), given, atol=1e-15)
+
+
+def test_an_identified_model_survives_yaml_and_urdf(
+    ur5: Robot, controller: Estimate, tmp_path: Path
+) -> None:
+    found = consistent(controller)
+    model = identified_model(ur5, found, "from target_moment")
+    text = robot_yaml(ur5.with_model("identified", model))
+    (tmp_path / "ur5.yaml").write_text(text)
+    robot = load_robot(tmp_path / "ur5.yaml")
+    assert robot.models.keys() == {*ur5.models, "identified"}
+    assert robot.models["C+rotors"] == ur5.models["C+rotors"]
+    bodies, motion = rigid_bodies(robot, "identified"), random_states(count=100)
+    engine = pinocchio.buildModelFromXML(urdf(robot, bodies))
+    engine.armature = bodies.rotor_inertia
+    data = engine.createData()
+    theirs = [pinocchio.rnea(engine, data, *state) for state in zip(*motion, strict=True)]
+    np.testing.assert_allclose(theirs, columns("ur5", *motion) @ found, atol=1e-9)
+
+
+def test_no_model_has_a_negative_mass(ur5: Robot) -> None:
+    broken = parameters(ur5, "C")
+    broken[50] = -0.1
+    with pytest.raises(ValueError, match="greater than 0"):
+        identified_model(ur5, broken, "link 6 weighs less than nothing")

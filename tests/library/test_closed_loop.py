@@ -1,0 +1,340 @@
+"""The closed loop: its simulation is exact, its gains come with what the data do not tell."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.signal import lfilter, lsim
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.identification.closed_loop import (
+    JointGains,
+    Tracking,
+    estimate_gains,
+    simulate_closed_loop,
+    tracking_cost,
+)
+from ur5lib.intake import take_in
+from ur5lib.metrics import mean_absolute_error
+from ur5lib.robots.description import Robot
+from ur5lib.study import ThesisRecording
+from ur5lib.tables import Array, channel, period
+
+TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
+FAST = "Movement_No4_Acc"
+PERIOD = 0.008
+K0, K1 = np.full(6, 400.0), np.full(6, 30.0)
+PRINTED_POSITION = {  # Table 5.5 [1e-4 rad]
+    "A": [1, 2, 4, 5, 2, 3],
+    "B": [1, 2, 4, 4, 2, 3],
+    "C": [1, 2, 4, 4, 2, 3],
+}
+PRINTED_VELOCITY = {  # Table 5.5 [1e-4 rad/s]
+    "A": [28, 35, 33, 111, 63, 148],
+    "B": [28, 35, 33, 110, 63, 148],
+    "C": [26, 31, 31, 85, 56, 129],
+}
+PRINTED_TORQUE = {  # Table 5.6 [Nm], joints 1 to 3
+    "A": [0.3227, 1.8140, 1.9529],
+    "B": [0.2973, 0.6082, 1.1918],
+    "C": [0.2959, 0.5860, 1.2439],
+}
+
+
+def smooth_targets(count: int = 800, leap: float = 0.0) -> tuple[Array, Array, Array]:
+    """Joints that swing, told consistently but for a leap [rad/s] of the speed half-way."""
+    time = PERIOD * np.arange(count)
+    speeds = np.linspace(0.5, 1.5, 6)
+    phase = np.outer(time, speeds)
+    after = np.where(np.arange(count) >= count // 2, time - time[count // 2], 0.0)[:, None]
+    q = 0.3 * (1 - np.cos(phase)) + leap * after
+    qd = 0.3 * speeds * np.sin(phase) + leap * (after > 0)
+    return q, qd, 0.3 * speeds**2 * np.cos(phase)
+
+
+def tracking(leap: float, seed: int, memory: float = 0.0) -> Tracking:
+    """A recording of the loop with K0 and K1, its noise correlated as memory**lag."""
+    random = np.random.default_rng(seed)
+    targets = smooth_targets(leap=leap)
+    q, qd, _ = simulate_closed_loop(*targets, PERIOD, K0, K1)
+    white = random.normal(size=(2, *q.shape))
+    noise = np.sqrt(1 - memory**2) * lfilter([1.0], [1.0, -memory], white, axis=1)
+    segment = np.zeros(len(q), dtype=np.int64)
+    return Tracking(*targets, q + 1e-4 * noise[0], qd + 3e-3 * noise[1], segment, PERIOD)
+
+
+# Simulation
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    st.lists(st.floats(-3, 5), min_size=6, max_size=6),
+    st.lists(st.floats(-2, 2.9), min_size=6, max_size=6),
+)
+def test_the_simulation_is_scipys(position: list[float], velocity: list[float]) -> None:
+    """Random targets; gains over decades, under- and overdamped."""
+    random = np.random.default_rng(0)
+    gains = 10.0 ** np.array([position, velocity])
+    targets = random.normal(size=(3, 200, 6))
+    q, qd, qdd = simulate_closed_loop(*targets, PERIOD, *gains)
+    time = PERIOD * np.arange(200)
+    for joint, (k0, k1) in enumerate(gains.T):
+        told = targets[:, :, joint]
+        drive = told[2] + k0 * told[0] + k1 * told[1]
+        loop = ([[0, 1], [-k0, -k1]], [[0], [1]], np.eye(2), np.zeros((2, 1)))
+        states = lsim(loop, drive, time, told[:2, 0])[1]
+        scale = np.abs(states).max(axis=0) + 1
+        assert (np.abs(q[:, joint] - states[:, 0]) < 1e-9 * scale[0]).all()
+        assert (np.abs(qd[:, joint] - states[:, 1]) < 1e-9 * scale[1]).all()
+    error, rate = q - targets[0], qd - targets[1]
+    np.testing.assert_allclose(qdd, targets[2] - gains[0] * error - gains[1] * rate, atol=1e-6)
+
+
+def test_the_simulation_solves_the_differential_equation() -> None:
+    """Against a solver with small steps, critically damped (2.74)."""
+    targets = np.random.default_rng(1).normal(size=(3, 60, 6))
+    gains = np.full(6, 15.0**2), np.full(6, 2 * 15.0)
+    time = PERIOD * np.arange(60)
+    drive = targets[2] + gains[0] * targets[0] + gains[1] * targets[1]
+
+    def slope(t: float, x: Array) -> Array:
+        u = [np.interp(t, time, drive[:, joint]) for joint in range(6)]
+        return np.concatenate([x[6:], u - gains[0] * x[:6] - gains[1] * x[6:]])
+
+    start = np.concatenate([targets[0, 0], targets[1, 0]])
+    limits = {"rtol": 1e-8, "atol": 1e-9, "max_step": PERIOD / 16}
+    solved = solve_ivp(slope, (0, time[-1]), start, t_eval=time, **limits).y.T
+    q, qd, _ = simulate_closed_loop(*targets, PERIOD, *gains)
+    np.testing.assert_allclose(np.hstack([q, qd]), solved, atol=1e-5)
+
+
+def test_the_simulation_does_not_depend_on_the_step() -> None:
+    """Exact: targets interpolated to a quarter of the step give the same states."""
+    targets = np.random.default_rng(2).normal(size=(3, 100, 6))
+    fine = np.interp(np.arange(397) / 4, np.arange(100), np.arange(100))
+    low = np.minimum(fine.astype(int), 98)
+    share = (fine - low)[:, None]
+    between = [(1 - share) * told[low] + share * told[low + 1] for told in targets]
+    whole = simulate_closed_loop(*targets, PERIOD, K0, K1)
+    parts = simulate_closed_loop(*between, PERIOD / 4, K0, K1)
+    for one, other in zip(whole, parts, strict=True):
+        np.testing.assert_allclose(other[::4], one, atol=1e-9)
+
+
+def test_a_loop_at_rest_stays() -> None:
+    told = np.tile(np.linspace(-1, 1, 6), (50, 1))
+    q, qd, qdd = simulate_closed_loop(told, 0 * told, 0 * told, PERIOD, K0, K1)
+    np.testing.assert_allclose(q, told, atol=1e-13)
+    np.testing.assert_allclose(np.hstack([qd, qdd]), 0, atol=1e-10)
+
+
+# Estimation
+
+
+def test_gains_come_back_from_a_leap() -> None:
+    for joint in estimate_gains(tracking(leap=0.5, seed=0)):
+        for gain, truth in ((joint.position, 400.0), (joint.velocity, 30.0)):
+            assert gain.determined
+            assert gain.low < truth < gain.high
+            assert gain.best == pytest.approx(truth, abs=4 * gain.std_error)
+            assert gain.std_error < 0.1 * truth
+
+
+def test_smooth_targets_determine_no_gain() -> None:
+    """Nothing then depends on the gains; the range holds what they are."""
+    for joint in estimate_gains(tracking(leap=0.0, seed=0)):
+        for gain, truth in ((joint.position, 400.0), (joint.velocity, 30.0)):
+            assert not gain.determined
+            assert gain.low < truth < gain.high
+            assert gain.high > 10 * gain.low
+        assert joint.cost == pytest.approx(joint.stiff, rel=0.05)
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9])
+def test_standard_errors_and_ranges_hold_what_they_promise(memory: float) -> None:
+    """Noise that remembers widens them: 24 estimates of the same two gains."""
+    estimates = [
+        joint for seed in range(4) for joint in estimate_gains(tracking(0.5, seed, memory))
+    ]
+    for name, truth in (("position", 400.0), ("velocity", 30.0)):
+        gains = [getattr(joint, name) for joint in estimates]
+        scores = np.array([(gain.best - truth) / gain.std_error for gain in gains])
+        assert 0.4 < np.sqrt(np.mean(scores**2)) < 1.6
+        assert np.mean([gain.low < truth < gain.high for gain in gains]) > 0.9
+
+
+def test_least_squares_finds_the_bottom_of_the_profile() -> None:
+    for joint in estimate_gains(tracking(leap=0.5, seed=1)):
+        for gain in (joint.position, joint.velocity):
+            assert gain.profile.min() >= joint.cost - 1e-9 * joint.cost
+            inside = (gain.grid > gain.low) & (gain.grid < gain.high)
+            assert (gain.profile[inside] <= joint.limit).all()
+            assert (gain.profile[~inside] >= joint.limit).all()
+
+
+def test_cost_is_the_least_at_the_estimate() -> None:
+    recording = tracking(leap=0.5, seed=2)
+    joints = estimate_gains(recording)
+    best = [np.array([getattr(j, name).best for j in joints]) for name in ("position", "velocity")]
+    noise = np.array([joint.noise for joint in joints])
+    least = tracking_cost(recording, *best, noise)
+    np.testing.assert_allclose(least, [joint.cost for joint in joints])
+    for factor in (0.8, 1.25):
+        assert (tracking_cost(recording, factor * best[0], best[1], noise) > least).all()
+        assert (tracking_cost(recording, best[0], factor * best[1], noise) > least).all()
+
+
+def test_nothing_is_fitted_across_a_gap() -> None:
+    """Two stretches count as much when told apart by a label or by a row of NaN."""
+    one, two = tracking(0.5, 3), tracking(0.5, 4)
+    names = ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
+    missing = np.full((1, 6), np.nan)
+    halves = [(getattr(one, name), getattr(two, name)) for name in names]
+    labels = np.repeat([0, 1], len(one.segment))
+    split = Tracking(*(np.concatenate(pair) for pair in halves), labels, PERIOD)
+    holed = [np.concatenate([a, missing, b]) for a, b in halves]
+    holed = Tracking(*holed, np.zeros(len(holed[0]), dtype=np.int64), PERIOD)
+    gains = K0, K1, np.full((6, 2), 1e-3)
+    np.testing.assert_allclose(tracking_cost(holed, *gains), tracking_cost(split, *gains))
+    joined = replace(split, segment=np.zeros_like(labels))
+    assert (tracking_cost(joined, *gains) > 2 * tracking_cost(split, *gains)).all()
+
+
+def test_a_joint_that_follows_perfectly_determines_nothing() -> None:
+    still = np.zeros((100, 6))
+    segment = np.zeros(100, dtype=np.int64)
+    for joint in estimate_gains(Tracking(still, still, still, still, still, segment, PERIOD)):
+        assert not joint.position.determined
+        assert not joint.velocity.determined
+
+
+def test_no_two_successive_samples_are_refused() -> None:
+    empty = np.full((10, 6), np.nan)
+    recording = Tracking(*[empty] * 5, np.zeros(10, dtype=np.int64), PERIOD)
+    with pytest.raises(ValueError, match="no two successive"):
+        estimate_gains(recording)
+
+
+# The thesis's recording
+
+
+def recorded(folder: Path, robot: Robot) -> tuple[Tracking, Array]:
+    """A recording of the UR5, and target_moment (N, 6) [Nm]."""
+    recording = ThesisRecording(
+        name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
+    )
+    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    told = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
+    done = [channel(table, f"actual_{name}") for name in ("q", "qd")]
+    segment = table["segment"].to_numpy()
+    return Tracking(*told, *done, segment, period(table)), channel(table, "target_moment")
+
+
+@pytest.fixture(scope="module")
+def slow(thesis_data: Path, ur5: Robot) -> tuple[Tracking, Array]:
+    return recorded(thesis_data / TABLE_5_5, ur5)
+
+
+@pytest.fixture(scope="module")
+def estimated(slow: tuple[Tracking, Array]) -> list[JointGains]:
+    return estimate_gains(slow[0])
+
+
+def published(robot: Robot, model: str) -> tuple[Array, Array]:
+    gains = robot.closed_loop_gains[model]
+    return np.array(gains.position), np.array(gains.velocity)
+
+
+def simulated(recording: Tracking, gains: tuple[Array, Array]) -> tuple[Array, Array, Array]:
+    t = recording
+    return simulate_closed_loop(t.target_q, t.target_qd, t.target_qdd, t.period, *gains)
+
+
+def errors(recording: Tracking, gains: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Mean absolute errors in units of the last printed digit: [1e-4 rad, 1e-4 rad/s]."""
+    q, qd, _ = simulated(recording, gains)
+    return (
+        1e4 * mean_absolute_error(q, recording.actual_q),
+        1e4 * mean_absolute_error(qd, recording.actual_qd),
+    )
+
+
+def agree(values: Array, printed: list[int]) -> bool:
+    """Equal in the digits printed, or within 20 %: a printed 1 may be anything up to 1.5."""
+    close = np.abs(values - printed) <= 0.2 * np.array(printed)
+    return bool((close | (np.round(values) == printed)).all())
+
+
+@pytest.mark.parametrize("model", ["A", "B"])
+def test_table_5_5(slow: tuple[Tracking, Array], ur5: Robot, model: str) -> None:
+    q, qd = errors(slow[0], published(ur5, model))
+    assert agree(q, PRINTED_POSITION[model])
+    assert agree(qd, PRINTED_VELOCITY[model])
+
+
+def test_table_5_5_of_model_b_to_the_last_digit(slow: tuple[Tracking, Array], ur5: Robot) -> None:
+    q, qd = errors(slow[0], published(ur5, "B"))
+    np.testing.assert_array_equal(np.round(q), PRINTED_POSITION["B"])
+    np.testing.assert_array_equal(np.round(qd), PRINTED_VELOCITY["B"])
+
+
+def test_model_a_was_simulated_with_other_gains(slow: tuple[Tracking, Array], ur5: Robot) -> None:
+    """Erratum 14: where (C.2) repeats (C.3), K1 = K0 + 0.6 gives all that Table 5.5 prints."""
+    position, velocity = published(ur5, "A")
+    velocity[2:] = position[2:] + 0.6
+    q, qd = errors(slow[0], (position, velocity))
+    np.testing.assert_array_equal(np.round(q), PRINTED_POSITION["A"])
+    np.testing.assert_array_equal(np.round(qd), PRINTED_VELOCITY["A"])
+
+
+def test_model_c_was_compared_between_samples(slow: tuple[Tracking, Array], ur5: Robot) -> None:
+    """Its printed velocities are better as interpolation averages the noise of what is measured."""
+    recording, _ = slow
+    _, qd, _ = simulated(recording, published(ur5, "C"))
+    error = qd - recording.actual_qd
+    at = np.arange(0, len(error) - 1, 1 / 8)
+    between = [np.interp(at, np.arange(len(error)), column) for column in error.T]
+    printed = np.array(PRINTED_VELOCITY["C"])
+    assert (1e4 * np.abs(error).mean(axis=0) > 1.05 * printed).all()
+    np.testing.assert_allclose(1e4 * np.abs(between).mean(axis=1), printed, rtol=0.05)
+
+
+@pytest.mark.parametrize("model", ["A", "B", "C"])
+def test_table_5_6(slow: tuple[Tracking, Array], ur5: Robot, model: str) -> None:
+    recording, moment = slow
+    motion = simulated(recording, published(ur5, model))
+    states = [torch.from_numpy(np.ascontiguousarray(state)) for state in motion]
+    torque = inverse_dynamics(build_arm(ur5, model), *states).numpy()
+    error = mean_absolute_error(torque, moment)[:3]
+    np.testing.assert_allclose(error, PRINTED_TORQUE[model], rtol=0.15)
+
+
+def test_the_slow_recording_determines_no_position_gain(estimated: list[JointGains]) -> None:
+    """Erratum 9."""
+    assert not any(joint.position.determined for joint in estimated)
+
+
+def test_the_gains_of_c_4_fit_the_wrist(
+    slow: tuple[Tracking, Array], estimated: list[JointGains], ur5: Robot
+) -> None:
+    """As well as the best; the first three joints follow their targets more closely than that."""
+    noise = np.array([joint.noise for joint in estimated])
+    cost = tracking_cost(slow[0], *published(ur5, "C"), noise)
+    fits = cost <= [joint.limit for joint in estimated]
+    np.testing.assert_array_equal(fits, [False, False, False, True, True, True])
+    for joint, k0, k1 in list(zip(estimated, *published(ur5, "C"), strict=True))[3:]:
+        assert joint.position.low < k0 < joint.position.high
+        assert joint.velocity.low < k1 < joint.velocity.high
+
+
+def test_fast_moves_determine_gains(thesis_data: Path, ur5: Robot) -> None:
+    recording, _ = recorded(thesis_data / FAST, ur5)
+    for joint in estimate_gains(recording)[:4]:
+        assert joint.position.determined
+        assert joint.velocity.determined

@@ -1,0 +1,70 @@
+"""What recordings can tell, in words."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tests.library.test_base_parameters import blocks, columns, fit, parameters, sines, ur5_base
+from ur5lib.identification.base_parameters import Array, prior_width, stack
+from ur5lib.identification.excitation import Excitation, candidate_motions, check_excitation
+from ur5lib.robots.description import Robot
+
+
+@cache
+def candidates() -> dict[str, Array]:
+    return {
+        name: columns("ur5", *motion) for name, motion in candidate_motions(1.5, 3, 300).items()
+    }
+
+
+def check(*motion: Array, noise: float = 0.01) -> Excitation:
+    rows = columns("ur5", *motion)
+    data = stack(blocks(rows, np.zeros(rows.shape[:2])))
+    return check_excitation(data, ur5_base(), prior_width(), np.full(6, noise), candidates())
+
+
+def test_rich_motion_needs_no_advice() -> None:
+    found = check(*sines(60))
+    assert found.condition.keys() == {"gravity", "inertia", "rotors", "all"}
+    assert max(found.condition.values()) < 1000
+    assert (found.combinations, found.undetermined, found.advice) == (40, [], [])
+
+
+def test_a_standstill_tells_only_its_gravity_torques() -> None:
+    q = np.repeat([[0.1, -1, 1.2, 0.3, 0.9, 0.2]], 500, axis=0)
+    found = check(q, 0 * q, 0 * q)
+    assert found.condition["rotors"] == found.condition["inertia"] == np.inf
+    assert found.combinations == 5  # joint 1 is vertical
+    assert len(found.undetermined) == 40
+    assert "rotor inertia of joint 6" in " ".join(found.advice)
+    assert "Moving" in found.advice[0]
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_the_joint_that_rested_is_the_one_to_move(joint: int) -> None:
+    found = check(*sines(100, still=(joint,)), noise=0.05)
+    own = "I_zz of link" if joint < 2 else "rotor inertia of joint"
+    assert f"{own} {joint + 1}" in found.undetermined
+    sentence = next(text for text in found.advice if f"of {own[-5:].strip()} {joint + 1}" in text)
+    assert f"joint {joint + 1}" in sentence.split(". ")[1]
+
+
+def test_hopeless_noise_is_called_hopeless() -> None:
+    found = check(*sines(20), noise=1e4)
+    assert found.combinations == 0
+    assert len(found.advice) == 1
+    assert "nor would any of the motions tried" in found.advice[0]
+
+
+def test_advice_keeps_its_promise(ur5: Robot) -> None:
+    """With the advised motion added, the parameters that it was to tell are determined in a fit."""
+    rows = columns("ur5", *sines(60, still=(5,)))
+    before = check(*sines(60, still=(5,)))
+    advised = [name for name in candidates() if any(name in text for text in before.advice)]
+    more = np.concatenate([rows, *(candidates()[name] for name in advised)])
+    noise = np.random.default_rng(0).normal(0, 0.01, more.shape[:2])
+    truth, prior = parameters(ur5, "C+rotors"), parameters(ur5, "C")
+    found = fit(more, more @ truth + noise, prior)
+    assert before.undetermined
+    assert found.determined(ur5_base().groups).all()

@@ -1,0 +1,108 @@
+"""Alarms and how they are judged."""
+
+import numpy as np
+import pytest
+
+from ur5lib.force.detection import (
+    alarm_threshold,
+    alarms,
+    compare,
+    pushes,
+    receiver_curve,
+    smallest_force,
+    spans,
+    try_pushes,
+)
+
+RANDOM = np.random.default_rng(0)
+
+
+def test_spans_reach_on_and_end_at_off() -> None:
+    signal = np.array([0, 2, 5, 2, 0, 2, 0, 6.0])
+    assert spans(signal, on=4, off=1) == [(1, 4), (7, 8)]
+    assert spans(signal, on=9, off=1) == []
+
+
+def test_an_alarm_does_not_flicker() -> None:
+    odds = np.array([-5, 1, -1, 1, -5.0])
+    assert alarms(odds, 0.0) == [(1, 4)]
+
+
+def test_the_threshold_keeps_its_rate() -> None:
+    """20 recordings of a minute: at most 2 alarms a minute, and one more just below."""
+    recordings = []
+    for _ in range(20):
+        odds = np.full(6000, -5.0)
+        odds[RANDOM.choice(600, 4, replace=False) * 10] = RANDOM.uniform(1, 10, 4)
+        recordings.append(odds)
+    threshold = alarm_threshold(recordings, 0.01, per_minute=2)
+    count = sum(len(alarms(odds, threshold)) for odds in recordings)
+    assert count == 40
+    lower = sum(len(alarms(odds, threshold - 0.5)) for odds in recordings)
+    assert lower > 40
+
+
+def test_a_threshold_is_never_against_the_odds() -> None:
+    assert alarm_threshold([np.full(1000, -3.0)], 0.01, 1.0) == 0.0
+
+
+def test_contacts_found_missed_and_made_up() -> None:
+    detection = compare(
+        alarm=[(12, 20), (50, 60), (80, 90)],
+        strong=[(10, 20), (30, 40)],
+        any_contact=[(10, 20), (30, 40), (79, 82)],
+        period=0.1,
+    )
+    assert (detection.contacts, detection.found) == (2, 1)
+    assert (detection.alarms, detection.false) == (3, 1)
+    assert detection.recall() == 0.5
+    assert detection.precision() == pytest.approx(2 / 3)
+    np.testing.assert_allclose(detection.delays, [0.2])
+
+
+def test_without_contacts_there_is_no_recall() -> None:
+    assert np.isnan(compare([], [], [], 0.1).recall())
+    assert np.isnan(compare([], [], [], 0.1).precision())
+
+
+def test_the_receiver_curve_of_a_perfect_and_a_blind_detector() -> None:
+    contact = RANDOM.random(4000) < 0.3
+    false, found = receiver_curve(contact.astype(float), contact)
+    assert np.trapezoid(found, false) == pytest.approx(1)
+    false, found = receiver_curve(RANDOM.random(4000), contact)
+    assert np.trapezoid(found, false) == pytest.approx(0.5, abs=0.05)
+
+
+def test_pushes_follow_one_another() -> None:
+    profile, places = pushes(3000, 0.01)
+    assert len(places) == 9
+    assert profile.max() == pytest.approx(1)
+    inside = np.concatenate([np.arange(first, last) for first, last in places])
+    assert np.delete(profile, inside).max() == 0
+
+
+def test_trial_pushes_are_found_by_their_torque() -> None:
+    """A detector that alarms above 5 Nm on joint 1, where 1 N along x makes half a Nm."""
+    J = np.zeros((2000, 6, 6))
+    J[:, 0, 0] = 0.5
+    force = np.linspace(1, 30, 25)
+    found = try_pushes(
+        lambda torque: np.abs(torque[:, 0]) - 5, J, np.eye(6)[0], force, 0.01, threshold=0.0
+    )
+    np.testing.assert_array_equal(found, force >= 10)
+
+
+def test_the_smallest_force_of_a_known_detector() -> None:
+    """Found with probability 1 / (1 + (F / 8)^-6): 95 % at 8 * 19^(1/6) = 13.1 N."""
+    force = RANDOM.uniform(2, 40, 2000)
+    found = RANDOM.random(2000) < 1 / (1 + (force / 8) ** -6)
+    smallest = smallest_force(force, found)
+    assert smallest.force == pytest.approx(8 * 19 ** (1 / 6), abs=4 * smallest.std)
+    assert smallest.std < 1.0
+
+
+def test_the_smallest_force_of_extreme_detectors() -> None:
+    force = RANDOM.uniform(2, 40, 100)
+    assert smallest_force(force, np.zeros(100, bool)).force == np.inf
+    sharp = smallest_force(force, force > 10)
+    assert 8 < sharp.force < 16

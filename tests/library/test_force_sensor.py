@@ -1,0 +1,73 @@
+"""Bias, weight and sign of a force sensor, from readings with contacts in them."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from ur5lib.force.detection import pushes
+from ur5lib.force.sensor import GRAVITY, fit_offset, move_to_frame_6, wrench_of_environment
+
+PERIOD = 0.01
+MASS, CENTER = 0.3, np.array([0.01, -0.02, 0.04])
+BIAS = np.array([-5.0, 1.5, -1.0, 0.07, 0.4, -0.1])
+
+
+def orientations(seconds: float, turning: float) -> np.ndarray:
+    time = np.arange(0, seconds, PERIOD)[:, None]
+    angles = turning * np.sin(time * np.array([0.7, 0.5, 0.9]) + np.array([0, 1, 2]))
+    return Rotation.from_euler("xyz", angles).as_matrix()
+
+
+def pushed(rotation: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """What a sensor reads of a tool and of pushes in turn; and the wrenches, base axes."""
+    random = np.random.default_rng(seed)
+    profile, places = pushes(len(rotation), PERIOD)
+    wrench = np.zeros((len(rotation), 6))
+    for first, last in places:
+        direction = random.normal(0, [10, 10, 10, 0.5, 0.5, 0.5])
+        wrench[first:last] = profile[first:last, None] * direction
+    weight = np.zeros_like(wrench)
+    weight[:, 2] = -MASS * GRAVITY
+    weight[:, 3:] = np.cross(rotation @ CENTER, weight[:, :3])
+    both = np.reshape(wrench + weight, (-1, 2, 3)) @ rotation
+    noise = random.normal(0, [0.05] * 3 + [0.002] * 3, wrench.shape)
+    return both.reshape(-1, 6) + BIAS + noise, wrench
+
+
+def test_bias_and_tool_are_found_between_contacts() -> None:
+    rotation = orientations(60, turning=0.8)
+    reading, wrench = pushed(rotation, seed=0)
+    reading[:50] = np.nan
+    offset = fit_offset(reading, rotation, PERIOD)
+    assert 0.3 < offset.free.mean() < 0.9
+    assert np.abs(wrench[offset.free, :3]).max() < 0.5
+    np.testing.assert_array_less(np.abs(offset.bias - BIAS), 5 * offset.bias_std + 0.002)
+    assert offset.mass == pytest.approx(MASS, abs=5 * offset.mass_std)
+    assert offset.mass_std < 0.01 * MASS
+    np.testing.assert_allclose(offset.center(), CENTER, atol=0.002)
+
+
+def test_the_compensated_wrench_is_the_push() -> None:
+    rotation = orientations(60, turning=0.8)
+    reading, wrench = pushed(rotation, seed=1)
+    offset = fit_offset(reading, rotation, PERIOD)
+    estimate = wrench_of_environment(reading - offset.reading(rotation), rotation)
+    assert np.abs(estimate - wrench)[:, :3].max() < 0.3
+    assert np.abs(estimate - wrench)[:, 3:].max() < 0.015
+
+
+def test_without_turning_weight_and_bias_are_one() -> None:
+    rotation = orientations(40, turning=0.0)
+    reading, wrench = pushed(rotation, seed=2)
+    offset = fit_offset(reading, rotation, PERIOD)
+    assert np.isnan(offset.mass)
+    assert np.isnan(offset.center()).all()
+    estimate = wrench_of_environment(reading - offset.reading(rotation), rotation)
+    assert np.abs(estimate - wrench)[:, :3].max() < 0.3
+
+
+def test_a_wrench_at_the_sensor_keeps_its_force() -> None:
+    """28.6 mm further along z (Equation 6.10): a force along x there turns frame 6 about y."""
+    wrench = np.array([[2.0, 0, 0, 0, 0, 0]])
+    moved = move_to_frame_6(wrench, np.eye(3)[None], np.array([0, 0, 0.0286]))
+    np.testing.assert_allclose(moved, [[2.0, 0, 0, 0, 2 * 0.0286, 0]])

@@ -1,0 +1,91 @@
+"""Where the arms are singular, by their Jacobian and by their geometry."""
+
+import numpy as np
+import pytest
+import torch
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import jacobian
+from ur5lib.force.singularities import (
+    KINDS,
+    manipulability,
+    map_singularities,
+    sample_joints,
+    singular_distances,
+    smallest_singular_value,
+    unseen_force,
+    unseen_wrench,
+)
+from ur5lib.robots.description import load_robot, robot_path
+
+RANGES = [(-3.1, 3.1)] * 6
+ARMS = [("ur5", "C"), ("ur10e", "maker")]
+POSE = np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
+STRETCHED = POSE * [1, 1, 0, 1, 1, 1]
+
+
+def jacobians(name: str, model: str, q: np.ndarray) -> np.ndarray:
+    return jacobian(build_arm(load_robot(robot_path(name)), model), torch.tensor(q)).numpy()
+
+
+@pytest.mark.parametrize(("name", "model"), ARMS)
+def test_the_determinant_is_the_product_of_the_distances(name: str, model: str) -> None:
+    robot = load_robot(robot_path(name))
+    q = sample_joints(RANGES, 2000)
+    links = robot.denavit_hartenberg[1].a * robot.denavit_hartenberg[2].a
+    product = abs(links) * singular_distances(robot, q).prod(axis=1)
+    np.testing.assert_allclose(manipulability(jacobians(name, model, q)), product, atol=1e-12)
+
+
+def test_manipulability_is_the_product_of_singular_values() -> None:
+    J = jacobians("ur5", "C", sample_joints(RANGES, 100))
+    values = np.linalg.svd(J, compute_uv=False)
+    np.testing.assert_allclose(manipulability(J), values.prod(axis=1), atol=1e-12)
+    np.testing.assert_array_equal(smallest_singular_value(J), values[:, -1])
+
+
+def test_an_unseen_wrench_leaves_no_torque() -> None:
+    for pose in (STRETCHED, POSE * [1, 1, 1, 1, 0, 1]):
+        J = jacobians("ur5", "C", pose[None])
+        wrench = unseen_wrench(J)
+        assert np.linalg.norm(wrench) == pytest.approx(1)
+        np.testing.assert_allclose(J[0].T @ wrench[0], 0, atol=1e-9)
+
+
+def test_along_the_stretched_arm_force_is_felt_least() -> None:
+    """Of all directions tried, none has less torque; and in the regular pose it has more."""
+    J = jacobians("ur5", "C", np.stack([STRETCHED, POSE]))
+    unseen = unseen_force(J)
+    tried = np.random.default_rng(0).normal(size=(500, 3))
+    tried /= np.linalg.norm(tried, axis=1, keepdims=True)
+    torque = np.linalg.norm(tried @ J[0, :3], axis=1)
+    assert unseen.lever[0] <= torque.min()
+    np.testing.assert_allclose(
+        np.linalg.norm(unseen.direction[0] @ J[0, :3]), unseen.lever[0], atol=1e-12
+    )
+    assert unseen.lever[1] > 2 * unseen.lever[0]
+
+
+def test_joints_are_sampled_all_over_their_ranges() -> None:
+    limits = [(-1.0, 1.0), (0.0, 2.0), (-3.0, -2.0), (0.0, 0.1), (5.0, 6.0), (-0.5, 0.5)]
+    q = sample_joints(limits, 1000)
+    for joint, (low, high) in enumerate(limits):
+        counts = np.histogram(q[:, joint], bins=10, range=(low, high))[0]
+        assert counts.min() > 80
+        assert counts.sum() == 1000
+
+
+def test_each_kind_is_named_where_it_is_alone() -> None:
+    """Ranges around an elbow or a wrist singularity have that one, far from all they have none."""
+    robot = load_robot(robot_path("ur5"))
+    for kind, joint in (("elbow", 2), ("wrist", 4)):
+        limits = [(value - 0.3, value + 0.3) for value in POSE]
+        limits[joint] = (-0.3, 0.3)
+        q = sample_joints(limits, 2000)
+        found = map_singularities(robot, q, jacobians("ur5", "C", q), 0.01)
+        assert found.share[kind] > 0.01
+        assert found.share[kind] == pytest.approx((found.sigma_min < 0.01).mean(), abs=0.01)
+    q = sample_joints([(value - 0.1, value + 0.1) for value in POSE], 500)
+    found = map_singularities(robot, q, jacobians("ur5", "C", q), 0.01)
+    assert set(found.share) == set(KINDS)
+    assert sum(found.share.values()) == 0

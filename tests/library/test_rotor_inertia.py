@@ -1,0 +1,202 @@
+"""Rotor inertias: known ones come back, and the real ones explain recordings not used."""
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
+from ur5lib.intake import take_in
+from ur5lib.metrics import mean_absolute_error
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.signals.motion import differentiate
+from ur5lib.study import Recording, TableRecording, ThesisRecording
+from ur5lib.tables import Array, channel, period
+
+Sample = tuple[Array, Array, Array]  # residual, qd, qdd
+
+FITTED = [
+    "Movement_No1",
+    "Movement_No4_Acc",
+    "Movement_No5_Acc_slow_no_disturbance",
+    "Movement_No6_Acc_slow_Verify_Model",
+]
+UNUSED = [
+    "Movement_No2",
+    "Movement_No3_Acc",
+    "Movement_No7_Acc_slow_Verify_Model_short",
+    "Movement_No8_Singularity_Free_1",
+    "Movement_No9_Singularity_Free_NoDist",
+]
+UR10E_FITTED = [
+    "ur-20_01_17-ptp_10_points",
+    "ur-20_01_31-unload",
+    "ur-20_02_12-50sec_12harm",
+    "ur-20_02_19_14harm50sec",
+]
+UR10E_COLUMNS = [
+    *("time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment")
+]
+MAKER = np.array([6.02, 6.02, 1.915, 0.612, 0.612, 0.612])  # rotors times gear ratio squared
+INERTIA = np.array([1.6, 1.6, 1.9, 0.16, 0.16, 0.16])
+STUDENT = 3.18  # 95 % point of Student's t for the three degrees of freedom of four recordings
+
+
+def made_up(seed: int, count: int = 2000, error: float = 0.05) -> Sample:
+    """A recording whose links' model errs by slow waves of its own."""
+    random = np.random.default_rng(seed)
+    time = 0.008 * np.arange(count)[:, None]
+    speed, phase = random.uniform(1, 4, (2, 6))
+    qd = np.sin(speed * time + phase)
+    qdd = speed * np.cos(speed * time + phase)
+    wave = error * np.sin(random.uniform(0.5, 3, 6) * time + random.uniform(0, 6, 6))
+    return INERTIA * qdd + wave, qd, qdd
+
+
+def fit(recordings: list[Sample]) -> RotorFit:
+    return fit_rotor_inertia(*zip(*recordings, strict=True))
+
+
+def remaining(found: RotorFit, recording: Sample) -> Array:
+    """What rotors leave of the torque that rigid links leave, MAE (6,) [Nm]."""
+    residual, _, qdd = recording
+    return mean_absolute_error(found.value.inertia * qdd, residual)
+
+
+def test_all_four_terms_come_back() -> None:
+    _, qd, qdd = made_up(0)
+    terms = np.random.default_rng(1).normal(size=(4, 6))
+    residual = terms[0] * qdd + terms[1] + terms[2] * np.sign(qd) + terms[3] * qd
+    found = fit([(residual, qd, qdd)])
+    np.testing.assert_allclose(np.array(found.value), terms, atol=1e-6)
+    np.testing.assert_allclose(np.array(found.std_error), 0, atol=1e-6)
+
+
+def test_standard_errors_hold_what_they_promise() -> None:
+    """Errors alike through a motion: the jackknife sees them, one of single samples would not."""
+    scores = []
+    for trial in range(20):
+        found = fit([made_up(10 * trial + k) for k in range(6)])
+        scores.append((found.value.inertia - INERTIA) / found.std_error.inertia)
+    assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 2.0
+
+
+def test_a_stretch_of_contact_does_not_decide() -> None:
+    recordings = [made_up(seed) for seed in range(4)]
+    pushed = [(residual.copy(), qd, qdd) for residual, qd, qdd in recordings]
+    rows = pushed[0][2][:200] > 0
+    pushed[0][0][:200][rows] += 20.0
+    moved = fit(pushed).value.inertia - fit(recordings).value.inertia
+    assert (np.abs(moved) < 0.02).all()
+
+
+def test_missing_rows_and_order_change_nothing() -> None:
+    recordings = [made_up(seed) for seed in range(3)]
+    holed = [tuple(np.insert(part, 100, np.nan, axis=0) for part in one) for one in recordings]
+    plain = fit(recordings)
+    for other in (fit(holed), fit(recordings[::-1])):
+        for mine, its in ((other.value, plain.value), (other.std_error, plain.std_error)):
+            np.testing.assert_allclose(np.array(mine), np.array(its), rtol=1e-4, atol=1e-8)
+
+
+def test_a_joint_that_kept_still_tells_nothing() -> None:
+    residual, qd, qdd = made_up(0)
+    qd[:, 2] = qdd[:, 2] = 0.0
+    found = fit([(residual, qd, qdd)])
+    np.testing.assert_array_equal(np.isnan(found.value.inertia), np.arange(6) == 2)
+    np.testing.assert_array_equal(np.isnan(found.std_error.inertia), np.arange(6) == 2)
+
+
+# The real arms
+
+
+def received(recording: Recording, robot: Robot) -> pd.DataFrame:
+    """The frames of a recording; those that were not received are NaN."""
+    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    return table.mask(table["interpolated"].astype(bool))
+
+
+def rigid(robot: Robot, *motion: Array) -> Array:
+    arm = build_arm(robot, robot.chosen_model)
+    return inverse_dynamics(arm, *(torch.from_numpy(state) for state in motion)).numpy()
+
+
+@pytest.fixture(scope="module")
+def of_the_ur5(ur5: Robot, thesis_data: Path) -> dict[str, Sample]:
+    samples = {}
+    for name in (*FITTED, *UNUSED):
+        recording = ThesisRecording(
+            name=name, robot="ur5", format="thesis-csv", folder=str(thesis_data / name), role="fit"
+        )
+        table = received(recording, ur5)
+        q, qd, qdd = (channel(table, f"target_{state}") for state in ("q", "qd", "qdd"))
+        samples[name] = channel(table, "target_moment") - rigid(ur5, q, qd, qdd), qd, qdd
+    return samples
+
+
+@pytest.fixture(scope="module")
+def ur5_rotors(of_the_ur5: dict[str, Sample]) -> RotorFit:
+    return fit([of_the_ur5[name] for name in FITTED])
+
+
+@pytest.mark.parametrize("name", UNUSED)
+def test_rotors_explain_what_was_not_used(
+    of_the_ur5: dict[str, Sample], ur5_rotors: RotorFit, name: str
+) -> None:
+    error = remaining(ur5_rotors, of_the_ur5[name])
+    assert (error[:3] <= 0.09).all()
+    assert (error[3:] <= 0.005).all()
+
+
+def test_without_rotors_much_is_left(of_the_ur5: dict[str, Sample]) -> None:
+    """The baseline of the checks above."""
+    left = [np.nanmean(np.abs(of_the_ur5[name][0]), axis=0) for name in UNUSED]
+    assert (np.mean(left, axis=0) > [0.4, 0.5, 1.0, 0.04, 0.03, 0.05]).all()
+
+
+def test_a_controllers_model_has_neither_offset_nor_friction(ur5_rotors: RotorFit) -> None:
+    for value, error in list(zip(ur5_rotors.value, ur5_rotors.std_error, strict=True))[1:]:
+        assert (np.abs(value) < STUDENT * error).all()
+        assert (np.abs(value) < 0.02).all()
+
+
+def test_the_rotors_of_the_ur5(ur5: Robot, ur5_rotors: RotorFit) -> None:
+    """Known to a few percent, and the same as those of the robot's description."""
+    inertia, error = ur5_rotors.value.inertia, ur5_rotors.std_error.inertia
+    assert (error < 0.05 * inertia).all()
+    described = np.array(ur5.models["C+rotors"].rotor_inertias)
+    np.testing.assert_allclose(inertia, described, atol=0.0, rtol=0.03)
+
+
+def of_the_ur10e(robot: Robot, folder: Path, name: str) -> Sample:
+    """From the measured motion: logs hold no targets but torque. All low-passed alike."""
+    recording = TableRecording(
+        name=name,
+        robot="ur10e",
+        format="table-csv",
+        folder=str(folder),
+        file=f"{name}.csv",
+        columns=UR10E_COLUMNS,
+        role="fit",
+    )
+    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    segment = table["segment"].to_numpy()
+    lowpass = partial(zero_phase_lowpass, rate=1 / period(table), order=4, cutoff=10.0)
+    names = ("actual_q", "actual_qd", "target_moment")
+    q, qd, moment = (by_segment(lowpass, channel(table, channel_), segment) for channel_ in names)
+    qdd = by_segment(partial(differentiate, period=period(table)), qd, segment)
+    return moment - rigid(robot, q, qd, qdd), qd, qdd
+
+
+def test_the_rotors_of_the_ur10e_are_the_makers(ur10e_data: Path) -> None:
+    """Within 3 % of the maker's joint files."""
+    robot = load_robot(robot_path("ur10e"))
+    found = fit([of_the_ur10e(robot, ur10e_data, name) for name in UR10E_FITTED])
+    np.testing.assert_allclose(found.value.inertia, MAKER, rtol=0.03)
+    assert (found.std_error.inertia < 0.01 * MAKER).all()

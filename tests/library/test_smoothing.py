@@ -1,0 +1,361 @@
+"""Extended Kalman filter, smoother, noise and the IMU's equation."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from scipy import signal
+from scipy.spatial.transform import Rotation
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import (
+    acceleration,
+    jacobian,
+    link_frames,
+    velocity,
+    velocity_product_acceleration,
+)
+from ur5lib.robots.description import Robot
+from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
+from ur5lib.signals.noise import encoder_noise, imu_noise, innovation_test, jerk_covariance
+from ur5lib.signals.smoothing import (
+    LinearSystem,
+    SmoothedMotion,
+    add_imu,
+    encoder_system,
+    smooth,
+    smooth_encoders,
+    smooth_with_imu,
+)
+
+PERIOD, SAMPLES = 0.008, 3000
+POINT = np.array([0.01735, 0.00605, 0.0095])
+AXES = Rotation.from_rotvec([-0.009, -0.002, 0.002]).as_matrix()
+UP = np.array([0.02, -0.01, 9.81])
+# Of the UR5's recordings: steps of the encoders, noise, and how late velocities are.
+STEP = np.repeat([4.8e-5, 1.6e-5], 3)
+POSITION, VELOCITY = np.repeat([6e-5, 1e-4], 3), np.repeat([4e-3, 1.4e-2], 3)
+LAG = np.repeat([2e-3, 0], 3)
+IMU_NOISE = np.repeat([0.1, 0.01], 3)
+IMU_BIAS = np.array([0.03, -0.05, 0.02, -0.031, 0.024, 0.027])
+
+Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def joint_moves(random: np.random.Generator, samples: int = SAMPLES, ramp: float = 0.04) -> Motion:
+    """q, q̇, q̈ of synchronised moves with trapezoidal speed, as `movej` makes them, and rests.
+
+    The accelerations rise and fall in `ramp` seconds.
+    """
+    fine, fastest, hardest = 20, 1.05, 1.4  # samples a period, rad/s, rad/s²
+    step = PERIOD / fine
+    qdd, at = np.zeros((samples * fine, 6)), round(0.5 / step)
+    while True:
+        way = random.uniform(-1.5, 1.5, 6)
+        longest = np.abs(way).max()
+        rise = min(fastest / hardest, np.sqrt(longest / hardest))
+        rising, moving = round(rise / step), round((longest / (hardest * rise) + rise) / step)
+        if at + moving > len(qdd) - fine * 10:
+            break
+        qdd[at : at + rising] = hardest * way / longest
+        qdd[at + moving - rising : at + moving] = -hardest * way / longest
+        at += moving + round(random.uniform(0, 1.6) / step)
+    qdd = signal.lfilter(np.full(round(ramp / step), step / ramp), 1, qdd, axis=0) if ramp else qdd
+    qd = np.cumsum(qdd, axis=0) * step
+    q = np.cumsum(qd, axis=0) * step + [0.3, -1.2, 1.1, -0.9, 1.4, 0.2]
+    return q[::fine], qd[::fine], qdd[::fine]
+
+
+def encoders(random: np.random.Generator, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+    q, qd, qdd = motion
+    rounded = np.round((q + POSITION * random.normal(size=q.shape)) / STEP) * STEP
+    return rounded, qd - LAG * qdd + VELOCITY * random.normal(size=q.shape)
+
+
+def kinematics(robot: Robot, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    arm = build_arm(robot, "C")
+    positions = torch.from_numpy(q.copy())
+    return link_frames(arm, positions)[0][:, 6].numpy(), jacobian(arm, positions).numpy()
+
+
+def true_readings(robot: Robot, motion: Motion) -> np.ndarray:
+    """Specific force and angular rate, without bias or noise, by the dynamics' own kinematics."""
+    arm = build_arm(robot, "C")
+    q, qd, qdd = (torch.from_numpy(values.copy()) for values in motion)
+    linear = acceleration(arm, q, qd, qdd, 6, torch.from_numpy(POINT))[:, :3].numpy() + UP
+    angular = velocity(arm, q, qd)[:, 3:].numpy()
+    to_sensor = AXES.T @ kinematics(robot, motion[0])[0].swapaxes(1, 2)
+    return np.concatenate([np.einsum("nij,nj->ni", to_sensor, x) for x in (linear, angular)], 1)
+
+
+def model_at(robot: Robot, q: np.ndarray, qd: np.ndarray) -> LinearImu:
+    return linearise_imu(*kinematics(robot, q), qd, POINT, AXES, UP)
+
+
+def clock(samples: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.arange(samples) * PERIOD, np.zeros(samples, dtype=np.int64)
+
+
+@pytest.fixture(scope="module")
+def truth() -> Motion:
+    return joint_moves(np.random.default_rng(1))
+
+
+@pytest.fixture(scope="module")
+def measured(truth: Motion) -> tuple[np.ndarray, np.ndarray]:
+    return encoders(np.random.default_rng(2), truth)
+
+
+@pytest.fixture(scope="module")
+def by_encoders(measured: tuple[np.ndarray, np.ndarray]) -> SmoothedMotion:
+    return smooth_encoders(*clock(SAMPLES), *measured)
+
+
+@pytest.fixture(scope="module")
+def by_both(
+    ur5: Robot,
+    truth: Motion,
+    measured: tuple[np.ndarray, np.ndarray],
+    by_encoders: SmoothedMotion,
+) -> SmoothedMotion:
+    noise = np.random.default_rng(3).normal(size=(SAMPLES, 6))
+    readings = true_readings(ur5, truth) + IMU_BIAS + IMU_NOISE * noise
+    readings[500:600] = np.nan
+    model = model_at(ur5, *measured)
+    return smooth_with_imu(*clock(SAMPLES), *measured, readings, model, by_encoders)
+
+
+def random_states(count: int = 50) -> Motion:
+    random = np.random.default_rng(0)
+    return random.uniform(-3, 3, (count, 6)), *random.normal(size=(2, count, 6))
+
+
+def test_derivative_of_the_jacobian_is_that_of_the_dynamics(ur5: Robot) -> None:
+    """J̇_v q̇ = Σ ∂J_v,i/∂q_j q̇_i q̇_j, in closed form and by recursion over the links."""
+    q, qd, _ = random_states()
+    R6, J = kinematics(ur5, q)
+    J_v = point_jacobian(R6, J, POINT)
+    product = np.einsum("ncij,ni,nj->nc", jacobian_derivative(J_v, J[:, 3:]), qd, qd)
+    states = (torch.from_numpy(values.copy()) for values in (q, qd))
+    theirs = velocity_product_acceleration(build_arm(ur5, "C"), *states, 6, torch.from_numpy(POINT))
+    np.testing.assert_allclose(product, theirs[:, :3].numpy(), atol=1e-12)
+
+
+def test_linear_readings_are_exact_at_the_motion_they_belong_to(ur5: Robot) -> None:
+    motion = random_states()
+    predicted, _ = model_at(ur5, *motion[:2]).predict(np.hstack(motion), np.zeros((50, 18, 18)))
+    np.testing.assert_allclose(predicted, true_readings(ur5, motion), atol=1e-12)
+
+
+def test_jacobian_of_the_readings(ur5: Robot) -> None:
+    """By central differences in q̇ and q̈; q, which is left out, matters less than the noise."""
+    q, qd, qdd = random_states()
+    H = model_at(ur5, q, qd).H
+    for joint in range(6):
+        change = 1e-5 * np.eye(6)[joint]
+        by_rate = true_readings(ur5, (q, qd + change, qdd))
+        by_rate -= true_readings(ur5, (q, qd - change, qdd))
+        by_acceleration = true_readings(ur5, (q, qd, qdd + change))
+        by_acceleration -= true_readings(ur5, (q, qd, qdd - change))
+        np.testing.assert_allclose(H[:, :, 6 + joint], by_rate / 2e-5, atol=1e-7)
+        np.testing.assert_allclose(H[:, :, 12 + joint], by_acceleration / 2e-5, atol=1e-7)
+    moved = true_readings(ur5, (q + 1e-4, qd, qdd)) - true_readings(ur5, (q, qd, qdd))
+    assert np.sqrt(np.mean(moved**2, axis=0)).max() < 0.03 * IMU_NOISE[0]
+
+
+@pytest.mark.parametrize("step", [0.002, 0.008, 0.024])
+def test_a_held_jerk_moves_all_three_together(step: float) -> None:
+    """So positions and velocities change by the integral of accelerations, and nothing else."""
+    gained = np.array([step**3 / 6, step**2 / 2, step])
+    np.testing.assert_allclose(jerk_covariance(step), np.outer(gained, gained) / step)
+
+
+def test_accelerations_are_the_derivative_of_velocities(by_encoders: SmoothedMotion) -> None:
+    between = (by_encoders.qdd[1:] + by_encoders.qdd[:-1]) / 2
+    np.testing.assert_allclose(np.diff(by_encoders.qd, axis=0) / PERIOD, between, atol=1e-6)
+
+
+def test_smoother_is_weighted_least_squares(ur5: Robot) -> None:
+    """Of all states at once, with irregular steps, gaps, missing values, two segments, biases."""
+    random, count = np.random.default_rng(4), 24
+    motion = tuple(values[600 : 600 + count] for values in joint_moves(random, 700))
+    q, qd = encoders(random, motion)
+    noise = encoder_noise(*clock(count), q, qd)
+    time = np.cumsum(random.uniform(0.004, 0.03, count))
+    segment = np.repeat([0, 1], [15, count - 15])
+    model = model_at(ur5, q, qd)
+    q[5], qd[7], q[17:20] = np.nan, np.nan, np.nan
+    readings = true_readings(ur5, motion)
+    readings[8:11] = np.nan
+    joints = encoder_system(time, segment, q, qd, noise)
+    system = add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (count, 1)))
+    states, covariances, _ = smooth(system)
+
+    expected, std = least_squares(system)
+    np.testing.assert_allclose((states - expected) / std, 0, atol=1e-4)
+    np.testing.assert_allclose(np.sqrt(np.diagonal(covariances, axis1=1, axis2=2)), std, rtol=1e-4)
+
+
+def least_squares(system: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
+    """States (N, X) and standard deviations of all equations at once, each over its noise's.
+
+    The unknowns are what drives the states, in units of its deviation: states = G unknowns.
+    """
+    roots = [driving(covariance) for covariance in system.Q]
+    ends = np.cumsum([root.shape[1] for root in roots])
+    G = np.zeros((*system.z.shape[:1], system.F.shape[1], ends[-1]))
+    equations, values = [np.eye(ends[-1])], [np.zeros(ends[-1])]
+    for k, root in enumerate(roots):
+        G[k] = system.F[k] @ G[k - 1]
+        G[k, :, ends[k] - root.shape[1] : ends[k]] = root
+        seen = np.isfinite(system.z[k])
+        deviation = np.sqrt(system.R[k, seen])
+        equations.append(system.H[k, seen] @ G[k] / deviation[:, None])
+        values.append(system.z[k, seen] / deviation)
+    orthogonal, triangle = np.linalg.qr(np.vstack(equations))
+    G = G @ np.linalg.inv(triangle)
+    return G @ (orthogonal.T @ np.concatenate(values)), np.linalg.norm(G, axis=2)
+
+
+def driving(covariance: np.ndarray) -> np.ndarray:
+    """The root (X, rank) of a covariance."""
+    scale = np.sqrt(np.diagonal(covariance))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    kept = values > 1e-9
+    return scale[:, None] * vectors[:, kept] * np.sqrt(values[kept])
+
+
+def best_differences(values: np.ndarray, times: int, truth: np.ndarray) -> np.ndarray:
+    """RMSE (6,) of central differences, low-passed at each joint's best cut-off."""
+    for _ in range(times):
+        values = np.gradient(values, PERIOD, axis=0)
+    designs = [signal.butter(4, f, fs=1 / PERIOD, output="sos") for f in np.geomspace(1, 50, 40)]
+    errors = [signal.sosfiltfilt(sos, values, axis=0) - truth for sos in designs]
+    return np.sqrt(np.mean(np.square(errors), axis=1)).min(axis=0)
+
+
+@pytest.fixture(scope="module")
+def baseline(truth: Motion, measured: tuple[np.ndarray, np.ndarray]) -> float:
+    """The better of both for each joint: from velocities, and twice from positions."""
+    of_each = [
+        best_differences(measured[1], 1, truth[2]),
+        best_differences(measured[0], 2, truth[2]),
+    ]
+    return float(np.sqrt(np.mean(np.min(of_each, axis=0) ** 2)))
+
+
+@pytest.mark.parametrize("estimate", ["by_encoders", "by_both"])
+def test_accelerations_beat_differences(
+    estimate: str, truth: Motion, baseline: float, request: pytest.FixtureRequest
+) -> None:
+    motion: SmoothedMotion = request.getfixturevalue(estimate)
+    assert np.sqrt(np.mean((motion.qdd - truth[2]) ** 2)) < 0.7 * baseline
+
+
+@pytest.mark.parametrize("ramp", [0.0, 0.1])
+@pytest.mark.parametrize("seed", [11, 12])
+def test_accelerations_beat_differences_of_velocities_however_they_rise(
+    ramp: float, seed: int
+) -> None:
+    random = np.random.default_rng(seed)
+    truth = joint_moves(random, ramp=ramp)
+    q, qd = encoders(random, truth)
+    best = best_differences(qd, 1, truth[2])
+    error = smooth_encoders(*clock(SAMPLES), q, qd).qdd - truth[2]
+    assert np.sqrt(np.mean(error**2)) < 0.7 * np.sqrt(np.mean(best**2))
+
+
+@pytest.mark.parametrize("estimate", ["by_encoders", "by_both"])
+def test_two_standard_deviations_hold_the_truth(
+    estimate: str, truth: Motion, request: pytest.FixtureRequest
+) -> None:
+    motion: SmoothedMotion = request.getfixturevalue(estimate)
+    inside = np.abs(motion.state[:, :18] - np.hstack(truth)) < 2 * motion.std[:, :18]
+    shares = inside.reshape(SAMPLES, 3, 6).mean(axis=(0, 2))
+    assert (shares > 0.90).all()
+    assert (shares < 0.99).all()
+
+
+def test_noise_is_found(by_encoders: SmoothedMotion) -> None:
+    noise = by_encoders.encoders
+    np.testing.assert_allclose(noise.position, np.hypot(POSITION, STEP / np.sqrt(12)), rtol=0.1)
+    np.testing.assert_allclose(noise.velocity, VELOCITY, rtol=0.1)
+    np.testing.assert_allclose(noise.lag, LAG, atol=0.0015)
+
+
+def test_biases_are_found(by_both: SmoothedMotion) -> None:
+    assert (np.abs(by_both.biases - IMU_BIAS) < 4 * by_both.std[:, 18:]).all()
+    assert (by_both.std[:, 18:] < np.repeat([0.01, 0.001], 3)).all()
+
+
+def test_an_imu_leaves_less_open(by_encoders: SmoothedMotion, by_both: SmoothedMotion) -> None:
+    assert (by_both.std[:, 12:18].mean(axis=0) < by_encoders.std[:, 12:].mean(axis=0)).all()
+
+
+def test_a_new_segment_starts_afresh(measured: tuple[np.ndarray, np.ndarray]) -> None:
+    """Whatever the first part says, the second says the same as alone."""
+    q, qd = (values[:400].copy() for values in measured)
+    time, segment = clock(400)
+    segment[200:] = 1
+    noise = encoder_noise(time, segment, q, qd)
+    system = encoder_system(time, segment, q, qd, noise)
+    states, _, _ = smooth(system)
+    system.z[:200] += 1
+    np.testing.assert_allclose(smooth(system)[0][200:], states[200:], atol=1e-7)
+
+
+def test_what_is_missing_is_bridged_and_less_sure(
+    truth: Motion, measured: tuple[np.ndarray, np.ndarray]
+) -> None:
+    q, qd = (values[:600].copy() for values in measured)
+    whole = smooth_encoders(*clock(600), q, qd)
+    q[300:310] = qd[300:310] = np.nan
+    motion = smooth_encoders(*clock(600), q, qd)
+    assert (np.abs(motion.q - truth[0][:600]) < 6 * motion.std[:, :6]).all()
+    assert (motion.std[305] > whole.std[305]).all()
+    assert np.isnan(motion.innovations[300:310]).all()
+
+
+def test_an_arm_that_never_moves() -> None:
+    motion = smooth_encoders(*clock(300), np.full((300, 6), 0.7), np.zeros((300, 6)))
+    np.testing.assert_allclose(motion.q, 0.7, atol=1e-6)
+    np.testing.assert_allclose(motion.qdd, 0, atol=1e-4)
+
+
+def test_a_joint_without_velocities_is_refused() -> None:
+    with pytest.raises(ValueError, match="positions and velocities"):
+        smooth_encoders(*clock(300), np.zeros((300, 6)), np.full((300, 6), np.nan))
+
+
+def test_noise_of_an_imu_grows_where_the_arm_shakes() -> None:
+    random = np.random.default_rng(5)
+    level = np.where(np.arange(2000) < 1000, 0.05, 0.8)[:, None]
+    explained = np.full((2000, 1), 0.3**2)
+    residual = level * random.normal(size=(2000, 1)) + 7
+    residual[1000:] += 0.3 * random.normal(size=(1000, 1))
+    noise = imu_noise(*clock(2000), residual, np.where(level > 0.1, explained, 0))
+    assert np.median(noise[:900]) == pytest.approx(0.05, rel=0.1)
+    assert np.median(noise[1100:]) == pytest.approx(0.8, rel=0.1)
+
+
+def test_whiteness_is_told_from_its_lack() -> None:
+    random = np.random.default_rng(6)
+    white = random.normal(size=(4000, 1))
+    coloured = signal.lfilter([np.sqrt(1 - 0.3**2)], [1, -0.3], white, axis=0)
+    test = innovation_test(np.hstack([white, coloured, 1.2 * white]), clock(4000)[1])
+    assert test.white.tolist() == [True, False, True]
+    assert test.consistent[[0, 2]].tolist() == [True, False]
+
+
+@pytest.mark.parametrize("name", ["Movement_No9_Singularity_Free_NoDist"])
+def test_real_innovations_are_not_white(name: str, thesis_data: Path) -> None:
+    """A bound on what is left: of about the right size, though the arm's own shaking colours it."""
+    folder = thesis_data / name / "csv_files"
+    q, qd = (
+        np.genfromtxt(folder / f"log_{channel}_actual.csv", delimiter=",", max_rows=2500)[:, 1:7]
+        for channel in ("q", "qd")
+    )
+    motion = smooth_encoders(*clock(2500), q, qd)
+    assert (np.abs(motion.test.variance - 1) < 0.35).all()
+    assert not motion.test.white.any()

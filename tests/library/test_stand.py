@@ -1,0 +1,310 @@
+"""The virtual test stand moves as this project's own dynamics say, and rubs as joints do."""
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.dynamics.kinematics import acceleration, velocity
+from ur5lib.dynamics.rigid_body import (
+    inverse_dynamics,
+    kinetic_energy,
+    potential_energy,
+    wrench_torque,
+)
+from ur5lib.errors import InputError
+from ur5lib.force.sensor import move_to_frame_6, wrench_on_arm
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.stand.engine import STEP, Experiment, perform
+from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
+from ur5lib.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.tables import Array
+
+torch.set_num_threads(1)
+
+FOURIER: dict[str, Any] = {"kind": "fourier"}
+STILL: dict[str, Any] = {"kind": "standstill"}
+PAYLOAD = Payload(
+    mass=2.5, center_of_mass=(0.02, -0.03, 0.08), inertia=(0.011, 0.012, 0.007, 0.001, -0.002, 0.0)
+)
+
+
+def experiment(robot: str | Robot = "ur5", **plan: Any) -> Experiment:
+    """What an arm does in 4 s, without friction and noise unless the plan has it."""
+    arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
+    wanted = {"trajectory": FOURIER, "seconds": 4, "friction": False, "noise": False} | plan
+    return perform(arm, SimulatedRecording.model_validate(wanted), np.random.default_rng(0))
+
+
+def states(done: Experiment) -> tuple[Tensor, Tensor, Tensor]:
+    motion = done.motion
+    return torch.from_numpy(motion.q), torch.from_numpy(motion.qd), torch.from_numpy(motion.qdd)
+
+
+def own_torques(done: Experiment) -> Array:
+    return inverse_dynamics(build_arm(done.robot, done.model), *states(done)).numpy()
+
+
+# Rigid bodies
+
+
+@pytest.mark.parametrize(
+    ("robot", "model", "payload"),
+    [("ur5", "A", None), ("ur5", "C+rotors", PAYLOAD), ("ur10e", "maker+rotors", PAYLOAD)],
+)
+def test_motors_give_what_inverse_dynamics_says(
+    robot: str, model: str, payload: Payload | None
+) -> None:
+    """Without friction, noise and faults, within 1e-6 of each joint's largest torque."""
+    done = experiment(robot, model=model, payload=payload and payload.model_dump())
+    torque = done.motion.motor_torque
+    assert np.abs(done.motion.qd).max(axis=0).min() > 0.3
+    assert (
+        np.abs(own_torques(done) - torque).max(axis=0) < 1e-6 * np.abs(torque).max(axis=0)
+    ).all()
+
+
+def test_torques_balance_with_friction_and_contacts() -> None:
+    contacts = [
+        {"kind": "push", "start_s": 1, "force": [30, -20, 10]},
+        {"kind": "push", "start_s": 1, "force": [-40, 0, 10], "link": 3, "point": [0.1, 0, 0.05]},
+        {"kind": "hand", "start_s": 2, "displacement": [0.05, 0, 0]},
+    ]
+    motion = (done := experiment(friction=True, contacts=contacts)).motion
+    given = motion.motor_torque - motion.friction_torque + motion.contact_torque
+    assert np.abs(own_torques(done) - given).max() < 1e-8
+
+
+def test_a_wrench_on_the_tool_is_told_at_frame_6() -> None:
+    contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0.03, 0, 0.2]}]
+    motion = (done := experiment(contacts=contacts)).motion
+    q, wrench = torch.from_numpy(motion.q), torch.from_numpy(motion.wrench)
+    torque = wrench_torque(build_arm(done.robot, done.model), q, wrench).numpy()
+    np.testing.assert_allclose(torque, motion.contact_torque, atol=1e-10)
+    np.testing.assert_allclose(np.abs(motion.wrench[:, :3]).max(axis=0), [30, 20, 10], rtol=1e-6)
+    assert np.abs(motion.wrench[:, 3:]).max() > 1
+
+
+def test_work_goes_into_energy() -> None:
+    """Motors, friction and contacts: within what steps of 1 ms miss."""
+    contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10]}]
+    motion = (done := experiment(friction=True, contacts=contacts)).motion
+    given = motion.motor_torque - motion.friction_torque + motion.contact_torque
+    work = np.concatenate([[0], np.cumsum((given[:-1] * motion.qd[1:]).sum(axis=1) * STEP)])
+    arm, (q, qd, _) = build_arm(done.robot, done.model), states(done)
+    energy = (kinetic_energy(arm, q, qd) + potential_energy(arm, q)).numpy()
+    assert np.ptp(energy) > 5
+    assert np.abs(work - (energy - energy[0])).max() < 2e-3 * np.ptp(energy)
+
+
+def test_a_motion_is_its_own_derivative() -> None:
+    motion = experiment(friction=True).motion
+    np.testing.assert_allclose(np.diff(motion.q, axis=0), STEP * motion.qd[1:], atol=1e-12)
+    np.testing.assert_allclose(np.diff(motion.qd, axis=0), STEP * motion.qdd[:-1], atol=1e-12)
+
+
+# Sensors of the flange
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+def test_frame_6_is_where_it_belongs(robot: str) -> None:
+    motion = (done := experiment(robot)).motion
+    rotation, origin, _ = flange_kinematics(done.robot, motion.q)
+    np.testing.assert_allclose(motion.origin, origin, atol=1e-12)
+    np.testing.assert_allclose(motion.rotation.reshape(-1, 3, 3), rotation, atol=1e-12)
+
+
+def test_imu_feels_what_kinematics_say(ur5: Robot) -> None:
+    """At its mounting place, gravity upwards at rest, axes turned against frame 6."""
+    turn = np.array([-0.5, -0.1, 0.1])
+    motion = (done := experiment(imu={"mounting_deg": turn.tolist()}, friction=True)).motion
+    assert ur5.mounting is not None
+    arm, (q, qd, qdd) = build_arm(done.robot, done.model), states(done)
+    place = torch.tensor(ur5.mounting.imu, dtype=torch.float64)
+    specific = acceleration(arm, q, qd, qdd, point=place)[:, :3].numpy() - ur5.gravity
+    rate = velocity(arm, q, qd)[:, 3:].numpy()
+    rotation, *_ = flange_kinematics(ur5, motion.q)
+    for felt, true in ((motion.imu[:, :3], specific), (motion.imu[:, 3:], rate)):
+        inside = np.einsum("nji,nj->ni", rotation, true)
+        first_order = inside + np.cross(inside, np.deg2rad(turn))
+        assert np.abs(felt - first_order).max() < 1e-4 * np.abs(true).max()
+        assert np.abs(felt - inside).max() > 1e-3 * np.abs(true).max()  # the mounting shows
+
+
+def test_imu_agrees_with_where_the_flange_goes(ur5: Robot) -> None:
+    """Its specific force is the second difference of its place, within the integration's error."""
+    motion = experiment(imu={"mounting_deg": [0, 0, 0]}).motion
+    assert ur5.mounting is not None
+    rotation = motion.rotation.reshape(-1, 3, 3)
+    place = motion.origin + rotation @ np.array(ur5.mounting.imu)
+    force = np.einsum("nij,nj->ni", rotation, motion.imu[:, :3]) + ur5.gravity
+    assert np.abs(force[1:-1] - np.diff(place, 2, axis=0) / STEP**2).max() < 0.01
+    turned = np.einsum("nji,njk->nik", rotation[:-1], rotation[1:])
+    rate = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1) / STEP
+    assert np.abs(motion.imu[1:, 3:] - rate).max() < 0.003
+
+
+def test_force_sensor_reads_the_force_of_the_arm_on_the_hand(ur5: Robot) -> None:
+    contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0, 0.02, 0.1]}]
+    motion = experiment(contacts=contacts).motion
+    assert ur5.mounting is not None
+    rotation = motion.rotation.reshape(-1, 3, 3)
+    there = wrench_on_arm(motion.force_sensor, rotation)
+    wrench = move_to_frame_6(there, rotation, np.array(ur5.mounting.force_sensor))
+    np.testing.assert_allclose(wrench, motion.wrench, atol=1e-10)
+
+
+def test_force_sensor_carries_the_tool() -> None:
+    """Its weight at rest, its inertia in motion; the sensor sits 28.6 mm from frame 6."""
+    motion = experiment(payload=PAYLOAD.model_dump(), trajectory=STILL).motion
+    rotation = motion.rotation[-1].reshape(3, 3)
+    held = rotation.T @ [0, 0, 9.81 * PAYLOAD.mass]
+    lever = np.array(PAYLOAD.center_of_mass) - [0, 0, 0.0286]
+    np.testing.assert_allclose(motion.force_sensor[-1, :3], held, atol=1e-6)
+    np.testing.assert_allclose(motion.force_sensor[-1, 3:], np.cross(lever, held), atol=1e-6)
+
+
+# Friction
+
+
+def one_speed(speed: float, seconds: float = 2.0) -> tuple[FrictionParameters, Array]:
+    """Friction of a UR5 without load after turning steadily."""
+    parameters = friction_of(load_robot(robot_path("ur5")), True)
+    friction, torque = Friction(parameters, np.zeros(6)), np.zeros(6)
+    for _ in range(round(seconds / STEP)):
+        torque = friction.torque(np.zeros(6), np.full(6, speed), np.zeros(6), STEP)
+    return parameters, torque
+
+
+@pytest.mark.parametrize("speed", [-50.0, -3.0, -0.1, 0.01, 1.0, 3.0])
+def test_sliding_friction_is_dry_viscous_and_periodic(speed: float) -> None:
+    parameters, torque = one_speed(speed)
+    qd = np.full(6, speed)
+    dry = np.sign(speed) * parameters.dry(qd, np.zeros(6))
+    periodic = parameters.periodic * np.cos(parameters.phase)
+    np.testing.assert_allclose(torque, dry + parameters.viscous * qd + periodic, rtol=1e-6)
+
+
+def test_friction_falls_from_stiction_and_grows_with_load() -> None:
+    parameters = friction_of(load_robot(robot_path("ur5")), True)
+    still = np.zeros(6)
+    breakaway = parameters.dry(still, still)
+    np.testing.assert_allclose(breakaway, parameters.stiction * parameters.coulomb)
+    np.testing.assert_allclose(parameters.dry(still - 1, still), parameters.coulomb)
+    more = parameters.dry(still + 1, still - 10) - parameters.coulomb
+    np.testing.assert_allclose(more, 10 * parameters.load)
+
+
+def test_friction_takes_energy_over_any_cycle() -> None:
+    parameters = friction_of(load_robot(robot_path("ur5")), True)
+    for amplitude in (1e-5, 1e-4, 1e-2, 1.0):
+        friction, work = Friction(parameters, np.zeros(6)), np.zeros(6)
+        for phase in np.linspace(0, 6 * np.pi, 6000):
+            qd = np.full(6, amplitude * np.cos(phase))
+            q = np.full(6, amplitude * np.sin(phase))
+            torque = friction.torque(q, qd, np.zeros(6), 0.001)
+            work += (phase >= 4 * np.pi) * torque * qd  # once it repeats
+        assert (work > 0).all()
+
+
+def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> None:
+    """Stiction holds part of a push; after one beyond breakaway, some of it stays in the joints."""
+
+    def currents(force: float) -> Array:
+        contacts = [{"kind": "push", "start_s": 1, "seconds": 1, "force": [force, 0, 0]}]
+        return experiment(trajectory=STILL, friction=True, contacts=contacts).motion.motor_torque
+
+    small, large = currents(2.0), currents(150.0)
+    shown = [np.abs(t - t[0]).max(axis=0)[0] for t in (small, large)]
+    lever = np.abs(experiment(trajectory=STILL).motion.origin[0, 1])
+    assert shown[0] < 0.6 * 2.0 * lever
+    assert shown[1] > 0.8 * 150.0 * lever
+    assert np.abs(large[-1] - large[0])[0] > 1
+    assert np.abs(small[-1] - small[0])[0] < 0.2
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+def test_an_arm_at_rest_stays_at_rest(robot: str) -> None:
+    """No chattering in the stiction: what moved before the recording has settled."""
+    motion = experiment(robot, trajectory=STILL, friction=True, seconds=3).motion
+    assert np.abs(motion.qd).max() < 1e-4
+    assert np.abs(motion.q - POSTURE).max() < 1e-3
+    assert np.abs(motion.friction_torque[0]).max() > 0.1
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+def test_drives_keep_to_the_target(robot: str) -> None:
+    """As close as the real UR5's: some 0.3 mrad in the big joints, 1 mrad in the small."""
+    motion = experiment(robot, friction=True, seconds=10).motion
+    off = np.sqrt(np.mean((motion.q - motion.targets.q) ** 2, axis=0))
+    assert (off < 1.5e-3).all()
+    assert (off > 1e-5).all()
+
+
+# Contacts
+
+
+def test_a_wall_stops_the_arm_and_never_pulls() -> None:
+    """At rest against it, stiffness times depth."""
+    below = experiment(trajectory=STILL, seconds=2).motion.origin[0, 2] - 0.05
+    wall = {"kind": "wall", "through": [0, 0, below], "normal": [0, 0, 2], "point": [0, 0, 0]}
+    down = [POSTURE[0], POSTURE[1] + 0.25, *POSTURE[2:]]
+    points = {"kind": "movej", "way_points": [POSTURE, down], "speed_rad_s": 0.2, "pause_s": 3}
+    motion = experiment(trajectory=points, friction=True, contacts=[wall], seconds=5).motion
+    force, depth = motion.wrench[:, 2], below - motion.origin[:, 2]
+    assert force.min() == force[depth < 0].max() == 0
+    assert depth.max() > 0.001
+    np.testing.assert_allclose(force[-1], 5000 * depth[-1], rtol=1e-3)
+    np.testing.assert_array_equal(motion.wrench[:, :2], 0)
+
+
+def test_a_spring_pulls_as_far_as_it_is_drawn() -> None:
+    spring = {"kind": "spring", "start_s": 1, "displacement": [0, 0.04, 0], "stiffness_n_m": 500}
+    motion = experiment(trajectory=STILL, contacts=[spring], seconds=3).motion
+    peak = motion.wrench[2000, :3]  # its middle; the arm hardly gives way
+    np.testing.assert_allclose(peak, [0, 20, 0], atol=0.2)
+
+
+def test_a_hand_follows_and_lets_go() -> None:
+    hand = {"kind": "hand", "start_s": 1, "seconds": 2.5, "displacement": [0.05, 0, 0.03]}
+    motion = experiment(contacts=[hand], friction=True).motion
+    force = np.linalg.norm(motion.wrench[:, :3], axis=1)
+    assert 10 < force.max() < 150
+    assert np.abs(np.diff(force)).max() < 0.03 * force.max()
+    assert force[:1000].max() == force[3501:].max() == 0
+
+
+@pytest.mark.parametrize(
+    "contact",
+    [
+        {"kind": "spring", "stiffness_n_m": 50_000, "damping_ns_m": 500, "start_s": 1},
+        {"kind": "hand", "stiffness_n_m": 50_000, "damping_ns_m": 500, "start_s": 1,
+         "displacement": [0.001, 0, 0], "lag_s": 0.01},
+    ],
+)  # fmt: skip
+def test_the_stiffest_contacts_are_stable(contact: dict[str, Any]) -> None:
+    motion = experiment(trajectory=STILL, friction=True, contacts=[contact]).motion
+    assert np.abs(motion.q - POSTURE).max() < 0.05
+    assert np.abs(motion.qd[3500:]).max() < 0.01
+
+
+def test_what_the_arm_cannot_do_is_told() -> None:
+    with pytest.raises(InputError, match="no model 'D' to simulate; give one of A, B, C"):
+        experiment(model="D")
+    far = {"kind": "movej", "way_points": [POSTURE, (7, 0, 0, 0, 0, 0)]}
+    with pytest.raises(InputError, match=r"takes joint 1 of ur5 to .* rad, its limit is 6\.28"):
+        experiment(trajectory=far, seconds=10)
+
+
+def test_a_motion_is_kept_whole() -> None:
+    done = experiment(seconds=1.5)
+    for part in fields(done.motion):
+        if part.name != "targets":
+            values = getattr(done.motion, part.name)
+            assert len(values) == 1501
+            assert np.isfinite(values).all()

@@ -1,0 +1,460 @@
+"""What the virtual test stand writes is what real devices write, faults and noise included."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from pydantic import ValidationError
+
+from ur5lib import tables
+from ur5lib.device_clock import device_clock
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.force.sensor import bias, move_to_frame_6, wrench_on_arm
+from ur5lib.intake import Intake, take_in
+from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.recordings.recording import DeviceRecord
+from ur5lib.recordings.thesis_csv import read_thesis_csv
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.lowpass import zero_phase_lowpass
+from ur5lib.stand.faults import LATE, SPLIT, split_late
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import Format, simulate
+from ur5lib.tables import Array, channel, read_json, read_table
+
+FOURIER: dict[str, Any] = {"kind": "fourier"}
+HOME = (2.181661, -2.135061, -1.745329, 0.275936, -6.021385, 0.0)
+AWAY = tuple(np.deg2rad([45.7, -175, -20, -88, -240, 150]).tolist())
+SINGULARITY_FREE = {
+    "kind": "movej",
+    "way_points": [HOME, AWAY],
+    "speed_rad_s": np.deg2rad(60),
+    "acceleration_rad_s2": np.deg2rad(80),
+}
+WALL = {"kind": "wall", "through": [0, 0, 0], "normal": [0, 0, 1]}
+PUSH = {"kind": "push", "start_s": 3, "force": [30, 0, -20]}
+FILES: dict[str, str] = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
+COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}
+FORMATS: list[Format] = ["thesis-csv", "realtime-stream", "rtde-csv"]
+UNITS = {"tau_motor": "Nm", "tau_friction": "Nm", "tau_contact": "Nm", "wrench": "N, Nm"}
+
+Recorder = Callable[..., "Recorded"]
+
+
+class Recorded:
+    """One simulated recording, its truth, and how a study names it."""
+
+    def __init__(self, robot: str, format: Format, folder: Path, plan: dict[str, Any]) -> None:
+        self.arm = load_robot(robot_path(robot))
+        self.folder, self.truth = folder / "raw", folder / "truth"
+        self.plan = SimulatedRecording.model_validate({"trajectory": FOURIER, "seconds": 5} | plan)
+        self.entry: dict[str, Any] = {"format": format, "folder": str(self.folder)}
+        if format != "thesis-csv":
+            self.entry |= {
+                "file": FILES[format],
+                "force_sensor": self._sensor("force_sensor", ["time", "ft"], COUNTS[format]),
+                "imu": self._sensor("imu", ["time", "imu_a", "imu_m", "imu_g"], COUNTS[format]),
+            }
+        simulate(self.arm, self.plan, format, self.folder, self.truth)
+
+    def _sensor(self, name: str, columns: list[str], counts: str) -> dict[str, Any] | None:
+        start = {"units": {}, "start_file": None, "start": "epoch_s"}
+        sensor = {"file": f"{name}.csv", "columns": columns, "time": counts} | start
+        return sensor if getattr(self.plan, name) is not None else None
+
+    def taken_in(self) -> Intake:
+        return take_in(self.entry, self.arm, 0.1)
+
+    def true(self) -> pd.DataFrame:
+        return read_table(self.truth / "truth.parquet")
+
+    def summary(self) -> Any:
+        return read_json(self.truth / "truth.json")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _units() -> Any:
+    """The units of the truth's columns."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, unit in UNITS.items():
+            patch.setitem(tables.UNITS, name, unit)
+        yield
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Recorder:
+    def record(format: Format = "thesis-csv", robot: str = "ur5", **plan: Any) -> Recorded:
+        return Recorded(robot, format, tmp_path_factory.mktemp("stand"), plan)
+
+    return record
+
+
+@pytest.fixture(scope="module")
+def like_no8(record: Recorder) -> Recorded:
+    """The motion of Movement_No8_Singularity_Free_1, as long."""
+    return record(
+        trajectory=SINGULARITY_FREE, seconds=16, imu={}, force_sensor={}, contacts=[PUSH], seed=3
+    )
+
+
+def findings(intake: Intake) -> dict[tuple[str, str], dict[str, Any]]:
+    return {(f["device"], f["finding"]): f for f in intake.quality["findings"]}
+
+
+# Files
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_same_plan_gives_the_same_bytes(record: Recorder, format: Format) -> None:
+    faults = {"lost_frames": 0.02, "stale_frames": 0.01, "torn_files": True, "late_packets": True}
+    plan = {"imu": {}, "force_sensor": {}, "contacts": [PUSH], "faults": faults, "seconds": 4}
+    one, other = (record(format, **plan, seed=seed) for seed in (5, 5))
+    files = sorted(path.relative_to(one.folder) for path in one.folder.rglob("*.csv"))
+    assert len(files) >= 3
+    for file in files:
+        assert (one.folder / file).read_bytes() == (other.folder / file).read_bytes()
+    for name in ("truth.json", "truth.parquet"):
+        assert (one.truth / name).read_bytes() == (other.truth / name).read_bytes()
+    another = record(format, **plan, seed=6)
+    robot = "csv_files/log_i_actual.csv" if format == "thesis-csv" else FILES[format]
+    assert (one.folder / robot).read_bytes() != (another.folder / robot).read_bytes()
+
+
+@pytest.mark.parametrize("robot", ["ur5", "ur10e"])
+@pytest.mark.parametrize("format", FORMATS)
+def test_readers_find_nothing_amiss(record: Recorder, format: Format, robot: str) -> None:
+    recorded = record(format, robot, imu={}, force_sensor={}, contacts=[PUSH])
+    intake = recorded.taken_in()
+    assert not intake.quality["findings"]
+    assert intake.quality["devices"] == ["robot", "force", "imu"]
+    assert intake.quality["period_s"] == (0.002 if format == "rtde-csv" else 0.008)
+    assert len(intake.robot) == len(recorded.true())
+    np.testing.assert_allclose(intake.robot["time"], recorded.true()["time"], atol=1e-9)
+
+
+def test_truth_lies_apart(like_no8: Recorded) -> None:
+    """Nothing that a reader is shown holds it, and it holds all that was drawn or chosen."""
+    names = {path.name for path in like_no8.folder.rglob("*")}
+    assert not [name for name in names if "truth" in name]
+    summary = like_no8.summary()
+    assert summary["model"] == "C+rotors"
+    assert summary["clocks"]["imu"] == {"offset_s": 0.02, "drift_ppm": -3000}
+    assert summary["plan"]["imu"]["gyroscope_bias"] == [-0.031, 0.024, 0.027]
+    assert len(summary["friction"]["coulomb"]) == len(summary["drive"]["torque_constant"]) == 6
+    [[start, end]] = summary["contacts"]
+    assert (start, end) == pytest.approx((3, 5), abs=0.002)
+
+
+def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
+    """Coulomb, load, viscous and periodic parts, where a joint slides: within 2 %."""
+    true, robot = like_no8.true(), like_no8.taken_in().robot
+    q, qd, load = channel(true, "q"), channel(true, "qd"), channel(robot, "target_moment")
+    part = {name: np.array(value) for name, value in like_no8.summary()["friction"].items()}
+    dry = part["coulomb"] + part["load"] * np.abs(load)
+    periodic = part["periodic"] * np.cos(q + part["phase"])
+    told = np.sign(qd) * dry + part["viscous"] * qd + periodic
+    off = np.abs(told - channel(true, "tau_friction"))
+    sliding = np.abs(qd) > 0.1
+    assert sliding.sum(axis=0).min() > 500
+    for joint in range(6):
+        assert np.quantile(off[sliding[:, joint], joint], 0.95) < 0.02 * part["coulomb"][joint]
+
+
+def test_a_sensor_that_is_not_there(record: Recorder) -> None:
+    intake = record("thesis-csv").taken_in()
+    assert intake.quality["devices"] == ["robot"]
+    assert {f["finding"] for f in intake.quality["findings"]} == {"no sensor"}
+    assert record("realtime-stream").taken_in().quality["devices"] == ["robot"]
+
+
+# Channels
+
+
+def test_without_noise_channels_are_the_truth(record: Recorder) -> None:
+    recorded = record(noise=False, friction=False, force_sensor={}, contacts=[PUSH])
+    robot, true = recorded.taken_in().robot, recorded.true()
+    constant = recorded.summary()["drive"]["torque_constant"]
+    for name, values in (
+        ("actual_q", channel(true, "q")),
+        ("actual_qd", channel(true, "qd")),
+        ("actual_current", channel(true, "tau_motor") / constant),
+    ):
+        np.testing.assert_allclose(channel(robot, name), values, atol=6e-7)
+    np.testing.assert_allclose(
+        channel(robot, "target_moment"), constant * channel(robot, "target_current"), atol=2e-5
+    )
+    _, origin, J = flange_kinematics(recorded.arm, channel(true, "q"))
+    np.testing.assert_allclose(channel(robot, "actual_TCP_pose")[:, :3], origin, atol=1e-6)
+    speed = np.einsum("nij,nj->ni", J, channel(true, "qd"))
+    np.testing.assert_allclose(channel(robot, "actual_TCP_speed"), speed, atol=1e-6)
+
+
+def test_the_controller_s_force_is_that_on_the_arm(record: Recorder) -> None:
+    """Its sign and axes: a steady pull at rest, without friction to hide it."""
+    spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
+    recorded = record(trajectory={"kind": "standstill"}, friction=False, contacts=[spring])
+    told = channel(recorded.taken_in().robot, "actual_TCP_force")
+    true = channel(recorded.true(), "wrench")
+    peak = slice(370, 380)
+    assert np.abs(true[peak, :3].mean(axis=0)).min() > 5
+    np.testing.assert_allclose(told[peak].mean(axis=0), true[peak].mean(axis=0), atol=1.5)
+
+
+# Clocks and sensors
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
+    clock = {"offset_s": 0.05, "drift_ppm": -2500, "jitter_s": 1e-4, "stamp_error_s": -0.06}
+    recorded = record(format, imu={"clock": clock}, seconds=12)
+    intake = recorded.taken_in()
+    rotation, _, jacobian = flange_kinematics(recorded.arm, channel(intake.robot, "actual_q"))
+    start = intake.quality["starts"]["imu"]
+    found, reason = device_clock(intake.sensors["imu"], start, intake.robot, rotation, jacobian)
+    assert reason is None
+    assert found.offset == pytest.approx(0.05, abs=0.005)
+    assert found.drift == pytest.approx(-2500e-6, abs=5e-4)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_force_sensor_tells_the_true_wrench(record: Recorder, format: Format) -> None:
+    recorded = record(format, force_sensor={}, contacts=[PUSH])
+    sensor, true = recorded.taken_in().sensors["force"], recorded.true()
+    time = sensor["time"].to_numpy() + recorded.summary()["clocks"]["force"]["offset_s"]
+    reading = sensor.drop(columns="time").to_numpy(copy=True)
+    reading -= bias(reading, time, 0.9)
+    turn = [np.interp(time, true["time"], column) for column in channel(true, "R6", 9).T]
+    rotation = np.stack(turn, axis=1).reshape(-1, 3, 3)
+    assert recorded.arm.mounting is not None
+    place = np.array(recorded.arm.mounting.force_sensor)
+    wrench = move_to_frame_6(wrench_on_arm(reading, rotation), rotation, place)
+    at_samples = [np.interp(time, true["time"], column) for column in channel(true, "wrench").T]
+    assert np.abs(wrench - np.stack(at_samples, axis=1))[:, :3].max() < 0.1
+    assert np.abs(wrench[:, :3]).max() > 25
+
+
+def test_saturation_is_seen(record: Recorder) -> None:
+    plan = {"bias": [0, 0, 0, 0, 0, 0], "saturation_n": 12}
+    recorded = record(force_sensor=plan, contacts=[PUSH])
+    intake = recorded.taken_in()
+    assert ("force", "saturation") in findings(intake)
+    assert intake.sensors["force"][["ft_fx", "ft_fy", "ft_fz"]].abs().max(axis=None) == 12
+
+
+# Faults
+
+
+def unequal(own: pd.DataFrame, other: pd.DataFrame) -> Array:
+    """Which rows (N,) of two tables are not the same to the bit, in the channels of the other."""
+    columns = [name for name in other.columns if re.fullmatch(r"time|.*_\d", name)]
+    bits = [table[columns].to_numpy().view(np.int64) for table in (own, other)]
+    return (bits[0] != bits[1]).any(axis=1)
+
+
+@pytest.mark.parametrize("lost", [0.0, 0.04])
+def test_a_faulty_stream_is_repaired_to_the_clean_log_to_the_bit(
+    record: Recorder, lost: float
+) -> None:
+    """Every frame that was sent whole, beside the decoded log of the same run."""
+    plan = {"contacts": [PUSH], "imu": {}, "force_sensor": {}, "seconds": 10, "seed": 8}
+    clean = record("thesis-csv", **plan).taken_in().robot
+    faulty = record("realtime-stream", **plan, faults={"late_packets": True, "lost_frames": lost})
+    robot, missing = faulty.taken_in().robot, faulty.summary()["frames"]["lost"]
+    assert len(missing) == pytest.approx(lost * len(clean), abs=20)
+    assert len(robot) == len(clean)
+    np.testing.assert_array_equal(np.flatnonzero(robot["interpolated"]), missing)
+    assert set(np.flatnonzero(unequal(robot, clean))) <= set(missing)
+
+
+def test_cut_messages_cost_themselves_and_at_most_a_neighbour(record: Recorder) -> None:
+    """What is left is right to the bit, damage on top of late packets and all."""
+    plan = {"seconds": 10, "seed": 1}
+    clean = record("thesis-csv", **plan).taken_in().robot
+    faulty = record("realtime-stream", **plan, faults={"late_packets": True, "cut_frames": 0.03})
+    robot, cut = faulty.taken_in().robot, np.array(faulty.summary()["frames"]["cut"])
+    frame = np.rint((robot["time"].to_numpy()) / 0.008).astype(int)
+    doubtful = robot["interpolated"].to_numpy()
+    assert not unequal(robot, clean.iloc[frame])[~doubtful].any()
+    lost = np.setdiff1d(np.arange(len(clean)), frame[~doubtful])
+    assert set(cut) <= set(lost)
+    assert len(lost) <= 1.2 * len(cut)
+    assert all(np.abs(cut - frame).min() <= 1 for frame in lost)
+
+
+def test_late_packets_come_as_figure_4_4_shows() -> None:
+    sent = [bytes([k]) * 756 for k in range(8)]
+    time = np.arange(8) * 0.008
+    received = split_late(sent, time, np.array([False, *[True] * 7]))
+    assert b"".join(data for _, data in received) == b"".join(sent)
+    assert [(round(1000 * at), len(data)) for at, data in received] == [
+        (0, 756), (8, 756), (16, 756), (32, 756 + SPLIT), (33, 62),
+        (40, 756), (56, 756 + SPLIT), (57, 62),
+    ]  # fmt: skip
+    assert LATE == 3
+    last = split_late(sent[:4], time[:4], np.ones(4, bool))
+    assert b"".join(data for _, data in last) == b"".join(sent[:4])
+
+
+def test_a_capture_has_the_real_layout(record: Recorder) -> None:
+    recorded = record("realtime-stream", faults={"late_packets": True})
+    frame, found = read_stream(recorded.folder / "capture.csv")
+    assert not found
+    assert frame.attrs["message_bytes"] == 756
+    steps = np.rint(1000 * np.diff(frame["received"])).astype(int)
+    assert set(steps) <= {1, 7, 8, 9, 15, 16}
+    assert np.count_nonzero(steps == 1) > 100
+    assert (frame["joint_temperatures_0"] == 30).all()
+
+
+@pytest.mark.parametrize(
+    ("format", "fault", "found"),
+    [
+        ("thesis-csv", {"lost_frames": 0.05}, ("robot", "lost frames")),
+        ("realtime-stream", {"lost_frames": 0.05}, ("robot", "lost frames")),
+        ("realtime-stream", {"cut_frames": 0.05}, ("robot", "bytes skipped")),
+        ("rtde-csv", {"lost_frames": 0.05}, ("robot", "lost frames")),
+        ("thesis-csv", {"stale_stamps": 0.02}, ("robot", "repeated stamps")),
+        ("realtime-stream", {"stale_stamps": 0.02}, ("robot", "stale stamps")),
+        ("rtde-csv", {"stale_stamps": 0.02}, ("robot", "stale stamps")),
+        ("thesis-csv", {"stale_frames": 0.02}, ("robot", "stale data")),
+        ("realtime-stream", {"stale_frames": 0.02}, ("robot", "stale data")),
+        ("rtde-csv", {"stale_frames": 0.02}, ("robot", "stale data")),
+        ("thesis-csv", {"torn_files": True}, ("robot", "channels of unequal length")),
+        ("realtime-stream", {"torn_files": True}, ("robot", "damaged lines")),
+        ("rtde-csv", {"torn_files": True}, ("robot", "torn last line")),
+        ("thesis-csv", {"stale_imu": True}, ("imu", "stale copy")),
+        ("realtime-stream", {"stale_imu": True}, ("imu", "stale copy")),
+        ("rtde-csv", {"stale_imu": True}, ("imu", "stale copy")),
+    ],
+)
+def test_each_fault_is_found_and_survived(
+    record: Recorder, format: Format, fault: dict[str, Any], found: tuple[str, str]
+) -> None:
+    recorded = record(format, faults=fault, imu={}, seconds=4)
+    intake = recorded.taken_in()
+    assert found in findings(intake)
+    true = recorded.true().set_index("time")
+    near = true.index.get_indexer(intake.robot["time"], method="nearest")
+    off = channel(intake.robot, "actual_q") - channel(true.iloc[near], "q")
+    assert np.abs(off).max() < 0.03  # a cycle at full speed, where a stamp was stale
+
+
+# Beside the real devices
+
+
+def residual(robot: pd.DataFrame) -> Array:
+    """RMS of the current above 2 Hz that the controller did not foresee, while the arm moves."""
+    off = channel(robot, "actual_current") - channel(robot, "target_current")
+    moving = np.abs(channel(robot, "target_qd")).max(axis=1) > 1e-3
+    return np.std((off - zero_phase_lowpass(off, 125, 4, 2.0))[moving], axis=0)
+
+
+def stillest(record: DeviceRecord | pd.DataFrame, columns: list[str], count: int) -> Array:
+    """Least standard deviation over a second of samples, column by column."""
+    table = record.table if isinstance(record, DeviceRecord) else record
+    return table[columns].rolling(count).std().min().to_numpy()
+
+
+@pytest.fixture(scope="module")
+def real_no8(thesis_data: Path, ur5: Robot) -> Intake:
+    folder = thesis_data / "Movement_No8_Singularity_Free_1"
+    return take_in({"format": "thesis-csv", "folder": str(folder)}, ur5, 0.1)
+
+
+def test_currents_are_as_noisy_as_real_ones(like_no8: Recorded, real_no8: Intake) -> None:
+    """Within a quarter, joint by joint, on the same motion."""
+    ratio = residual(like_no8.taken_in().robot) / residual(real_no8.robot)
+    np.testing.assert_allclose(ratio, 1, atol=0.25)
+
+
+def test_encoders_are_as_noisy_as_real_ones(like_no8: Recorded, real_no8: Intake) -> None:
+    """Third differences of positions, and velocities, against their targets: within a third."""
+    for order, name in ((3, "actual_q"), (0, "actual_qd")):
+        own, real = (
+            np.diff(channel(t, name) - channel(t, f"target_{name[7:]}"), order, axis=0).std(axis=0)
+            for t in (like_no8.taken_in().robot, real_no8.robot)
+        )
+        assert (np.abs(np.log(own / real)) < np.log(1.35)).all(), own / real
+
+
+def test_drives_stray_as_far_as_real_ones(like_no8: Recorded, real_no8: Intake) -> None:
+    """From their targets: within a factor 2, joint by joint."""
+    own, real = (
+        np.std(channel(t, "actual_q") - channel(t, "target_q"), axis=0)
+        for t in (like_no8.taken_in().robot, real_no8.robot)
+    )
+    assert (np.abs(np.log2(own / real)) < 1).all(), own / real
+
+
+def test_stamps_jitter_as_real_ones(
+    like_no8: Recorded, real_no8: Intake, thesis_data: Path
+) -> None:
+    """Mean step within 0.5 %, its standard deviation within a quarter."""
+    folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
+    real = {
+        "imu": real_no8.sensors["imu"],
+        "force": read_thesis_csv({"folder": str(folder)}).sensors["force"].table,
+    }
+    for device, table in real.items():
+        steps, own = (np.diff(t["time"]) for t in (table, like_no8.taken_in().sensors[device]))
+        assert own.mean() == pytest.approx(steps.mean(), rel=0.005)
+        assert own.std() == pytest.approx(steps.std(), rel=0.25)
+
+
+def test_imu_is_as_noisy_as_the_real_one(like_no8: Recorded, real_no8: Intake) -> None:
+    """At rest; the maker's figures (Table 4.5) are the own: gyroscope and magnetometer within 30 %,
+    accelerometer within a factor 2.5: the real one also feels the arm tremble."""
+    for quantity, factor in (("g", 1.3), ("m", 1.3), ("a", 2.5)):
+        columns = [f"imu_{quantity}{axis}" for axis in "xyz"]
+        own, real = (
+            stillest(intake.sensors["imu"], columns, 266)
+            for intake in (like_no8.taken_in(), real_no8)
+        )
+        assert (np.abs(np.log(own / real)) < np.log(factor)).all(), own / real
+
+
+def test_force_sensor_is_as_noisy_as_the_real_one(like_no8: Recorded, thesis_data: Path) -> None:
+    """From sample to sample in the first second at rest, within a third."""
+    folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
+    real = read_thesis_csv({"folder": str(folder)}).sensors["force"].table
+    own = like_no8.taken_in().sensors["force"]
+    noise = [t.drop(columns="time").iloc[:190].diff().std().to_numpy() for t in (own, real)]
+    np.testing.assert_allclose(noise[0], noise[1], rtol=0.35)
+
+
+# Plans
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"trajectory": {"kind": "fourier", "amplitude": 1}},
+        {"trajectory": {"kind": "circle"}},
+        {"trajectory": FOURIER, "seconds": 0},
+        {"trajectory": FOURIER, "faults": {"lost_frames": 0.9}},
+        {"trajectory": FOURIER, "contacts": [{"kind": "push", "force": [1, 2, 3]}]},
+        {
+            "trajectory": FOURIER,
+            "contacts": [{"kind": "push", "start_s": 1, "force": [1, 2, np.nan]}],
+        },
+        {"trajectory": FOURIER, "contacts": [WALL | {"link": 7}]},
+        {"trajectory": FOURIER, "contacts": [WALL | {"normal": [0, 0, 0]}]},
+    ],
+)
+def test_a_wrong_plan_is_refused(wrong: dict[str, Any]) -> None:
+    SimulatedRecording.model_validate({"trajectory": FOURIER, "contacts": [WALL, PUSH]})
+    with pytest.raises(ValidationError):
+        SimulatedRecording.model_validate(wrong)
+
+
+def test_every_choice_of_a_plan_is_described() -> None:
+    schema = SimulatedRecording.model_json_schema()
+    for name, part in {"SimulatedRecording": schema, **schema["$defs"]}.items():
+        for key, value in part["properties"].items():
+            told = "description" in value or "const" in value or "$ref" in str(value)
+            assert told or key.endswith(("_s", "_n_m", "_ns_m", "seconds")) or name == "Payload", (
+                key
+            )

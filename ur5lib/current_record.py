@@ -1,0 +1,39 @@
+"""A recording as the fit of its motor currents sees it."""
+
+from functools import partial
+
+import pandas as pd
+
+from ur5lib.identification.samples import Record, Smooth
+from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.tables import Array, channel, period
+
+
+def current_record(
+    name: str, signals: pd.DataFrame, motion: pd.DataFrame, torques: pd.DataFrame, model: str
+) -> Record | None:
+    """Measured motion and currents, and the torque of a link model at that motion.
+
+    None where no currents were recorded.
+    """
+    if "actual_current_0" not in signals:
+        return None
+    return Record(
+        name=name,
+        period=period(signals),
+        segment=signals["segment"].to_numpy(),
+        q=channel(motion, "q"),
+        qd=channel(motion, "qd"),
+        torque=channel(torques, f"tau_measured_{model}"),
+        current=channel(signals, "actual_current"),
+    )
+
+
+def smoother(order: int, cutoff: float) -> Smooth:
+    """A zero-phase low-pass of a recording's samples, within its unbroken stretches."""
+
+    def smooth(values: Array, record: Record) -> Array:
+        lowpass = partial(zero_phase_lowpass, rate=1 / record.period, order=order, cutoff=cutoff)
+        return by_segment(lowpass, values, record.segment)
+
+    return smooth

@@ -1,0 +1,57 @@
+"""The slow part of the external torque: what friction and model leave, drifting along."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.force.external_torque import finite_rows
+
+Array = NDArray[np.float64]
+
+
+class Smoothed(NamedTuple):
+    """Mean (N, 6) and covariance (N, 6, 6) of a signal, given all of its measurements."""
+
+    mean: Array
+    covariance: Array
+
+
+def smooth(measured: Array, noise: Array, spread: Array, decay: Array) -> Smoothed:
+    """Kalman filter and Rauch-Tung-Striebel smoother of an Ornstein-Uhlenbeck process.
+
+    b(t) = A b(t - 1) + w, A = diag(decay), cov w = sqrt(1 - A²) Q sqrt(1 - A²); measured = b + v.
+    measured: (N, 6), NaN rows where nothing was; noise: (N, 6, 6), of v; spread: (N, 6, 6), Q,
+    the variance without measurements; decay: (N, 6), of the step towards each sample.
+    """
+    before, after = _filter(measured, noise, spread, decay)
+    cross = decay[1:, :, None] * after.covariance[:-1]
+    gain = np.linalg.solve(before.covariance[1:], cross).mT
+    mean, covariance = after.mean.copy(), after.covariance.copy()
+    for t in range(len(measured) - 2, -1, -1):
+        mean[t] += gain[t] @ (mean[t + 1] - before.mean[t + 1])
+        covariance[t] += gain[t] @ (covariance[t + 1] - before.covariance[t + 1]) @ gain[t].T
+    return Smoothed(mean, covariance)
+
+
+def _filter(
+    measured: Array, noise: Array, spread: Array, decay: Array
+) -> tuple[Smoothed, Smoothed]:
+    """Predicted before, and corrected after each measurement."""
+    known = finite_rows(measured)
+    renewal = np.sqrt(1 - decay**2)
+    renewed = renewal[:, :, None] * spread * renewal[:, None, :]
+    kept = decay[:, :, None] * decay[:, None, :]
+    before = Smoothed(np.empty_like(decay), np.empty_like(spread))
+    after = Smoothed(np.empty_like(decay), np.empty_like(spread))
+    mean, covariance = np.zeros(6), spread[0]
+    for t in range(len(measured)):
+        if t:
+            mean, covariance = decay[t] * mean, kept[t] * covariance + renewed[t]
+        before.mean[t], before.covariance[t] = mean, covariance
+        if known[t]:
+            gain = np.linalg.solve(covariance + noise[t], covariance).T
+            mean = mean + gain @ (measured[t] - mean)
+            covariance = covariance - gain @ covariance
+        after.mean[t], after.covariance[t] = mean, covariance
+    return before, after

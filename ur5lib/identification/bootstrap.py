@@ -1,0 +1,71 @@
+"""Spread of estimates under another draw of recordings, and of blocks within them.
+
+Samples of a recording share its temperature and posture, so whole recordings are drawn with
+replacement; but few of them tell a spread badly, so blocks within them are drawn too, and the
+larger of both spreads counts.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+DRAWS = 500
+
+
+def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, count: int) -> Array:
+    """Normal equations of each block, (count, P, P + 1): the matrix, and the right side last.
+
+    columns: (n, P); curvature, pull: (n,), what a sample adds to both along its columns; block:
+    (n,) labels 0 to count - 1.
+    """
+    sums = np.zeros((count, columns.shape[1], columns.shape[1] + 1))
+    sides = np.column_stack([columns * curvature[:, None], pull])
+    np.add.at(sums, block, columns[:, :, None] * sides[:, None])
+    return sums
+
+
+def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
+    """How often each block is in each of DRAWS draws of whole units, (DRAWS, n).
+
+    unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
+    """
+    units, place = np.unique(unit_of_block, return_inverse=True)
+    known = units >= 0
+    counts = np.zeros((DRAWS, len(units)))
+    counts[:, known] = _draw(int(known.sum()), generator)
+    return counts[:, place]
+
+
+def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
+    """How often each block is in each of DRAWS draws of blocks within their units, (DRAWS, n)."""
+    counts = np.zeros((DRAWS, len(unit_of_block)))
+    for unit in np.unique(unit_of_block[unit_of_block >= 0]):
+        own = unit_of_block == unit
+        counts[:, own] = _draw(int(own.sum()), generator)
+    return counts
+
+
+def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
+    """Standard errors (P,) from replicates (B, P) of both kinds.
+
+    The root makes up for drawing among few units.
+    """
+    return np.maximum(_spread(by_unit) * np.sqrt(units / max(1, units - 1)), _spread(by_block))
+
+
+def _draw(count: int, generator: np.random.Generator) -> Array:
+    return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
+
+
+def _spread(replicates: Array) -> Array:
+    """Half of what the central 68 % cover: one standard deviation, whatever the tails."""
+    low, high = np.quantile(replicates, stats.norm.cdf([-1.0, 1.0]), axis=0)
+    return (high - low) / 2
+
+
+def half_width(error: Array, units: int) -> Array:
+    """Half of the 95 % interval (P,), of Student's t with as many units less one."""
+    return error * stats.t.ppf(0.975, max(1, units - 1))

@@ -1,0 +1,311 @@
+"""The closed loop of Equation 2.80, simulated exactly, and the PD gains that a recording tells.
+
+Under feedback linearisation the model of the links cancels (2.70): each joint is a double
+integrator of its own, driven by a_q = q̈_d - K0 (q - q_d) - K1 (q̇ - q̇_d) (2.71). So the gains are
+the same for every model, and twelve of them are six problems of two.
+"""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.ndimage import minimum_filter
+from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
+from scipy.signal import lfilter
+from scipy.stats import f as fisher
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+NODES = 31  # of the grid of gains, on each axis
+STARTS = 5  # how many of its valleys are followed down
+LEVEL = 0.95
+KNOWN = 10.0  # a range as wide as an order of magnitude is no estimate
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """What an arm was told to do and what it did, on a uniform grid.
+
+    target_q, target_qd, target_qdd, actual_q, actual_qd: (N, 6) [rad, rad/s, rad/s²];
+    segment: (N,) labels of unbroken stretches; period: [s]. Rows with NaN break a stretch.
+    """
+
+    target_q: Array
+    target_qd: Array
+    target_qdd: Array
+    actual_q: Array
+    actual_qd: Array
+    segment: Labels
+    period: float
+
+
+@dataclass(frozen=True)
+class Gain:
+    """One gain, K0 [1/s²] or K1 [1/s], as far as a recording tells it.
+
+    best: where the cost is least; std_error: from the Jacobian there; low, high: between them some
+    value fits as well as the best; determined: whether both lie inside the search bounds (Raue et
+    al. 2009) and less than an order of magnitude apart. If not, the range is the result, `best` a
+    point in it, and `std_error` means nothing. grid, profile: (G,) values between the search
+    bounds, and the least cost over the other gain at each.
+    """
+
+    best: float
+    std_error: float
+    low: float
+    high: float
+    determined: bool
+    grid: Array
+    profile: Array
+
+
+@dataclass(frozen=True)
+class JointGains:
+    """The gains of one joint, and costs as of `tracking_cost`.
+
+    noise: (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the least;
+    limit: up to it gains fit as well; stiff: of a joint that is always where it was told to be.
+    """
+
+    position: Gain
+    velocity: Gain
+    noise: Array
+    cost: float
+    limit: float
+    stiff: float
+
+
+def simulate_closed_loop(
+    target_q: Array,
+    target_qd: Array,
+    target_qdd: Array,
+    period: float,
+    position_gains: Array,
+    velocity_gains: Array,
+) -> tuple[Array, Array, Array]:
+    """q̂ [rad], q̂̇ [rad/s] and a_q = q̂̈ [rad/s²] of the loop (2.80), (N, 6) each.
+
+    targets: (N, 6), unbroken and uniform; period: [s]; gains: (6,), the diagonals of K0 [1/s²] and
+    K1 [1/s]. The loop starts on its target, as the UR5's recordings do. Between samples targets run
+    straight (a first-order hold), which the matrix exponential solves without error. Held still
+    over each step they would lag by half of it: two to six times the position errors of Table 5.5.
+    """
+    drive = target_qdd + position_gains * target_q + velocity_gains * target_qd
+    starts = np.stack([target_q[0], target_qd[0]], axis=1)
+    steps = [_step(*gains, period) for gains in zip(position_gains, velocity_gains, strict=True)]
+    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]
+    q, qd = np.stack(states, axis=1).transpose(2, 0, 1)
+    return q, qd, drive - position_gains * q - velocity_gains * qd
+
+
+def tracking_cost(
+    tracking: Tracking, position_gains: Array, velocity_gains: Array, noise: Array
+) -> Array:
+    """The cost J of gains (6,), which must be positive: (6,), dimensionless, one for each joint.
+
+    (2.83) adds rad² and rad²/s², which leaves the say to the velocities' noise alone. Here each
+    squared residual counts in units of noise, and as one of as many samples as are independent:
+    J = Σ r²/(σ² t), over positions and velocities. noise: (6, 2), σ √t of `JointGains`, where σ² is
+    the residuals' mean square under the best gains and t their correlation time in samples.
+    """
+    gains = np.log(np.stack([position_gains, velocity_gains], axis=1))
+    columns = zip(_joints(tracking), gains, noise, strict=True)
+    return np.array([joint.cost(pair, scale) for joint, pair, scale in columns])
+
+
+def estimate_gains(tracking: Tracking) -> list[JointGains]:
+    """The gains of the six joints by nonlinear least squares (2.84), and how well they are known.
+
+    Searched is where a recording can tell a loop: natural frequencies from one radian over its
+    longest stretch up to Nyquist's, critically damped (2.74). A grid in the logarithm of both gains
+    comes first, then least squares from its deepest valleys; the noise is first that of a stiff
+    joint, then that of the gains found. Gains fit as well as the best when
+    J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
+    number of independent samples. Raises ValueError where no two successive samples are complete.
+    """
+    return [_estimate(joint) for joint in _joints(tracking)]
+
+
+# The loop of one joint
+
+
+class _Step(NamedTuple):
+    """x[k+1] = A x[k] + B0 u[k] + B1 u[k+1], x = [q, q̇]."""
+
+    A: Array
+    B0: Array
+    B1: Array
+
+
+def _step(position_gain: float, velocity_gain: float, period: float) -> _Step:
+    """One period of q̈ = u - K0 q - K1 q̇, u straight within it (Van Loan 1978)."""
+    generator = np.zeros((4, 4))  # of q, q̇, u, and what u gains in one period
+    generator[:2, 1:3] = np.eye(2)
+    generator[1, :2] = -position_gain, -velocity_gain
+    generator[2, 3] = 1 / period
+    flow = expm(generator * period)
+    return _Step(flow[:2, :2], flow[:2, 2] - flow[:2, 3], flow[:2, 3])
+
+
+def _run(step: _Step, drive: Array, start: Array) -> Array:
+    """States (N, 2) under u (N,).
+
+    A² = tr(A) A - det(A) I (Cayley and Hamilton) makes of x[k+1] = A x[k] + w[k+1] a recursion of
+    each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
+    """
+    A, B0, B1 = step
+    pushes = np.vstack([start, np.outer(drive[:-1], B0) + np.outer(drive[1:], B1)])
+    trace = np.trace(A)
+    inputs = pushes.copy()
+    inputs[1:] += pushes[:-1] @ (A - trace * np.eye(2)).T
+    return lfilter([1.0], [1.0, -trace, np.linalg.det(A)], inputs, axis=0)
+
+
+# The gains of one joint
+
+
+@dataclass(frozen=True)
+class _Joint:
+    """One joint's recording. stretches: (K, 5) each: told q, q̇, q̈, measured q, q̇; period: [s]."""
+
+    stretches: list[Array]
+    period: float
+
+    def errors(self, gains: Array) -> Array:
+        """Of q̂ and q̂̇, (N, 2); gains: (2,), the logarithms of K0 and K1."""
+        position_gain, velocity_gain = np.exp(gains)
+        step = _step(position_gain, velocity_gain, self.period)
+        errors = []
+        for stretch in self.stretches:
+            drive = stretch[:, 2] + stretch[:, :2] @ np.exp(gains)
+            errors.append(stretch[:, 3:] - _run(step, drive, stretch[0, :2]))
+        return np.concatenate(errors)
+
+    def cost(self, gains: Array, noise: Array) -> float:
+        return float(np.sum((self.errors(gains) / noise) ** 2))
+
+    def stiff_errors(self) -> Array:
+        told = np.concatenate(self.stretches)
+        return told[:, 3:] - told[:, :2]
+
+    def search_bounds(self) -> Array:
+        """Least and greatest gains, (2, 2): natural frequencies that a recording can tell."""
+        longest = max(map(len, self.stretches)) * self.period
+        frequency = np.array([1 / longest, np.pi / self.period])
+        return np.log(np.stack([frequency**2, 2 * frequency], axis=1))
+
+    def noise(self, errors: Array) -> Array:
+        """σ √t of errors (N, 2) in position and velocity."""
+        ends = np.cumsum([len(stretch) for stretch in self.stretches])[:-1]
+        return np.array([_noise(np.split(kind, ends)) for kind in errors.T])
+
+
+def _joints(tracking: Tracking) -> list[_Joint]:
+    t = tracking
+    signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd], axis=2)
+    finite = np.asarray(np.isfinite(signals).all(axis=(1, 2)))
+    breaks = 1 + np.flatnonzero((np.diff(t.segment) != 0) | (np.diff(finite) != 0))
+    unbroken = np.split(np.arange(len(finite)), breaks)
+    stretches = [rows for rows in unbroken if len(rows) > 1 and finite[rows[0]]]
+    if not stretches:
+        raise ValueError("no two successive samples are complete")
+    return [_Joint([signals[rows, joint] for rows in stretches], t.period) for joint in range(6)]
+
+
+def _noise(errors: list[Array]) -> float:
+    """√(σ² t): mean square, and correlation time by the positive sums of Geyer (1992)."""
+    size, count = 2 * max(map(len, errors)), sum(map(len, errors))
+    spectra = [np.abs(np.fft.rfft(error, size)) ** 2 for error in errors]
+    covariance = np.fft.irfft(np.sum(spectra, axis=0), size) / count
+    if covariance[0] <= 0:
+        return np.inf  # a joint that nothing moves tells nothing
+    pairs = covariance[: size // 4 * 2].reshape(-1, 2).sum(axis=1)
+    last = int(np.argmax(pairs <= 0)) or len(pairs)
+    return float(np.sqrt(max(2 * pairs[:last].sum() - covariance[0], covariance[0])))
+
+
+def _estimate(joint: _Joint) -> JointGains:
+    bounds = joint.search_bounds()
+    grid = np.linspace(bounds[0], bounds[1], NODES)
+    squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=0) for p in product(*grid.T)])
+    squares = squares.reshape(NODES, NODES, 2)
+    stiff = joint.stiff_errors()
+    first = _descend(joint, grid, squares, joint.noise(stiff))
+    noise = joint.noise(joint.errors(first.x))
+    best = _descend(joint, grid, squares, noise)
+    free = max(joint.cost(first.x, noise) - 2, 1.0)  # independent samples less two gains
+    least = 2 * best.cost
+    limit = least * (1 + 2 / free * fisher.ppf(LEVEL, 2, free))
+    std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
+    profiles = _profiles(joint, grid, squares, noise)
+    position, velocity = (
+        _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit)
+        for axis in (0, 1)
+    )
+    return JointGains(position, velocity, noise, least, limit, np.sum((stiff / noise) ** 2))
+
+
+def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
+    """The best of the least squares from the deepest valleys of the grid."""
+
+    def residuals(gains: Array) -> Array:
+        return (joint.errors(gains) / noise).ravel()
+
+    starts = _valleys(grid, squares @ noise**-2.0)
+    bounds = grid[0], grid[-1]
+    fits = [least_squares(residuals, start, bounds=bounds) for start in starts]
+    return min(fits, key=lambda fit: fit.cost)
+
+
+def _valleys(grid: Array, costs: Array) -> Array:
+    """The deepest nodes that have no deeper neighbour, (S, 2)."""
+    lowest = np.argwhere(costs == minimum_filter(costs, 3, mode="nearest"))
+    order = np.argsort(costs[tuple(lowest.T)])[:STARTS]
+    return np.stack([grid[lowest[order, axis], axis] for axis in (0, 1)], axis=1)
+
+
+def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[Array]:
+    """For each gain, (G,): the cost at each node, least over the other gain."""
+    costs = squares @ noise**-2.0
+
+    def least(axis: int, node: int) -> float:
+        other = grid[:, 1 - axis]
+        k = int(np.argmin(costs.take(node, axis)))
+
+        def cost(value: float) -> float:
+            gains = np.full(2, grid[node, axis])
+            gains[1 - axis] = value
+            return joint.cost(gains, noise)
+
+        between = other[max(k - 1, 0)], other[min(k + 1, NODES - 1)]
+        return minimize_scalar(cost, bounds=between, method="bounded").fun
+
+    return [np.array([least(axis, node) for node in range(NODES)]) for axis in (0, 1)]
+
+
+def _gain(best: float, std: float, grid: Array, profile: Array, least: float, limit: float) -> Gain:
+    """A gain and the range in which its profile stays within the limit.
+
+    The root of the cost's rise is nearly straight in the gain (Bates and Watts 1988, chapter 6).
+    """
+    place = np.searchsorted(grid, best)
+    nodes = np.insert(grid, place, best)
+    rise = np.insert(np.sqrt(np.maximum(profile - least, 0)), place, 0.0)
+    allowed = np.sqrt(limit - least)
+    low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
+    determined = low > grid[0] and high < grid[-1] and high - low < np.log(KNOWN)
+    value, low, high = np.exp([best, low, high])
+    return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)
+
+
+def _crossing(nodes: Array, rise: Array, allowed: float) -> float:
+    """Where the rise first comes down to what is allowed; the first node, if it never is above."""
+    inside = int(np.argmax(rise <= allowed))
+    if inside == 0:
+        return float(nodes[0])
+    share = (rise[inside - 1] - allowed) / (rise[inside - 1] - rise[inside])
+    return float(nodes[inside - 1] + share * (nodes[inside] - nodes[inside - 1]))

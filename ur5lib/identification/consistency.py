@@ -1,0 +1,64 @@
+"""The links that bodies of positive mass density could be: pseudo-inertias positive definite."""
+
+import cvxpy as cp
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification.base_parameters import Estimate
+
+Array = NDArray[np.float64]
+
+LENGTH = 0.1  # m: a link's size, to bring masses, moments and inertias to one scale
+MARGIN = 1e-6  # kg, kg m²: far below any link's, far above what the solver misses it by
+
+
+def _basis() -> Array:
+    """(10, 4, 4): the pseudo-inertia [[½ tr(I) 1 - I, m c], [m cᵀ, m]] of each parameter alone."""
+    basis = np.zeros((10, 4, 4))
+    basis[0, 3, 3] = 1
+    for i in range(3):
+        basis[1 + i, [i, 3], [3, i]] = 1
+    for row, (i, j) in enumerate([(0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)], start=4):
+        basis[row, [i, j], [j, i]] = -1
+        if i == j:
+            basis[row, :3, :3] += np.eye(3) / 2
+    scale = np.array([1 / LENGTH] * 3 + [1.0])
+    return basis * np.outer(scale, scale)
+
+
+BASIS = _basis()
+
+
+def pseudo_inertias(parameters: Array) -> Array:
+    """(6, 4, 4) [kg] of the links with π = parameters (P,), lengths counted in LENGTH."""
+    return np.einsum("ki,imn->kmn", parameters[:60].reshape(6, 10), BASIS)
+
+
+def smallest_eigenvalues(parameters: Array) -> Array:
+    """(6,) [kg] of the pseudo-inertias: a link that is negative here is no body (Wensing 2018)."""
+    return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
+
+
+def consistent(estimate: Estimate) -> Array:
+    """π (P,) of six bodies and six rotors, as near to an estimate as its errors want it.
+
+    Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), which is the weighted least squares with the prior, subject to
+    pseudo-inertias and rotor inertias no smaller than MARGIN: a convex problem. With Σ = S Sᵀ, its
+    unknown is S⁻¹ (π - π̂). Its errors are taken as the estimate's.
+    Raises ValueError where no bodies explain the torques.
+    """
+    change = cp.Variable(len(estimate.parameters))
+    parameters = estimate.parameters + estimate.spread @ change
+    bodies = [
+        cp.reshape(BASIS.reshape(10, 16).T @ parameters[10 * k : 10 * k + 10], (4, 4), order="C")
+        >> MARGIN * np.eye(4)
+        for k in range(6)
+    ]
+    rotors = parameters[60:66] >= MARGIN
+    problem = cp.Problem(cp.Minimize(cp.sum_squares(change)), [*bodies, rotors])
+    problem.solve(solver=cp.CLARABEL)
+    if problem.status != cp.OPTIMAL:
+        raise ValueError(
+            f"no six bodies with six rotors explain these torques (solver: {problem.status})"
+        )
+    return np.asarray(parameters.value, dtype=np.float64)

@@ -1,0 +1,206 @@
+"""From motion and rigid-body torque to motor current: k i + b = τ + τ_friction, fitted.
+
+The current is what is predicted, for it carries the noise: i = (τ + τ_friction - b) / k is linear
+in 1/k, b/k and the friction coefficients over k. These come from samples in motion; at rest,
+friction is whatever holds the joint up to breakaway, and only what pre-sliding tells is predicted.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification import bootstrap
+from ur5lib.identification.estimation import Estimate, Prior, estimate_together, physical
+from ur5lib.identification.friction import FAMILY, PRESLIDING, Term, locked_friction
+from ur5lib.identification.regression import Normal
+from ur5lib.identification.samples import (
+    FEW,
+    Labels,
+    Mask,
+    Record,
+    Samples,
+    Smooth,
+    design,
+    joint_samples,
+)
+from ur5lib.identification.selection import (
+    FEWEST,
+    choose_presliding,
+    choose_terms,
+    left_out_residuals,
+    locked_current,
+)
+
+Array = NDArray[np.float64]
+
+UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
+CONFLICT = 3.0  # prior standard deviations
+COVERED = 0.95
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """One joint's map from motion to current.
+
+    presliding: [rad], or None where none helps; locked: [A], of Coulomb friction locked in at rest;
+    band_moving, band_rest: half of the 95 % band [A] around the low-passed current of a recording
+    left out; remarks: what could not be fitted, one sentence each.
+    """
+
+    terms: tuple[Term, ...]
+    estimate: Estimate
+    presliding: float | None
+    locked: float
+    band_moving: float
+    band_rest: float
+    remarks: tuple[str, ...]
+
+    def names(self) -> list[str]:
+        """Of the parameters."""
+        return ["torque_constant", "offset", *(n for term in self.terms for n in term.names())]
+
+
+@dataclass(frozen=True)
+class CurrentFit:
+    """The six joints' maps; units: the recordings, or among few the stretches, they rest on."""
+
+    joints: tuple[JointFit, ...]
+    units: int
+
+    @classmethod
+    def from_plain(cls, data: Mapping[str, Any]) -> Self:
+        """A fit from what `dataclasses.asdict` made of it, by way of JSON."""
+        return cls(tuple(_joint_from_plain(joint) for joint in data["joints"]), data["units"])
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One fitted value in SI units; joint 1 to 6; interval: 95 %."""
+
+    joint: int
+    name: str
+    value: float
+    std_error: float
+    interval: tuple[float, float]
+    prior_share: float
+    determined: bool
+
+
+def fit_currents(
+    records: Sequence[Record],
+    smooth: Smooth,
+    prior: Prior,
+    family: Sequence[Term] = FAMILY,
+    seed: int = 0,
+) -> CurrentFit:
+    """Fit all joints over contact-free recordings; choose friction by recordings left out.
+
+    smooth: a zero-phase low-pass, at 2 Hz say: above, the measured current is noise.
+    """
+    samples = joint_samples(records, smooth, family)
+    alone = [prior.of_joint(joint) for joint in range(6)]
+    terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
+    estimates, units = estimate_together(samples, terms, prior, seed)
+    joints = zip(samples, terms, alone, estimates, strict=True)
+    return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
+
+
+def predict(fit: CurrentFit, record: Record) -> Array:
+    """Motor current (N, 6) [A] of a motion without contact; the record's current is not used."""
+    currents = []
+    for joint, model in enumerate(fit.joints):
+        current = design(record, joint, model.terms) @ model.estimate.coefficients
+        if model.presliding is not None:
+            q, qd = record.q[:, [joint]], record.qd[:, [joint]]
+            held = locked_friction(q, qd, record.segment, model.presliding)
+            current += model.locked * held[:, 0]
+        currents.append(current)
+    return np.stack(currents, axis=1)
+
+
+def band(fit: CurrentFit, moving: Mask) -> Array:
+    """Half of the 95 % band (N, 6) [A] of a low-passed prediction; moving: `smoothed_moving`."""
+    in_motion, at_rest = (
+        np.array([getattr(joint, name) for joint in fit.joints])
+        for name in ("band_moving", "band_rest")
+    )
+    return np.where(moving, in_motion, at_rest)
+
+
+def parameters(fit: CurrentFit) -> list[Parameter]:
+    """Torque constants [Nm/A], offsets [Nm] and friction coefficients [Nm, Nm s/rad, ...]."""
+    rows = []
+    for joint, model in enumerate(fit.joints, start=1):
+        estimate = model.estimate
+        values = physical(estimate.coefficients)
+        half = bootstrap.half_width(estimate.std_error, fit.units)
+        columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
+        rows += [
+            Parameter(joint, name, value, error, (low, high), share, bool(share < UNDETERMINED))
+            for name, value, error, low, high, share in zip(model.names(), *columns, strict=True)
+        ]
+    return rows
+
+
+def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
+    numbers = {name: np.array(value, dtype=float) for name, value in data["estimate"].items()}
+    bands = {
+        name: float("nan") if data[name] is None else data[name]
+        for name in ("band_moving", "band_rest")
+    }
+    return JointFit(
+        terms=tuple(Term(**term) for term in data["terms"]),
+        estimate=Estimate(**numbers),
+        presliding=data["presliding"],
+        locked=data["locked"],
+        remarks=tuple(data["remarks"]),
+        **bands,
+    )
+
+
+def _joint_fit(
+    samples: Samples, terms: tuple[Term, ...], prior: Normal, estimate: Estimate
+) -> JointFit:
+    """What stands beside the estimate of a joint: friction at rest, bands, remarks."""
+    coefficients = estimate.coefficients
+    index = choose_presliding(samples, terms, prior)
+    locked = 0.0 if index is None else locked_current(samples, terms, coefficients, index)
+    residual = left_out_residuals(samples, terms, prior, index)
+    if not np.isfinite(residual).any():  # the only recording: of the fit itself, then
+        residual = samples.current - samples.design(terms) @ coefficients
+    return JointFit(
+        terms,
+        estimate,
+        None if index is None else PRESLIDING[index],
+        locked,
+        _band(residual[samples.moving], samples.record[samples.moving]),
+        _band(residual[~samples.moving], samples.record[~samples.moving]),
+        _remarks(samples, estimate, prior),
+    )
+
+
+def _band(residual: Array, record: Labels) -> float:
+    """Half of a band that covers COVERED of every recording; NaN where there is none.
+
+    The next recording is as warm as none before: wide enough for the worst will do for most.
+    """
+    each = [np.abs(residual[record == one]) for one in np.unique(record)]
+    return max((float(np.quantile(e, COVERED)) for e in each if len(e) >= FEWEST), default=np.nan)
+
+
+def _remarks(samples: Samples, estimate: Estimate, prior: Normal) -> tuple[str, ...]:
+    moved = len(np.unique(samples.record[samples.moving]))
+    remarks = []
+    if moved == 0:
+        remarks.append("does not move: no friction, and the torque constant is the prior's")
+    elif moved == 1:
+        remarks.append("moves in one recording only: no term is chosen, the band is of the fit")
+    elif moved < FEW:
+        remarks.append(f"moves in {moved} recordings: how far recordings differ is hardly known")
+    away = (estimate.coefficients[0] - prior.mean[0]) * np.sqrt(prior.precision[0, 0])
+    if abs(away) > CONFLICT:
+        remarks.append(f"torque constant {abs(away):.1f} standard deviations off what was known")
+    return tuple(remarks)

@@ -1,0 +1,132 @@
+"""The current-torque maps of all joints in one regularised estimate, and its uncertainty.
+
+Joints are related through what is known of their torque constants; the rest is theirs alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification import bootstrap
+from ur5lib.identification.friction import Term
+from ur5lib.identification.regression import Normal, posterior_mean
+from ur5lib.identification.samples import Samples
+from ur5lib.identification.selection import regress_samples
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Prior:
+    """inverse_constant: of 1/k of the six joints [A/Nm]; torque_max: (6,) [Nm], which bounds each
+    friction torque and offset: its standard deviation beforehand.
+    """
+
+    inverse_constant: Normal
+    torque_max: Array
+
+    def of_joint(self, joint: int) -> Normal:
+        """Of the torque's, the offset's and any term's coefficient, regardless of other joints."""
+        inverse = self.inverse_constant.mean[joint]
+        variance = np.linalg.inv(self.inverse_constant.precision)[joint, joint]
+        wide = (self.torque_max[joint] * inverse) ** -2.0
+        return Normal(np.array([inverse, 0.0, 0.0]), np.diag([1 / variance, wide, wide]))
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """coefficients: (P,) of the torque [A/Nm], an offset [A] and friction terms; prior_share: (P,);
+    replicates: (B, P), under other draws of recordings; std_error: (P,), of `physical` values.
+    """
+
+    coefficients: Array
+    prior_share: Array
+    replicates: Array
+    std_error: Array
+
+
+def estimate_together(
+    samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior, seed: int = 0
+) -> tuple[list[Estimate], int]:
+    """Estimates of the six joints, and how many recordings (or stretches) they rest on."""
+    count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
+    sums = [_normal_equations(samples[j], terms[j], prior.of_joint(j), count) for j in range(6)]
+    sizes = [joint.shape[1] for joint in sums]
+    whole, generator = _whole_prior(prior, sizes), np.random.default_rng(seed)
+    unit = _unit_of_block(samples, count)
+    units = len(np.unique(unit[unit >= 0]))
+    solution, share = _solve(sums, np.ones((1, count)), whole)
+    told = Normal(_draw_means(whole, generator), whole.precision)
+    by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), told)
+    by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), told)
+    estimates, ends = [], np.cumsum(sizes)
+    for own in map(slice, ends - sizes, ends):
+        drawn = physical(by_unit[:, own]), physical(by_block[:, own])
+        error = bootstrap.standard_error(*drawn, units)
+        estimates.append(Estimate(solution[0, own], share[own], by_unit[:, own], error))
+    return estimates, units
+
+
+def physical(coefficients: Array) -> Array:
+    """From coefficients (..., P) of the current: k [Nm/A], b [Nm], and of friction [Nm, ...]."""
+    constant = 1 / coefficients[..., :1]
+    return np.concatenate(
+        [constant, -constant * coefficients[..., 1:2], constant * coefficients[..., 2:]], axis=-1
+    )
+
+
+def _normal_equations(samples: Samples, terms: Sequence[Term], prior: Normal, count: int) -> Array:
+    """`bootstrap.block_sums` of one Newton step of Huber's estimate from where it ended.
+
+    Samples beyond his limit pull with constant force and have no curvature. Both are in units of
+    the noise that the estimate averages over.
+    """
+    fit, moving = regress_samples(samples, terms, prior), samples.where(samples.moving)
+    design = moving.design(terms)
+    inlier = (fit.weight == 1.0).astype(float)
+    predicted = design @ fit.coefficients
+    pull = inlier * predicted + fit.weight * (moving.current - predicted)
+    scale = inlier.mean() / fit.noise if len(inlier) else 1.0
+    return bootstrap.block_sums(design, scale * inlier, scale * pull, moving.block, count)
+
+
+def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:
+    """Coefficients (B, P) of all joints, and the prior's share of the first draw's (P,)."""
+    size = sum(joint.shape[1] for joint in sums)
+    information, right = np.zeros((len(counts), size, size)), np.zeros((len(counts), size))
+    start = 0
+    for joint in sums:
+        drawn = np.tensordot(counts, joint, axes=1)
+        here = slice(start, start + joint.shape[1])
+        information[:, here, here], right[:, here] = drawn[..., :-1], drawn[..., -1]
+        start = here.stop
+    share = np.diag(np.linalg.solve(information[0] + prior.precision, prior.precision))
+    return posterior_mean(information, right, prior), share
+
+
+def _whole_prior(prior: Prior, sizes: Sequence[int]) -> Normal:
+    """Of all joints' coefficients one after the other, their torque constants related."""
+    mean, precision = np.zeros(sum(sizes)), np.zeros((sum(sizes), sum(sizes)))
+    starts = np.cumsum([0, *sizes[:-1]])
+    for joint, (start, size) in enumerate(zip(starts, sizes, strict=True)):
+        wide = prior.of_joint(joint).precision[2, 2]
+        precision[range(start, start + size), range(start, start + size)] = wide
+    precision[np.ix_(starts, starts)] = prior.inverse_constant.precision
+    mean[starts] = prior.inverse_constant.mean
+    return Normal(mean, precision)
+
+
+def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:
+    """What the prior might as well have said, (B, P)."""
+    root = np.linalg.cholesky(np.linalg.inv(prior.precision))
+    normal = generator.standard_normal((bootstrap.DRAWS, len(prior.mean)))
+    return prior.mean + normal @ root.T
+
+
+def _unit_of_block(samples: Sequence[Samples], count: int) -> NDArray[np.int64]:
+    unit = np.full(count, -1)
+    for joint in samples:
+        unit[joint.block] = joint.unit
+    return unit

@@ -1,0 +1,44 @@
+"""Identified parameters as one more model of an arm, and the arm as YAML."""
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from ur5lib.robots.description import Model, Robot
+from ur5lib.robots.inertia import shift_inertia, tensor
+from ur5lib.robots.urdf import link_tail
+
+Array = NDArray[np.float64]
+
+
+def identified_model(robot: Robot, parameters: Array, description: str) -> Model:
+    """The model of an arm whose inertial parameters are π = parameters (P,); P >= 66.
+
+    π as in `ur5lib.dynamics.arm.inertial_parameters`: seen from the URDF's link_k; what the flange
+    carried belongs to link 6. Raises ValueError where a mass or a rotor inertia is negative.
+    """
+    masses, centers, inertias = [], [], []
+    for link, geometry in zip(
+        parameters[:60].reshape(6, 10), robot.denavit_hartenberg, strict=True
+    ):
+        mass, center = link[0], link[1:4] / link[0]
+        rotation, translation = link_tail(geometry)
+        about_origin = tensor(link[[4, 6, 9, 5, 7, 8]].tolist())
+        inertia = rotation.T @ shift_inertia(about_origin, -mass, center) @ rotation
+        masses.append(float(mass))
+        centers.append(tuple((rotation.T @ (center - translation)).tolist()))
+        inertias.append(tuple(inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()))
+    return Model.model_validate(
+        {
+            "description": description,
+            "masses": tuple(masses),
+            "centers_of_mass": tuple(centers),
+            "inertias": tuple(inertias),
+            "rotor_inertias": tuple(parameters[60:66].tolist()),
+        }
+    )
+
+
+def robot_yaml(robot: Robot) -> str:
+    """YAML of an arm, which `load_robot` reads."""
+    return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)

@@ -1,0 +1,73 @@
+"""The inertia of the motors' rotors, as the joints feel it through the gears.
+
+A controller's torque is that of rigid links and of rotors (erratum 8): what rigid links leave of
+it is proportional to q̈. The rotors' gyroscopic moments are not modelled. Offset and friction are
+fitted beside the inertia, though a model's torque has none: they should come out as zero, and
+otherwise tell of errors in the model of the links.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+Array = NDArray[np.float64]
+
+HUBER = 1.345  # standard deviations: 95 % efficient where errors are normal (Huber 1964)
+PARTS = 8  # into which a recording is cut where it is the only one
+
+
+class Terms(NamedTuple):
+    """What is fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
+
+    inertia: Array
+    offset: Array
+    coulomb: Array
+    viscous: Array
+
+
+@dataclass(frozen=True)
+class RotorFit:
+    """The rotors' inertias and the terms that should be zero; NaN for a joint that kept still."""
+
+    value: Terms
+    std_error: Terms
+
+
+def fit_rotor_inertia(
+    residual: Sequence[Array], qd: Sequence[Array], qdd: Sequence[Array]
+) -> RotorFit:
+    """Fit residual = inertia q̈ + offset + coulomb sign(q̇) + viscous q̇, for each joint alone.
+
+    residual, qd, qdd: an array (N, 6) for each recording [Nm, rad/s, rad/s²]. residual is the
+    controller's torque less that of rigid links in the same motion, all low-passed alike or none.
+    Rows with NaN are left out. Huber's loss keeps the poses in which the links' model errs most
+    from deciding. These errors are alike all through a motion and differ between motions, so the
+    standard errors are a jackknife over recordings, or over parts of the only one.
+    """
+    recordings = [np.stack(one, axis=2) for one in zip(residual, qd, qdd, strict=True)]
+    parts = recordings if len(recordings) > 1 else np.array_split(recordings[0], PARTS)
+    without = [_fit(parts[:k] + parts[k + 1 :]) for k in range(len(parts))]
+    std_error = np.sqrt((len(parts) - 1) * np.var(without, axis=0))
+    return RotorFit(Terms(*_fit(parts)), Terms(*std_error))
+
+
+def _fit(parts: Sequence[Array]) -> Array:
+    """The four terms of each joint, (4, 6); parts: (K, 6, 3) each."""
+    samples = np.concatenate(parts)
+    return np.stack([_fit_joint(samples[:, joint]) for joint in range(6)], axis=1)
+
+
+def _fit_joint(samples: Array) -> Array:
+    """Terms (4,) of residual, q̇ and q̈, (N, 3)."""
+    residual, qd, qdd = samples[np.isfinite(samples).all(axis=1)].T
+    terms = np.stack([qdd, np.ones_like(qdd), np.sign(qd), qd], axis=1)
+    if np.linalg.matrix_rank(terms) < terms.shape[1]:
+        return np.full(terms.shape[1], np.nan)
+    start = np.linalg.lstsq(terms, residual)[0]
+    deviation = np.abs(residual - terms @ start).mean()  # a median would see joints at rest
+    scale = HUBER * np.sqrt(np.pi / 2) * deviation
+    return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x

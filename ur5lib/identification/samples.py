@@ -1,0 +1,159 @@
+"""Recordings as the smoothed, thinned samples on which one joint's current is fitted.
+
+The current and every column that explains it pass the same zero-phase low-pass, so that both sides
+of the fit stay comparable; what is fast in the measured current is noise.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification.friction import (
+    BASE,
+    MOVING,
+    PRESLIDING,
+    JointMotion,
+    Term,
+    locked_friction,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Labels = NDArray[np.int64]
+
+STEP = 0.1  # s between samples
+BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
+FEW = 5  # recordings; among fewer, stretches of them tell how far a result is certain
+STRETCH = 5  # blocks
+
+
+@dataclass(frozen=True)
+class Record:
+    """A contact-free recording on a uniform grid.
+
+    period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
+    torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A].
+    """
+
+    name: str
+    period: float
+    segment: Labels
+    q: Array
+    qd: Array
+    torque: Array
+    current: Array
+
+    def joint(self, joint: int) -> JointMotion:
+        """The motion of joint 0 to 5."""
+        return JointMotion(self.q[:, joint], self.qd[:, joint], self.torque[:, joint])
+
+
+# A zero-phase low-pass of (N, M) samples of a recording, within its segments.
+Smooth = Callable[[Array, Record], Array]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of one joint from all recordings.
+
+    columns: (n, P), one below the other those of the torque, of an offset, and of `terms`;
+    locked: (n, L) as `friction.locked_friction`, per distance of PRESLIDING; current: (n,) [A];
+    moving: (n,), false at rest and while starting or stopping; block, record: (n,) labels;
+    unit: (n,) labels of what a result's certainty is judged over: recordings, or among few of them
+    stretches of 10 s.
+    """
+
+    terms: tuple[Term, ...]
+    columns: Array
+    locked: Array
+    current: Array
+    moving: Mask
+    block: Labels
+    record: Labels
+    unit: Labels
+
+    @cached_property
+    def _places(self) -> dict[Term, list[int]]:
+        places, start = {}, 2
+        for term in self.terms:
+            places[term] = list(range(start, start + len(term.names())))
+            start += len(term.names())
+        return places
+
+    def design(self, terms: Sequence[Term]) -> Array:
+        """(n, P): the torque, an offset, and the columns of these terms."""
+        return self.columns[:, [0, 1, *(place for term in terms for place in self._places[term])]]
+
+    def where(self, rows: Mask) -> "Samples":
+        """Some of the samples."""
+        names = ("columns", "locked", "current", "moving", "block", "record", "unit")
+        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+
+
+def joint_samples(
+    records: Sequence[Record], smooth: Smooth, family: Sequence[Term]
+) -> list[Samples]:
+    """Samples of joints 1 to 6, with the columns of BASE and of a family of terms."""
+    terms = (*BASE, *family)
+    labels = [blocks(record) for record in records]
+    firsts = np.cumsum([0, *(_whole(own[-1] + 1) for own in labels[:-1])])
+    parts = [
+        _record_samples(record, smooth, terms, first + own)
+        for record, own, first in zip(records, labels, firsts, strict=True)
+    ]
+    joints = []
+    for joint in range(6):
+        rows = [part[joint] for part in parts]
+        record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
+        columns, locked, current, moving, block = (
+            np.concatenate(arrays) for arrays in zip(*rows, strict=True)
+        )
+        unit = record if len(records) >= FEW else block // STRETCH
+        joints.append(Samples(terms, columns, locked, current, moving, block, record, unit))
+    return joints
+
+
+def design(record: Record, joint: int, terms: Sequence[Term]) -> Array:
+    """(N, P): the torque of joint 0 to 5, an offset, and the columns of these terms."""
+    motion = record.joint(joint)
+    ones = np.ones_like(motion.torque)
+    return np.column_stack([motion.torque, ones, *(term.columns(motion) for term in terms)])
+
+
+def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
+    """Where each joint moves, (N, 6): all through the reach of the low-pass, not just now."""
+    moving = (np.abs(record.qd) > MOVING).astype(float)
+    moving[~np.isfinite(record.qd)] = np.nan
+    return smooth(moving, record) > 0.9
+
+
+def _record_samples(
+    record: Record, smooth: Smooth, terms: Sequence[Term], block: Labels
+) -> list[tuple[Array, Array, Array, Mask, Labels]]:
+    every = max(1, round(STEP / record.period))
+    moving = smoothed_moving(record, smooth)[::every]
+    locked = [locked_friction(record.q, record.qd, record.segment, d) for d in PRESLIDING]
+    joints = []
+    for joint in range(6):
+        explained = design(record, joint, terms)
+        sources = [explained, *(held[:, [joint]] for held in locked), record.current[:, [joint]]]
+        smoothed = smooth(np.column_stack(sources), record)[::every]
+        kept = np.isfinite(smoothed).all(axis=1)
+        columns, held, current = np.split(smoothed[kept], [explained.shape[1], -1], axis=1)
+        joints.append((columns, held, current[:, 0], moving[kept, joint], block[::every][kept]))
+    return joints
+
+
+def _whole(count: int) -> int:
+    """A recording's number of blocks, up to whole stretches: no stretch is of two recordings."""
+    return -(-count // STRETCH) * STRETCH
+
+
+def blocks(record: Record) -> Labels:
+    """Labels (N,) of stretches of BLOCK seconds that cross no segment."""
+    running = np.arange(len(record.segment)) // max(1, round(BLOCK / record.period))
+    changed = (np.diff(record.segment) != 0) | (np.diff(running) != 0)
+    return np.concatenate([[0], np.cumsum(changed)])

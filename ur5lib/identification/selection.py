@@ -1,0 +1,134 @@
+"""Which friction terms a joint needs, judged on recordings that were left out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification.friction import BASE, PRESLIDING, Term, is_dissipative
+from ur5lib.identification.regression import ROUNDS, Normal, Regression, huber_weight, regress
+from ur5lib.identification.samples import Samples
+
+Array = NDArray[np.float64]
+
+# Of the left-out error's logarithm. Many terms are tried, so one has to win by three standard
+# errors over the recordings, and by a twentieth: less is not worth a term.
+STANDARD_ERRORS = 3.0
+GAIN = 0.05
+LOOSE = 10.0  # times the prior's spread: no term is to make up for a torque constant told wrong
+FEWEST = 20  # samples (2 s) of a recording or stretch that say how good a model is
+
+
+def choose_terms(samples: Samples, prior: Normal) -> tuple[Term, ...]:
+    """BASE and the terms that a joint needs besides, one of a kind, in the order they were taken.
+
+    prior: of the torque's and the offset's coefficient, and (third) of any friction term's.
+    Forward selection: the term that lowers the error on recordings left out the most, among those
+    that lower it for certain and leave friction dissipative; and so on until there is none.
+    """
+    moving = samples.where(samples.moving)
+    prior = Normal(prior.mean, prior.precision / LOOSE**2)
+    chosen: tuple[Term, ...] = BASE
+    errors = left_out_errors(moving, chosen, prior)
+    while len(errors) > 1:
+        kinds = {term.kind for term in chosen}
+        tried = {
+            term: left_out_errors(moving, (*chosen, term), prior)
+            for term in samples.terms
+            if term.kind not in kinds
+        }
+        better = [
+            term
+            for term, error in tried.items()
+            if is_better(error, errors) and _brakes(moving, (*chosen, term), prior)
+        ]
+        if not better:
+            break
+        best = min(better, key=lambda term: np.log(tried[term]).mean())
+        chosen, errors = (*chosen, best), tried[best]
+    return chosen
+
+
+def choose_presliding(samples: Samples, terms: Sequence[Term], prior: Normal) -> int | None:
+    """Index into PRESLIDING of the friction that holds a joint at rest; None where none helps."""
+    rest = ~samples.moving
+
+    def errors(index: int | None) -> Array:
+        residual = left_out_residuals(samples, terms, prior, index)
+        return _errors(residual[rest], samples.where(rest))
+
+    nothing = errors(None)
+    tried = {index: errors(index) for index in range(len(PRESLIDING))} if len(nothing) > 1 else {}
+    helping = [index for index, error in tried.items() if is_better(error, nothing)]
+    return min(helping, key=lambda index: np.log(tried[index]).mean(), default=None)
+
+
+def is_better(error: Array, reference: Array) -> bool:
+    """Whether errors (U,) on left-out units are smaller than others for certain."""
+    gain = np.log(reference / error)
+    uncertainty = gain.std(ddof=1) / np.sqrt(len(gain))
+    return bool(gain.mean() > max(GAIN, STANDARD_ERRORS * uncertainty))
+
+
+def left_out_errors(samples: Samples, terms: Sequence[Term], prior: Normal) -> Array:
+    """RMSE [A] on each unit with enough samples, of a fit on the other recordings."""
+    return _errors(left_out_residuals(samples, terms, prior), samples)
+
+
+def left_out_residuals(
+    samples: Samples, terms: Sequence[Term], prior: Normal, presliding: int | None = None
+) -> Array:
+    """Measured minus predicted current (n,) [A], each recording predicted from the others.
+
+    presliding: index into PRESLIDING. NaN where there is no other recording.
+    """
+    residual = np.full(len(samples.current), np.nan)
+    present = np.unique(samples.record)
+    for one in present if len(present) > 1 else []:
+        test = samples.record == one
+        others, here = samples.where(~test), samples.where(test)
+        coefficients = regress_samples(others, terms, prior).coefficients
+        residual[test] = here.current - here.design(terms) @ coefficients
+        if presliding is not None:
+            locked = locked_current(others, terms, coefficients, presliding)
+            residual[test] -= locked * here.locked[:, presliding]
+    return residual
+
+
+def regress_samples(samples: Samples, terms: Sequence[Term], prior: Normal) -> Regression:
+    """The regression on the torque, an offset and these terms, of the samples in motion."""
+    moving = samples.where(samples.moving)
+    design = moving.design(terms)
+    places = np.minimum(np.arange(design.shape[1]), 2)
+    each = Normal(prior.mean[places], np.diag(np.diag(prior.precision)[places]))
+    return regress(design, moving.current, moving.block, each)
+
+
+def locked_current(
+    samples: Samples, terms: Sequence[Term], coefficients: Array, presliding: int
+) -> float:
+    """Current [A] that holds a joint at rest once all its Coulomb friction is locked in, >= 0.
+
+    Huber's slope, without offset, of what the samples at rest leave unexplained.
+    """
+    rest = samples.where(~samples.moving)
+    residual = rest.current - rest.design(terms) @ coefficients
+    locked, slope, weight = rest.locked[:, presliding], 0.0, np.ones(len(residual))
+    for _ in range(ROUNDS if locked.any() else 0):
+        slope = max(0.0, float((weight * locked) @ residual / (weight @ locked**2)))
+        weight = huber_weight(residual - slope * locked)
+    return slope
+
+
+def _errors(residual: Array, samples: Samples) -> Array:
+    known = np.isfinite(residual)
+    units = [residual[known & (samples.unit == one)] for one in np.unique(samples.unit)]
+    return np.array([np.sqrt(np.mean(rows**2)) for rows in units if len(rows) >= FEWEST])
+
+
+def _brakes(samples: Samples, terms: tuple[Term, ...], prior: Normal) -> bool:
+    coefficients = regress_samples(samples, terms, prior).coefficients
+    torque, speed = (np.abs(samples.columns[:, column]) for column in (0, 3))
+    speeds = np.linspace(-1, 1, 42) * speed.max()
+    loads = np.linspace(torque.min(), torque.max(), 5)
+    return is_dissipative(terms, coefficients[2:], speeds, loads)

@@ -1,0 +1,148 @@
+"""How far predicted currents are off, beside which baselines, and how residuals are spread."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.identification.estimation import Prior
+from ur5lib.identification.friction import MOVING, Term
+from ur5lib.identification.samples import Mask, Record, Smooth, joint_samples
+from ur5lib.identification.selection import regress_samples
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Of one recording, (6,) each: RMSE of the raw current and low-passed [A], and low-passed MAE
+    [A], R² and share of samples inside the 95 % band.
+    """
+
+    rmse: Array
+    rmse_lowpassed: Array
+    mae: Array
+    r2: Array
+    coverage: Array
+
+
+def coefficients_of_constants(
+    torque_constant: Array, offset: Array, coulomb: Array, viscous: Array
+) -> Array:
+    """Coefficients (6, 4) for `baseline_current` of constants (6,) such as the thesis's.
+
+    torque_constant [Nm/A], offset [Nm] (Equation 6.6); coulomb [Nm], viscous [Nm s/rad] (6.2).
+    """
+    return np.stack([np.ones(6), -offset, coulomb, viscous], axis=1) / torque_constant[:, None]
+
+
+def least_squares_coefficients(records: Sequence[Record]) -> Array:
+    """Coefficients (6, 4) by plain least squares on all samples: a baseline."""
+    columns = np.concatenate([_baseline_columns(record) for record in records])
+    current = np.concatenate([record.current for record in records])
+    known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
+    return np.stack(
+        [np.linalg.lstsq(columns[known, joint], current[known, joint])[0] for joint in range(6)]
+    )
+
+
+def baseline_current(record: Record, coefficients: Array) -> Array:
+    """Current (N, 6) [A] by Coulomb friction with a dead zone and viscous friction (Equation 6.4).
+
+    coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
+    """
+    return (_baseline_columns(record) * coefficients).sum(axis=2)
+
+
+def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
+    """How well a current (N, 6) [A] is predicted; half_band: (N, 6) [A], of the low-passed one."""
+    error = record.current - predicted
+    slow = smooth(error, record)
+    measured = smooth(record.current, record)
+    return Scores(
+        rmse=_root_mean_square(error),
+        rmse_lowpassed=_root_mean_square(slow),
+        mae=np.nanmean(np.abs(slow), axis=0),
+        r2=1 - np.nanmean(slow**2, axis=0) / np.nanvar(measured, axis=0),
+        coverage=np.nanmean(np.where(np.isnan(slow), np.nan, np.abs(slow) <= half_band), axis=0),
+    )
+
+
+def fitted_on_tested_on(
+    records: Sequence[Record], smooth: Smooth, prior: Prior, terms: Sequence[tuple[Term, ...]]
+) -> Array:
+    """RMSE [A] in motion, (R, R, 6), of a fit on one recording alone, tested on each.
+
+    terms: (6) of `JointFit.terms`. NaN where a joint does not move in both.
+    """
+    table = np.full((len(records), len(records), 6), np.nan)
+    family = list(dict.fromkeys(term for joint in terms for term in joint[2:]))
+    for joint, samples in enumerate(joint_samples(records, smooth, family)):
+        moving = samples.where(samples.moving)
+        for fitted in np.unique(moving.record):
+            own = moving.where(moving.record == fitted)
+            fit = regress_samples(own, terms[joint], prior.of_joint(joint))
+            error = (moving.current - moving.design(terms[joint]) @ fit.coefficients) ** 2
+            for tested in np.unique(moving.record):
+                table[fitted, tested, joint] = np.sqrt(error[moving.record == tested].mean())
+    return table
+
+
+@dataclass(frozen=True)
+class ResidualSpread:
+    """What is left of torque when nothing touches the arm, for a force estimate's uncertainty.
+
+    moving, rest: (6,) standard deviations [Nm], NaN where a joint never was; correlation: (6, 6)
+    between joints; correlation_time: (6,) [s], after which residuals are no longer alike (1/e).
+    """
+
+    moving: Array
+    rest: Array
+    correlation: Array
+    correlation_time: Array
+
+    def covariance(self, moving: Mask) -> Array:
+        """(N, 6, 6) [Nm²] for joints that move or rest, (N, 6)."""
+        spread = np.where(moving, self.moving, self.rest)
+        return spread[:, :, None] * self.correlation * spread[:, None, :]
+
+
+def residual_spread(
+    residuals: Sequence[Array], moving: Sequence[Mask], periods: Sequence[float]
+) -> ResidualSpread:
+    """Spread of residual torques (N, 6) [Nm] of contact-free recordings, about zero.
+
+    A constant error of a recording counts as spread: on the next one its sign is not known.
+    """
+    every, motion = np.concatenate(residuals), np.concatenate(moving)
+    in_motion, at_rest = (
+        _root_mean_square(np.where(rows, every, np.nan)) for rows in (motion, ~motion)
+    )
+    scaled = np.nan_to_num(every / np.where(motion, in_motion, at_rest))
+    times = [_correlation_time(*pair) for pair in zip(residuals, periods, strict=True)]
+    product = scaled.T @ scaled
+    size = np.sqrt(np.diag(product))
+    return ResidualSpread(
+        in_motion, at_rest, product / np.outer(size, size), np.median(times, axis=0)
+    )
+
+
+def _baseline_columns(record: Record) -> Array:
+    """(N, 6, 4): torque, one, direction, velocity."""
+    direction = np.where(np.abs(record.qd) > MOVING, np.sign(record.qd), 0.0)
+    return np.stack([record.torque, np.ones_like(record.qd), direction, record.qd], axis=2)
+
+
+def _root_mean_square(error: Array) -> Array:
+    known = np.isfinite(error)
+    count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
+    return np.sqrt((np.where(known, error, 0.0) ** 2).sum(axis=0) / count)
+
+
+def _correlation_time(residual: Array, period: float) -> Array:
+    """First lag (6,) [s] at which the autocorrelation is below 1/e."""
+    centred = np.nan_to_num(residual - np.nanmean(residual, axis=0))
+    spectrum = np.abs(np.fft.rfft(centred, 2 * len(centred), axis=0)) ** 2
+    correlation = np.fft.irfft(spectrum, axis=0)[: len(centred)]
+    return np.argmax(correlation < correlation[0] / np.e, axis=0) * period

@@ -1,0 +1,101 @@
+"""Tables of results on currents: friction, prediction, payload, cross-validation."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ur5lib.robots.description import Robot
+
+Row = dict[str, object]
+
+
+def friction_rows(robot: str, arm: Robot, friction: Mapping[str, Any]) -> Iterator[Row]:
+    """Torque constants, offsets and friction beside the thesis's, from friction.json."""
+    published = _published(arm)
+    for row in friction.get("parameters", []):
+        name, joint = row["name"], row["joint"]
+        low, high = row["interval"]
+        yield {
+            "joint": joint,
+            "parameter": name,
+            "value": row["value"],
+            "std_error": row["std_error"],
+            "prior_share": row["prior_share"],
+            "thesis": published[name][joint - 1] if name in published else None,
+            "low": low,
+            "high": high,
+            "determined": "yes" if row["determined"] else "no",
+            "robot": robot,
+        }
+
+
+def _published(arm: Robot) -> dict[str, Sequence[float]]:
+    values: dict[str, Sequence[float]] = {}
+    if arm.current_to_torque is not None:
+        values["torque_constant"] = arm.current_to_torque.torque_constant
+        values["offset"] = arm.current_to_torque.offset
+    if arm.friction is not None:
+        values |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
+    return values
+
+
+def current_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
+    """How well each model predicts a recording's currents, from currents.json."""
+    for model, scores in currents["scores"].items():
+        for joint in range(6):
+            yield {
+                "model": model,
+                "recording": recording,
+                "fitted": "yes" if currents["fitted"] else "no",
+                "joint": joint + 1,
+                "rmse": scores["rmse"][joint],
+                "rmse_2hz": scores["rmse_lowpassed"][joint],
+                "mae": scores["mae"][joint],
+                "r2": scores["r2"][joint],
+                "coverage95": scores["coverage"][joint],
+            }
+
+
+def cross_validation_rows(robot: str, friction: Mapping[str, Any]) -> Iterator[Row]:
+    """RMSE of a fit on one recording alone, tested on each, from friction.json."""
+    names = friction["from"]
+    for fitted, tested_rows in zip(names, friction.get("cross_validation", []), strict=True):
+        for tested, rmse in zip(names, tested_rows, strict=True):
+            for joint in range(6):
+                yield {
+                    "robot": robot,
+                    "fitted_on": fitted,
+                    "tested_on": tested,
+                    "joint": joint + 1,
+                    "rmse_2hz": rmse[joint],
+                }
+
+
+def payload_rows(recording: str, payload: Mapping[str, Any]) -> Iterator[Row]:
+    """The mass on the flange beyond the arm's model, from payload.json."""
+    if payload:
+        low, high = payload["mass_interval"]
+        yield {
+            "recording": recording,
+            "mass": payload["parameters"][0],
+            "std_error": payload["std_error"][0],
+            "low": low,
+            "high": high,
+        }
+
+
+def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
+    """Contacts by each estimate, from detection.json."""
+    for estimate, found in detection.items():
+        smallest = found.get("smallest_force_95", {})
+        yield {
+            "recording": recording,
+            "estimate": estimate,
+            **{name: found.get(name) for name in ("contacts", "found", "precision", "recall")},
+            "false_alarms_per_min": found.get("false_per_min"),
+            "median_delay_s": found.get("median_delay"),
+            "smallest_force_95": max((smallest[a]["force"] for a in smallest), default=None),
+            **{f"smallest_force_95_{a}": smallest.get(a, {}).get("force") for a in "xyz"},
+            "alarms": len(found["alarm_times"]),
+            "alarms_per_min": found["alarms_per_min"],
+            "roc_area": found.get("roc_area"),
+        }

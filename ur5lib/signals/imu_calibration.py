@@ -1,0 +1,169 @@
+"""What an IMU's readings and the joints' motion, compared, tell of its mounting and biases."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81  # m/s²
+BLOCK = 2.0  # s; residuals further apart than this are taken as independent
+
+
+@dataclass(frozen=True)
+class ImuRecord:
+    """What one recording's joints predict and its IMU read, low-passed alike, without gaps.
+
+    time: (N,) [s]; rotation: R_6 (N, 3, 3); specific_force: R_6^T (a + [0, 0, 9.81]) (N, 3)
+    [m/s²] at the IMU and angular_rate: (N, 3) [rad/s], both predicted, in frame 6;
+    accelerometer, gyroscope: (N, 3) the readings.
+    """
+
+    time: Array
+    rotation: Array
+    specific_force: Array
+    angular_rate: Array
+    accelerometer: Array
+    gyroscope: Array
+
+
+@dataclass(frozen=True)
+class ImuCalibration:
+    """What does not change from one recording to the next.
+
+    mounting: (3,) [rad], rotation vector of R_m, the IMU's axes in frame 6; tilt: (2,) [rad], the
+    x and y of "up" in the base frame, zero where the base stands level; gyroscope_bias: (3,)
+    [rad/s]; each with its standard error.
+    """
+
+    mounting: Array
+    mounting_std: Array
+    tilt: Array
+    tilt_std: Array
+    gyroscope_bias: Array
+    gyroscope_bias_std: Array
+
+    def axes(self) -> Array:
+        """R_m (3, 3): a reading times it is in the axes of frame 6."""
+        return Rotation.from_rotvec(self.mounting).as_matrix()
+
+    def up(self) -> Array:
+        """What a level IMU at rest would read (3,) [m/s²], base frame."""
+        return GRAVITY * np.append(self.tilt, np.sqrt(1 - self.tilt @ self.tilt))
+
+
+AS_DRAWN = ImuCalibration(*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3)))
+
+
+def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, Any]:
+    """A calibration from all records, "all", and for each record one from the others only.
+
+    So that no recording is judged by what it told itself. Each has a list "from" of names.
+    """
+    choices = {"all": records} | {
+        name: {other: record for other, record in records.items() if other != name}
+        for name in records
+    }
+    return {
+        name: {"from": list(chosen), **asdict(calibrate(list(chosen.values())))}
+        for name, chosen in choices.items()
+        if chosen
+    }
+
+
+def calibration_for(recording: str, known: Mapping[str, Any]) -> tuple[list[str], ImuCalibration]:
+    """What other recordings tell of the IMU, and which; as drawn where there are none.
+
+    known: what `calibrate_without_each` gave.
+    """
+    candidates = [known[key] for key in (recording, "all") if key in known]
+    for found in candidates:
+        if recording not in found["from"]:
+            values = {name: np.array(value) for name, value in found.items() if name != "from"}
+            return found["from"], ImuCalibration(**values)
+    return [], AS_DRAWN
+
+
+def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
+    """The calibration that fits some recordings of one arm and IMU best.
+
+    Least squares of  accelerometer = f + f × θ + g R_6^T [β, 0] + b_a  and
+    gyroscope = ω + ω × θ + b_g  over the mounting θ, the base's tilt β, the gyroscope's bias b_g,
+    and an accelerometer's bias b_a of each recording, accelerations and rates weighted by their
+    residuals. Standard errors allow for residuals that are alike within blocks of 2 s.
+    """
+    columns = np.concatenate([_columns(records, index) for index in range(len(records))])
+    misfit = np.concatenate([_misfit(record) for record in records])
+    block, scale = _blocks(records), np.ones(6)
+    for _ in range(3):
+        estimate, covariance = _cluster_robust(columns / scale[:, None], misfit / scale, block)
+        scale = np.repeat(_rms(misfit - columns @ estimate), 3)
+    std = np.sqrt(np.diag(covariance))
+    parts = (slice(0, 3), slice(3, 5), slice(5, 8))
+    return ImuCalibration(*(values[part] for part in parts for values in (estimate, std)))
+
+
+def accelerometer_bias(record: ImuRecord, calibration: ImuCalibration) -> Array:
+    """The bias (3,) [m/s²] that one recording's accelerometer shows, all else being calibrated."""
+    predicted = specific_force(record, calibration) @ calibration.axes()
+    return np.mean(record.accelerometer - predicted, axis=0)
+
+
+def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
+    """The specific force (N, 3) [m/s²] that the joints predict, frame 6, on a tilted base."""
+    lean = calibration.up() - [0, 0, GRAVITY]
+    return record.specific_force + lean @ record.rotation
+
+
+def _columns(records: Sequence[ImuRecord], index: int) -> Array:
+    """Columns (N, 6, 8 + 3K) of θ, β, b_g and K accelerometer biases; rows: force, then rate."""
+    record = records[index]
+    columns = np.zeros((len(record.time), 6, 8 + 3 * len(records)))
+    columns[:, :3, :3] = _cross_matrix(record.specific_force)
+    columns[:, :3, 3:5] = GRAVITY * record.rotation[:, :2].swapaxes(1, 2)
+    columns[:, :3, 8 + 3 * index : 11 + 3 * index] = np.eye(3)
+    columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
+    columns[:, 3:, 5:8] = np.eye(3)
+    return columns
+
+
+def _misfit(record: ImuRecord) -> Array:
+    """What the IMU read beyond what the joints predict (N, 6): force, then rate."""
+    force = record.accelerometer - record.specific_force
+    return np.concatenate([force, record.gyroscope - record.angular_rate], axis=1)
+
+
+def _cross_matrix(vectors: Array) -> Array:
+    """Matrices (N, 3, 3) that take θ to v × θ, v: (N, 3)."""
+    return np.cross(vectors[:, None], np.eye(3)).swapaxes(1, 2)
+
+
+def _rms(residual: Array) -> Array:
+    """Of forces and of rates (2,), never zero. residual: (N, 6)."""
+    return np.sqrt(np.mean(residual.reshape(-1, 2, 3) ** 2, axis=(0, 2))) + 1e-12
+
+
+def _blocks(records: Sequence[ImuRecord]) -> NDArray[np.int64]:
+    """Labels (ΣN,) of stretches of 2 s, no two recordings sharing one."""
+    labels, first = [], 0
+    for record in records:
+        block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
+        labels.append(first + block)
+        first += int(block[-1]) + 1
+    return np.concatenate(labels)
+
+
+def _cluster_robust(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Least squares (P,) of X (N, R, P) to y (N, R), and a covariance (P, P) that allows for
+    residuals being alike within blocks (N,) (Liang and Zeger's sandwich).
+    """
+    information = np.linalg.pinv(np.einsum("nrp,nrq->pq", X, X), hermitian=True)
+    estimate = information @ np.einsum("nrp,nr->p", X, y)
+    score = np.einsum("nrp,nr->np", X, y - X @ estimate)
+    starts = np.flatnonzero(np.diff(block, prepend=-1))
+    sums = np.add.reduceat(score, starts, axis=0)
+    return estimate, information @ (sums.T @ sums) @ information

@@ -1,0 +1,116 @@
+"""What the controller sends: its channels, frame by frame."""
+
+import mujoco
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.signal import butter, lfilter
+from scipy.spatial.transform import Rotation
+
+from ur5lib.stand.arm import FLANGE
+from ur5lib.stand.drive import current_noise, stir
+from ur5lib.stand.engine import STEP, Experiment, Motion
+from ur5lib.stand.trajectories import Targets
+from ur5lib.tables import Array, named
+
+DECIMALS = 6  # of what the controller sends, as the thesis's logs keep them
+COUNTS = 2**19  # of an encoder in a turn
+# Of moving joints, as what is left of the real ones against their targets.
+POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
+VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
+WINDOW = 4  # steps; velocity is the mean over them, and so 2 ms late
+FORCE_CUTOFF = 5.0  # Hz, of the controller's estimate of force
+SINGULAR = 0.02  # damping of that estimate near singularities
+TEMPERATURE = 30.0  # °C, of every motor
+
+Steps = NDArray[np.int64]
+
+
+def frames(
+    experiment: Experiment, cycle: float, random: np.random.Generator | None
+) -> pd.DataFrame:
+    """The controller's frames: `time` [s] and its channels under RTDE names.
+
+    cycle: [s]; random: of the noise, None for none. `actual_TCP_force` is its own estimate, the
+    wrench on the arm that explains what its model and known friction leave of the currents.
+    """
+    plant, drive, motion = experiment.plant, experiment.drive, experiment.motion
+    steps = np.arange(0, len(motion.time), round(cycle / STEP))
+    q, qd = _encoders(motion, random)
+    current = motion.motor_torque / drive.torque_constant
+    if random is not None:
+        current = current + current_noise(motion.q, motion.qd, random)
+    targets, current = _at(motion.targets, steps), current[steps]
+    moment = model_torques(plant, targets)
+    jacobian = jacobians(plant, motion.q[steps])
+    expected = moment + drive.known_friction(targets.qd)
+    force = _force(expected - drive.torque_constant * current, jacobian, cycle)
+    channels = {
+        "target_q": targets.q,
+        "target_qd": targets.qd,
+        "target_qdd": targets.qdd,
+        "target_current": (moment + drive.viscous * targets.qd) / drive.torque_constant,
+        "target_moment": moment,
+        "actual_q": q[steps],
+        "actual_qd": qd[steps],
+        "actual_current": current,
+        "actual_TCP_force": force,
+        "actual_TCP_pose": _pose(motion, steps),
+        "actual_TCP_speed": np.einsum("nij,nj->ni", jacobian, qd[steps]),
+        "joint_temperatures": np.full((len(steps), 6), TEMPERATURE),
+    }
+    columns = {"time": np.round(STEP * steps, DECIMALS)}
+    for name, values in channels.items():
+        columns |= named(np.round(values, DECIMALS), name)
+    return pd.DataFrame(columns)
+
+
+def model_torques(plant: mujoco.MjModel, motion: Targets) -> Array:
+    """Torques (N, 6) [Nm] that a motion takes: inverse dynamics, rotors and payload included."""
+    data, torques = mujoco.MjData(plant), np.empty((len(motion.q), 6))
+    states = zip(motion.q, motion.qd, motion.qdd, strict=True)
+    for torque, (data.qpos, data.qvel, data.qacc) in zip(torques, states, strict=True):
+        mujoco.mj_inverse(plant, data)
+        torque[:] = data.qfrc_inverse
+    return torques
+
+
+def jacobians(plant: mujoco.MjModel, q: Array) -> Array:
+    """The geometric Jacobian (N, 6, 6) of the origin of frame 6, base axes; q: (N, 6) [rad]."""
+    data, result = mujoco.MjData(plant), np.empty((len(q), 6, 6))
+    flange = plant.body(FLANGE).id
+    for jacobian, data.qpos in zip(result, q, strict=True):
+        mujoco.mj_kinematics(plant, data)
+        mujoco.mj_comPos(plant, data)
+        mujoco.mj_jacBody(plant, data, jacobian[:3], jacobian[3:], flange)
+    return result
+
+
+def _at(targets: Targets, steps: Steps) -> Targets:
+    return Targets(targets.q[steps], targets.qd[steps], targets.qdd[steps])
+
+
+def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array, Array]:
+    """Measured positions and, from them over a short window, velocities at every step (N, 6)."""
+    if random is None:
+        return motion.q, motion.qd
+    shake = stir(motion.qd) * random.normal(size=(2, *motion.q.shape))
+    before = np.concatenate([np.repeat(motion.q[:1], WINDOW, axis=0), motion.q[:-WINDOW]])
+    qd = (motion.q - before) / (WINDOW * STEP)
+    count = 2 * np.pi / COUNTS
+    q = count * np.rint((motion.q + POSITION_NOISE * shake[0]) / count)
+    return q, qd + VELOCITY_NOISE * shake[1]
+
+
+def _force(external: Array, jacobian: Array, cycle: float) -> Array:
+    """The wrench (N, 6) behind external joint torques (N, 6): least squares, damped, filtered."""
+    square = jacobian @ jacobian.mT + SINGULAR**2 * np.eye(6)
+    wrench = np.linalg.solve(square, jacobian @ external[:, :, None])[..., 0]
+    b, a = butter(1, FORCE_CUTOFF, fs=1 / cycle)
+    return lfilter(b, a, wrench - wrench[0], axis=0) + wrench[0]
+
+
+def _pose(motion: Motion, steps: Steps) -> Array:
+    """Origin [m] and rotation vector [rad] of frame 6 (N, 6)."""
+    turn = Rotation.from_matrix(motion.rotation[steps].reshape(-1, 3, 3)).as_rotvec()
+    return np.concatenate([motion.origin[steps], turn], axis=1)

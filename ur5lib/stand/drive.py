@@ -1,0 +1,86 @@
+"""The drives: how the controller follows its target, and what current that takes."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.robots.description import Robot
+from ur5lib.stand.friction import FrictionParameters
+
+Array = NDArray[np.float64]
+
+# rad/s; with these, joints stray from their targets as the real ones do.
+NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
+KNOWN = 0.8  # share of the friction that the controller knows
+MOVES = 0.05  # rad/s, of a joint whose noise is that of a moving one
+
+# Of the thesis's UR5, joint by joint: from its target currents at rest, and from what is left of
+# its currents above 2 Hz: a ripple of two (big joints) or four periods a motor turn, and noise.
+TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A
+RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
+PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple in a turn of the joint
+NOISE, NOISE_AT_REST = 0.05, 0.01  # A
+
+
+@dataclass(frozen=True)
+class Drive:
+    """PD control with feed-forward (Equations 2.69, 2.71); its gains and feed-forward (6,).
+
+    position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: what it knows of the friction
+    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. The motors are given the viscous
+    friction alone, as the real target currents are.
+    """
+
+    position_gain: Array
+    velocity_gain: Array
+    viscous: Array
+    coulomb: Array
+    torque_max: Array
+    torque_constant: Array
+
+    def torques(
+        self, model: mujoco.MjModel, data: mujoco.MjData, target: tuple[Array, Array, Array]
+    ) -> tuple[Array, Array]:
+        """What the links take on their target, and what the motors give, (6,) [Nm].
+
+        u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71); then friction.
+        data: with positions and velocities computed; target: q [rad], q̇, q̈.
+        """
+        q, qd, qdd = target
+        back = self.position_gain * (q - data.qpos) + self.velocity_gain * (qd - data.qvel)
+        links, correction = np.empty((2, 6))
+        mujoco.mj_mulM(model, data, links, qdd)
+        mujoco.mj_mulM(model, data, correction, back)
+        links += data.qfrc_bias
+        motors = links + correction + self.viscous * qd
+        return links, np.clip(motors, -self.torque_max, self.torque_max)
+
+    def known_friction(self, qd: Array) -> Array:
+        """The friction torques (..., 6) [Nm] that the controller reckons with; qd: [rad/s]."""
+        return self.viscous * qd + self.coulomb * np.tanh(qd / MOVES)
+
+
+def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
+    """The drives of an arm whose joints have this friction."""
+    return Drive(
+        position_gain=NATURAL_FREQUENCY**2,  # (2.74)
+        velocity_gain=2 * NATURAL_FREQUENCY,
+        viscous=KNOWN * friction.viscous,
+        coulomb=KNOWN * friction.coulomb,
+        torque_max=np.array([robot.motor(joint).torque_max for joint in range(1, 7)]),
+        torque_constant=TORQUE_CONSTANT,
+    )
+
+
+def stir(qd: Array) -> Array:
+    """How much the noise of moving joints is there, 0 at rest to 1; qd: [rad/s]."""
+    return np.tanh(np.abs(qd) / MOVES)
+
+
+def current_noise(q: Array, qd: Array, random: np.random.Generator) -> Array:
+    """What measured currents have besides torque by constant (N, 6) [A]: ripple and noise."""
+    ripple = RIPPLE * np.sin(PERIODS * q)
+    noise = random.normal(size=q.shape) * (NOISE_AT_REST + NOISE * stir(qd))
+    return ripple * stir(qd) + noise

@@ -1,0 +1,139 @@
+"""The arm moves: targets, drives, friction and contacts in one loop."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import Robot
+from ur5lib.stand.arm import FLANGE, build_arm
+from ur5lib.stand.contacts import Contacts
+from ur5lib.stand.drive import Drive, drive_of
+from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
+from ur5lib.stand.plan import Imu, SimulatedRecording
+from ur5lib.stand.trajectories import Targets, plan_targets
+
+Array = NDArray[np.float64]
+
+STEP = 0.001  # s, of the integration
+SETTLE = 300  # steps before the recording
+START = 0.5  # largest dry friction before them, as a share of what holds
+PARTS = {  # what is kept of each step, and how many numbers that is
+    "q": 6,
+    "qd": 6,
+    "qdd": 6,
+    "motor_torque": 6,
+    "friction_torque": 6,
+    "contact_torque": 6,
+    "wrench": 6,
+    "force_sensor": 6,
+    "imu": 6,
+    "origin": 3,
+    "rotation": 9,
+}
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What truly happened, every millisecond.
+
+    time: (N,) [s]; targets; q, qd, qdd: (N, 6); torques: (N, 6) [Nm], of the motors, of friction
+    (against the motion) and of contacts: D q̈ + C q̇ + g = motor − friction + contact; wrench:
+    (N, 6), environment on link 6 and beyond, base axes, at the origin of frame 6; force_sensor:
+    (N, 6), flange on tool, at the sensor, its axes; imu: (N, 6), specific force [m/s²] and
+    angular rate [rad/s], IMU axes; origin, rotation: of frame 6, (N, 3) [m] and (N, 9).
+    """
+
+    time: Array
+    targets: Targets
+    q: Array
+    qd: Array
+    qdd: Array
+    motor_torque: Array
+    friction_torque: Array
+    contact_torque: Array
+    wrench: Array
+    force_sensor: Array
+    imu: Array
+    origin: Array
+    rotation: Array
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An arm as a plan equips it, and what it did.
+
+    robot: with what it carries; model: the name of its true link model; plant: that in MuJoCo.
+    """
+
+    robot: Robot
+    model: str
+    plan: SimulatedRecording
+    plant: mujoco.MjModel
+    friction: FrictionParameters
+    drive: Drive
+    motion: Motion
+
+
+def perform(robot: Robot, plan: SimulatedRecording, random: np.random.Generator) -> Experiment:
+    """Do what is planned; random: of the friction at the start.
+
+    Raises InputError when the arm cannot do it.
+    """
+    model = plan.model or list(robot.models)[-1]
+    if model not in robot.models:
+        known = ", ".join(robot.models)
+        raise InputError(f"{robot.name} has no model {model!r} to simulate; give one of {known}")
+    if plan.payload is not None:
+        robot = robot.carrying(plan.payload)
+    mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
+    plant = build_arm(robot, model, mounting, STEP)
+    friction = friction_of(robot, plan.friction)
+    drive = drive_of(robot, friction)
+    motion = _move(plant, robot, plan, drive, Friction(friction, random.uniform(-START, START, 6)))
+    return Experiment(robot, model, plan, plant, friction, drive, motion)
+
+
+def _move(
+    plant: mujoco.MjModel,
+    robot: Robot,
+    plan: SimulatedRecording,
+    drive: Drive,
+    friction: Friction,
+) -> Motion:
+    time: Array = STEP * np.arange(round(plan.seconds / STEP) + 1, dtype=np.float64)
+    targets = plan_targets(plan.trajectory, robot, time)
+    contacts = Contacts(plant, plan.contacts)
+    kept = np.empty((len(time), sum(PARTS.values())))
+    data = mujoco.MjData(plant)
+    data.qpos, data.time = targets.q[0], -SETTLE * STEP
+    wanted = [*zip(targets.q, targets.qd, targets.qdd, strict=True)]
+    for step in range(-SETTLE, len(time)):
+        now = max(step, 0)
+        _step(plant, data, drive, friction, contacts, wanted[now], kept[now])
+    parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
+    return Motion(time, targets, *parts)
+
+
+def _step(
+    plant: mujoco.MjModel,
+    data: mujoco.MjData,
+    drive: Drive,
+    friction: Friction,
+    contacts: Contacts,
+    target: tuple[Array, Array, Array],
+    row: Array,
+) -> None:
+    """Forces at this instant, a step on, and what was, in the order of PARTS."""
+    mujoco.mj_step1(plant, data)
+    q, qd = data.qpos.copy(), data.qvel.copy()
+    load, motor = drive.torques(plant, data, target)
+    rubbing = friction.torque(q, qd, load, STEP)
+    contact, wrench = contacts.apply(plant, data, STEP)
+    data.qfrc_applied = motor - rubbing
+    mujoco.mj_step2(plant, data)
+    flange, sensors = data.body(FLANGE), data.sensordata
+    acting = (motor, rubbing, contact, wrench)
+    np.concatenate((q, qd, data.qacc, *acting, sensors, flange.xpos, flange.xmat), out=row)

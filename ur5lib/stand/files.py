@@ -1,0 +1,159 @@
+"""The files of a recording, as the devices write them."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.stand.faults import is_moving, split_late, tear
+from ur5lib.stand.plan import Clock, SimulatedRecording
+from ur5lib.tables import channel, write_text
+
+EPOCH = 1388577600.0  # s; the recordings' made-up date, 2014-01-01 12:00 UTC
+DAY = 86400.0  # s
+OTHER_RUN = 5000.0  # s by which another run was earlier
+UPTIME = 4096.0  # s, of the controller when a recording begins
+MESSAGE = 756  # bytes
+UNCONNECTED = -1e-6  # what a force sensor writes that is not connected
+
+THESIS_FILES = {  # after log_; as the thesis's recorder names the controller's channels
+    "q_actual": "actual_q",
+    "qd_actual": "actual_qd",
+    "i_actual": "actual_current",
+    "q_target": "target_q",
+    "qd_target": "target_qd",
+    "qdd_target": "target_qdd",
+    "i_target": "target_current",
+    "m_target": "target_moment",
+    "tcp_force": "actual_TCP_force",
+    "tcp_speed": "actual_TCP_speed",
+    "tool_vector": "actual_TCP_pose",
+}
+PLACES = {  # in a message: after its size, in doubles
+    "time": 0,
+    "target_q": 1,
+    "target_qd": 7,
+    "target_qdd": 13,
+    "target_current": 19,
+    "target_moment": 25,
+    "actual_q": 31,
+    "actual_qd": 37,
+    "actual_current": 43,
+    "actual_TCP_force": 67,
+    "actual_TCP_pose": 73,
+    "actual_TCP_speed": 79,
+    "joint_temperatures": 86,
+}
+Files = dict[str, str]  # text by name
+Sensors = Mapping[str, pd.DataFrame]  # readings by the plan's name for the sensor
+
+
+def write_files(files: Mapping[str, str], folder: Path, torn: bool) -> None:
+    """Write a recording's files below a folder; torn: without their last, unfilled buffers."""
+    for name, text in files.items():
+        write_text(tear(text) if torn else text, folder / name)
+
+
+def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
+    """One CSV per channel, with the devices' start stamps beside them.
+
+    The tool's acceleration is left out: the real one is raw counts that nothing reads.
+    """
+    files = {
+        f"log_{file}.csv": _rows(frames["time"], channel(frames, name))
+        for file, name in THESIS_FILES.items()
+    }
+    files["start_time.csv"] = f"{EPOCH:.12g}\n" * len(frames)
+    force = sensors.get("force_sensor", _unconnected(frames))
+    files["log_force_sensor.csv"] = _rows(force["time"], force.drop(columns="time").to_numpy())
+    start = EPOCH + (_stamp(plan.force_sensor.clock) if plan.force_sensor else 0.0)
+    files["log_force_sensor_start_time.csv"] = f"{start:.6f}\n"
+    if plan.imu is not None:
+        imu = sensors["imu"]
+        files["acc_data.csv"] = _imu_rows(imu)
+        day = _stamp(plan.imu.clock) + EPOCH - OTHER_RUN * plan.faults.stale_imu
+        files["acc_start_time.csv"] = f"{day % DAY * 1000:.6g}"  # this file's line never ends
+    return {f"csv_files/{name}": text for name, text in files.items()}
+
+
+def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
+    """A capture of the realtime port, `received_s,payload_hex`, and sensors on epoch time."""
+    lines = (f"{EPOCH + time:.6f},{data.hex()}\n" for time, data in _receive(frames, plan) if data)
+    return {
+        "capture.csv": "received_s,payload_hex\n" + "".join(lines),
+        **_sensor_tables(sensors, plan, EPOCH),
+    }
+
+
+def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
+    """One CSV with RTDE's names, and sensors whose time counts from the robot's first row."""
+    names = frames.columns.drop(["time", "sent", "kept"])
+    header = ",".join(["timestamp", *names]) + "\n"
+    rows = _rows(frames["time"] + UPTIME, frames[names].to_numpy(), ",")
+    return {"robot.csv": header + rows, **_sensor_tables(sensors, plan, 0.0)}
+
+
+WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]] = {
+    "thesis-csv": thesis_csv,
+    "realtime-stream": realtime_stream,
+    "rtde-csv": rtde_csv,
+}
+
+
+def messages(frames: pd.DataFrame) -> list[bytes]:
+    """Frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
+    doubles = np.zeros((len(frames), (MESSAGE - 4) // 8), ">f8")
+    for name, place in PLACES.items():
+        values = frames[["time"]] + UPTIME if name == "time" else channel(frames, name)
+        doubles[:, place : place + values.shape[1]] = values
+    size = MESSAGE.to_bytes(4, "big")
+    return [size + row.tobytes() for row in doubles]
+
+
+def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
+    """When a capture receives which bytes; messages that are cut end early."""
+    lengths = (MESSAGE * frames["kept"]).astype(int)
+    came = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
+    time = frames["sent"].to_numpy()
+    if plan.faults.late_packets:
+        return split_late(came, time, is_moving(frames))
+    return list(zip(time.tolist(), came, strict=True))
+
+
+def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> Files:
+    """`force_sensor.csv` and `imu.csv`; their times count from `zero` [s] before the robot's."""
+    other_run = {"imu": OTHER_RUN * plan.faults.stale_imu}
+    return {
+        f"{name}.csv": _rows(
+            zero + _stamp(getattr(plan, name).clock) - other_run.get(name, 0.0) + table["time"],
+            table.drop(columns="time").to_numpy(),
+        )
+        for name, table in sensors.items()
+    }
+
+
+def _stamp(clock: Clock) -> float:
+    """When a device says that it began [s], after the robot."""
+    return clock.offset_s + clock.stamp_error_s
+
+
+def _unconnected(frames: pd.DataFrame) -> pd.DataFrame:
+    nothing = {str(column): UNCONNECTED for column in range(6)}
+    return frames[["time"]].assign(**nothing)
+
+
+def _rows(time: pd.Series, values: np.ndarray, mark: str = ", ") -> str:
+    """One row per sample with six decimals."""
+    return _formatted(np.column_stack([time, values]), mark.join(["%.6f"] * (1 + values.shape[1])))
+
+
+def _imu_rows(imu: pd.DataFrame) -> str:
+    """A counter of milliseconds, and six digits of each value."""
+    counter = np.rint(1000 * imu["time"].to_numpy())
+    table = np.column_stack([counter, imu.drop(columns="time").to_numpy()])
+    return _formatted(table, ", ".join(["%d"] + ["%.6g"] * 9))
+
+
+def _formatted(table: np.ndarray, row: str) -> str:
+    return (f"{row}\n" * len(table)) % tuple(table.ravel().tolist())

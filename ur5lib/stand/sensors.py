@@ -1,0 +1,94 @@
+"""What force sensor and IMU read, on clocks of their own."""
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from ur5lib.stand.engine import Motion
+from ur5lib.stand.plan import Clock, ForceSensor, Imu
+
+Array = NDArray[np.float64]
+
+FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
+TICK = 0.001  # s, of the IMU's stamps
+FORCE_COLUMNS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
+IMU_COLUMNS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
+
+# Force sensor: from sample to sample at rest, in the thesis's recordings [N, Nm].
+FORCE_NOISE = np.array([0.0013, 0.0015, 0.0022, 5e-5, 5e-5, 4e-5])
+# IMU: density per √Hz, and bandwidth [Hz], of the maker (Table 4.5).
+GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH = np.deg2rad(0.05), 40.0
+ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH = 0.002, 30.0
+MAGNETOMETER_NOISE = 0.001  # of the earth's field: 0.5 of some 500 mGauss
+EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
+
+
+def force_readings(
+    sensor: ForceSensor, motion: Motion, random: np.random.Generator, noise: bool
+) -> pd.DataFrame:
+    """A force sensor's record: `time` [s] by its clock from its first sample, and ft_* [N, Nm].
+
+    Force and torque of the arm on what it carries and touches: weight and inertia of the tool, less
+    the contact, plus the bias. noise: whether there is any, in values and stamps.
+    """
+    stamps, when = _samples(sensor.clock, FORCE_RATE, motion, random, noise)
+    reading = _sample(when, motion.time, motion.force_sensor) + sensor.bias
+    reading += noise * FORCE_NOISE * random.normal(size=reading.shape)
+    if sensor.saturation_n is not None:
+        reading[:, :3] = reading[:, :3].clip(-sensor.saturation_n, sensor.saturation_n)
+    return _table(stamps, reading, FORCE_COLUMNS)
+
+
+def imu_readings(
+    imu: Imu, motion: Motion, random: np.random.Generator, noise: bool
+) -> pd.DataFrame:
+    """An IMU's record: `time` [s] by its clock from its first sample, and imu_* in its axes.
+
+    Specific force [m/s²], magnetic field [normalised], angular rate [rad/s]; arguments as above.
+    """
+    stamps, when = _samples(imu.clock, IMU_RATE, motion, random, noise)
+    if noise:
+        stamps = TICK * np.rint(stamps / TICK)
+    felt = _sample(when, motion.time, motion.imu)
+    turn = _sample(when, motion.time, motion.rotation).reshape(-1, 3, 3)
+    acceleration = felt[:, :3] + imu.accelerometer_bias
+    field = EARTH_FIELD @ turn  # axes of frame 6: nobody reads it for more
+    rate = felt[:, 3:] + imu.gyroscope_bias
+    if noise:
+        acceleration += _coloured(ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH, len(when), random)
+        field += MAGNETOMETER_NOISE * random.normal(size=field.shape)
+        rate += _coloured(GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH, len(when), random)
+    return _table(stamps, np.hstack([acceleration, field, rate]), IMU_COLUMNS)
+
+
+def _samples(
+    clock: Clock, rate: float, motion: Motion, random: np.random.Generator, noise: bool
+) -> tuple[Array, Array]:
+    """Stamps of a device's samples by its clock, and when they truly were (N,) [s].
+
+    t_robot = offset + (1 + drift) t_device; the stamps jitter, the first excepted: it is zero.
+    """
+    scale = 1 + 1e-6 * clock.drift_ppm
+    stamps = np.arange(0, (motion.time[-1] - clock.offset_s) / scale, 1 / rate)
+    jitter = noise * clock.jitter_s * random.normal(size=len(stamps))
+    jitter[0] = 0
+    return np.maximum.accumulate(stamps + jitter), clock.offset_s + scale * stamps
+
+
+def _sample(when: Array, time: Array, values: Array) -> Array:
+    """Values (N, C) of even times at others (M,), linearly."""
+    return np.column_stack([np.interp(when, time, column) for column in values.T])
+
+
+def _coloured(density: float, bandwidth: float, count: int, random: np.random.Generator) -> Array:
+    """White noise of a density [1/√Hz] behind a low-pass of first order (N, 3)."""
+    decay = np.exp(-2 * np.pi * bandwidth / IMU_RATE)
+    deviation = density * np.sqrt(bandwidth * np.pi / 2)  # what such a low-pass lets through
+    drive = deviation * np.sqrt(1 - decay**2) * random.normal(size=(count, 3))
+    drive[0] /= np.sqrt(1 - decay**2)
+    return lfilter([1.0], [1.0, -decay], drive, axis=0)
+
+
+def _table(time: Array, values: Array, names: list[str]) -> pd.DataFrame:
+    return pd.DataFrame({"time": time, **dict(zip(names, values.T, strict=True))})

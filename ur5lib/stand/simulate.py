@@ -1,0 +1,53 @@
+"""A recording of the virtual test stand: the arm moves, the devices write."""
+
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.robots.description import Robot
+from ur5lib.stand.controller import frames
+from ur5lib.stand.engine import Motion, perform
+from ur5lib.stand.faults import choose_hit, spoil
+from ur5lib.stand.files import WRITERS, write_files
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.sensors import force_readings, imu_readings
+from ur5lib.stand.truth import write_truth
+
+Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
+
+DEVICES = ("arm", "controller", "faults", "force", "imu")  # each draws its own noise
+CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
+
+
+def simulate(
+    robot: Robot, plan: SimulatedRecording, format: Format, folder: Path, truth: Path
+) -> None:
+    """Write one recording as real devices would, and beside it, elsewhere, what truly was.
+
+    thesis-csv: `folder`/csv_files; realtime-stream: capture.csv; rtde-csv: robot.csv; the latter
+    two with force_sensor.csv and imu.csv. truth: the folder of truth.parquet and truth.json.
+    The same plan gives the same bytes. Raises InputError when the arm cannot do what is planned.
+    """
+    random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))
+    experiment, cycle = perform(robot, plan, random["arm"]), CYCLES[format]
+    sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
+    hit = choose_hit(plan.faults, len(sent), random["faults"])
+    sent = spoil(sent, hit, random["faults"])
+    written = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
+    write_files(written, folder, plan.faults.torn_files)
+    write_truth(experiment, hit, cycle, truth)
+
+
+def _sensors(
+    plan: SimulatedRecording, motion: Motion, random: dict[str, np.random.Generator]
+) -> dict[str, pd.DataFrame]:
+    read = {}
+    if plan.force_sensor is not None:
+        read["force_sensor"] = force_readings(
+            plan.force_sensor, motion, random["force"], plan.noise
+        )
+    if plan.imu is not None:
+        read["imu"] = imu_readings(plan.imu, motion, random["imu"], plan.noise)
+    return read

@@ -1,0 +1,180 @@
+"""Where the controller wants the joints to be: position, velocity and acceleration in time."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import cycle, pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import PerJoint, Robot
+from ur5lib.stand.plan import Fourier, Movej, Standstill
+
+Array = NDArray[np.float64]
+
+REST = 1.0  # s; every recording begins at rest
+SHORTEST = 0.008  # s, of a command, even to where the arm is
+ACCELERATION = 15.0  # rad/s², of motors for which no limit is published
+COMMAND = re.compile(r"\s*movej\(\[(.*)\]\)\s*")
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What the drives follow, each (N, 6): q [rad], qd [rad/s], qdd [rad/s²]."""
+
+    q: Array
+    qd: Array
+    qdd: Array
+
+
+def plan_targets(plan: Movej | Fourier | Standstill, robot: Robot, time: Array) -> Targets:
+    """The targets of a trajectory at times (N,) [s].
+
+    Raises InputError when it leaves the joints' limits or its file of way-points is wrong.
+    """
+    match plan:
+        case Standstill():
+            targets = _standstill(plan, time)
+        case Movej():
+            targets = _movej(plan, time - REST)
+        case Fourier():
+            targets = _fourier(plan, robot, time - REST)
+    _expect_within_limits(targets, robot)
+    return targets
+
+
+def read_way_points(path: str | Path) -> list[PerJoint]:
+    """Way-points [rad] from a text file with one command `movej([six angles])` per line.
+
+    As the thesis's program sent them to the arm (Section 4.4.1). Raises InputError otherwise.
+    """
+    try:
+        lines = Path(path).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path} cannot be read ({error}); name a file of way-points") from error
+    points = [_way_point(line, f"{path}, line {k}") for k, line in enumerate(lines, 1) if line]
+    if len(points) < 2:
+        raise InputError(f"{path}: holds {len(points)} way-points; give at least two")
+    return points
+
+
+def _way_point(line: str, place: str) -> PerJoint:
+    command = COMMAND.fullmatch(line)
+    try:
+        angles = [float(word) for word in command[1].split(",")] if command else []
+    except ValueError:
+        angles = []
+    if len(angles) != 6 or not np.isfinite(angles).all():
+        raise InputError(f"{place}: is {line!r}; give movej([six angles in radians])")
+    return (angles[0], angles[1], angles[2], angles[3], angles[4], angles[5])
+
+
+def _expect_within_limits(targets: Targets, robot: Robot) -> None:
+    for joint in range(6):
+        motor = robot.motor(joint + 1)
+        for values, limit, unit in (
+            (targets.q, motor.position_max, "rad"),
+            (targets.qd, motor.velocity_max, "rad/s"),
+        ):
+            most = float(np.abs(values[:, joint]).max())
+            if not most <= limit:  # NaN is none
+                raise InputError(
+                    f"the trajectory takes joint {joint + 1} of {robot.name} to {most:.3g} {unit}, "
+                    f"its limit is {limit:.3g}; choose a slower or smaller one"
+                )
+
+
+def _standstill(plan: Standstill, time: Array) -> Targets:
+    still = np.zeros((len(time), 6))
+    return Targets(still + plan.posture, still, still)
+
+
+# Way-points
+
+
+def _movej(plan: Movej, time: Array) -> Targets:
+    given = plan.way_points
+    points = np.array(read_way_points(given) if isinstance(given, str) else given)
+    parts = np.zeros((3, len(time), 6))
+    parts[0] = points[0]
+    for start, origin, way in _legs(plan, points, float(time[-1])):
+        place, speed, acceleration = _trapezoid(time - start, way, plan)
+        later = time >= start
+        share = np.outer(place[later], way) / np.abs(way).max()
+        parts[0][later] = origin + share
+        parts[1] += np.outer(speed, way) / np.abs(way).max()
+        parts[2] += np.outer(acceleration, way) / np.abs(way).max()
+    return Targets(*parts)
+
+
+def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array, Array]]:
+    """When each move starts [s], where, and its way (6,) [rad], until the end."""
+    start = 0.0
+    for origin, goal in pairwise(cycle(points)):
+        if start >= end:
+            return
+        way = goal - origin
+        if way.any():
+            yield start, origin, way
+        start += max(_duration(np.abs(way).max(), plan)[2] + plan.pause_s, SHORTEST)
+
+
+def _duration(way: float, plan: Movej) -> tuple[float, float, float]:
+    """How long a move over a way [rad] speeds up, when it slows down, when it ends [s]."""
+    ramp = min(plan.speed_rad_s / plan.acceleration_rad_s2, (way / plan.acceleration_rad_s2) ** 0.5)
+    cruise = way / (plan.acceleration_rad_s2 * ramp) - ramp if ramp else 0.0
+    return ramp, ramp + cruise, 2 * ramp + cruise
+
+
+def _trapezoid(time: Array, way: Array, plan: Movej) -> tuple[Array, Array, Array]:
+    """Place [rad], speed and acceleration (N,) of the joint that leads, at times from its start."""
+    ramp, slow, end = _duration(np.abs(way).max(), plan)
+    passed = [np.clip(time - start, 0, ramp) for start in (0.0, slow)]
+    cruise = np.clip(time - ramp, 0, slow - ramp)
+    gain = plan.acceleration_rad_s2
+    speed = gain * (passed[0] - passed[1])
+    place = gain * (passed[0] ** 2 / 2 + ramp * cruise + ramp * passed[1] - passed[1] ** 2 / 2)
+    up, down = (time >= 0) & (time < ramp), (time >= slow) & (time < end)
+    return place, speed, gain * (up.astype(float) - down)
+
+
+# Fourier series
+
+
+def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
+    """A series that starts at rest, as large as the limits allow, joint by joint."""
+    fine = np.linspace(0, plan.period_s, 2001)
+    coefficients = _coefficients(plan)
+    parts = [series @ coefficients for series in _series(plan, fine)]
+    motors = [robot.motor(joint) for joint in range(1, 7)]
+    limits = [
+        np.full(6, plan.amplitude_rad),
+        plan.limit_share * np.array([motor.velocity_max for motor in motors]),
+        plan.limit_share * np.array([motor.acceleration_max or ACCELERATION for motor in motors]),
+    ]
+    scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
+    coefficients *= np.minimum.reduce(scales)
+    q, qd, qdd = (series @ coefficients for series in _series(plan, time.clip(min=0)))
+    return Targets(q + plan.posture, qd, qdd)
+
+
+def _coefficients(plan: Fourier) -> Array:
+    """Of sines and cosines (2 H, 6), random but for q = posture, qd = qdd = 0 at the start."""
+    start = np.concatenate(_series(plan, np.zeros(1)))
+    start /= np.linalg.norm(start, axis=1, keepdims=True)
+    drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, 6))
+    return drawn - np.linalg.pinv(start) @ (start @ drawn)
+
+
+def _series(plan: Fourier, time: Array) -> tuple[Array, Array, Array]:
+    """Sines and cosines (N, 2 H) at times (N,), and their first and second derivatives."""
+    omega = 2 * np.pi / plan.period_s * np.arange(1, plan.harmonics + 1)
+    sin, cos = np.sin(np.outer(time, omega)), np.cos(np.outer(time, omega))
+    return (
+        np.hstack([sin, cos]),
+        np.hstack([omega * cos, -omega * sin]),
+        np.hstack([-(omega**2) * sin, -(omega**2) * cos]),
+    )

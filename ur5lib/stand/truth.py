@@ -1,0 +1,87 @@
+"""What truly was, for tests and benchmarks alone: no step of the pipeline reads it."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.stand import controller, sensors
+from ur5lib.stand import drive as drives
+from ur5lib.stand.engine import STEP, Experiment, Motion
+from ur5lib.stand.faults import Hit
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.tables import Array, named, write_json, write_table
+
+
+def write_truth(experiment: Experiment, hit: Hit, cycle: float, folder: Path) -> None:
+    """Write truth.parquet, at the controller's frames, and truth.json: what made the recording."""
+    plan, motion = experiment.plan, experiment.motion
+    write_table(truth_table(motion, cycle), folder / "truth.parquet")
+    summary = {
+        "robot": experiment.robot.name,
+        "model": experiment.model,
+        "cycle_s": cycle,
+        "plan": plan.model_dump(),
+        "drive": asdict(experiment.drive),
+        "friction": asdict(experiment.friction),
+        "noise": _noise() if plan.noise else None,
+        "clocks": _clocks(plan),
+        "contacts": _intervals(motion),
+        "frames": {name: np.flatnonzero(flags) for name, flags in asdict(hit).items()},
+    }
+    write_json(summary, folder / "truth.json")
+
+
+def truth_table(motion: Motion, cycle: float) -> pd.DataFrame:
+    """`time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the environment on
+    link 6 and beyond [N, Nm], base axes, at the origin of frame 6, at the controller's frames.
+    """
+    every = slice(None, None, round(cycle / STEP))
+    parts = {
+        "q": motion.q,
+        "qd": motion.qd,
+        "qdd": motion.qdd,
+        "tau_motor": motion.motor_torque,
+        "tau_friction": motion.friction_torque,
+        "tau_contact": motion.contact_torque,
+        "wrench": motion.wrench,
+        "o6": motion.origin,
+        "R6": motion.rotation,
+    }
+    columns = {"time": motion.time[every]}
+    for name, values in parts.items():
+        columns |= named(values[every], name)
+    return pd.DataFrame(columns)
+
+
+def _noise() -> dict[str, Any]:
+    return {
+        "current_ripple_a": drives.RIPPLE,
+        "current_a": drives.NOISE,
+        "current_at_rest_a": drives.NOISE_AT_REST,
+        "position_rad": controller.POSITION_NOISE,
+        "velocity_rad_s": controller.VELOCITY_NOISE,
+        "force_sensor_n_nm": sensors.FORCE_NOISE,
+        "gyroscope_rad_s_sqrt_hz": sensors.GYROSCOPE_NOISE,
+        "accelerometer_m_s2_sqrt_hz": sensors.ACCELEROMETER_NOISE,
+    }
+
+
+def _clocks(plan: SimulatedRecording) -> dict[str, dict[str, float]]:
+    """t_robot = offset + (1 + drift) t_device, by device, both from their first samples."""
+    devices = {"force": plan.force_sensor, "imu": plan.imu}
+    return {
+        name: {"offset_s": device.clock.offset_s, "drift_ppm": device.clock.drift_ppm}
+        for name, device in devices.items()
+        if device is not None
+    }
+
+
+def _intervals(motion: Motion) -> list[list[float]]:
+    """When something touches the arm: starts and ends [s]."""
+    touched = (motion.contact_torque != 0).any(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], touched, [0]])))
+    times: Array = np.append(motion.time, motion.time[-1])[edges]
+    return times.reshape(-1, 2).tolist()

@@ -1,0 +1,28 @@
+"""Mounting, tilt and gyroscope bias of an arm's IMU, from its recordings for fitting."""
+
+from typing import Any
+
+import numpy as np
+
+from ur5lib.robots.description import load_robot
+from ur5lib.signals.imu_calibration import calibrate_without_each
+from ur5lib.signals.imu_record import imu_record
+from ur5lib.steps import run_step
+from ur5lib.tables import read_json, read_table, write_json
+
+
+def calibrate_imu(input: Any, output: Any, params: Any) -> None:
+    point = np.array(load_robot(input.arm).mounting.imu)
+    recordings = zip(params.recordings, input.signals, input.kinematics, input.clocks, strict=True)
+    records = {
+        name: imu_record(
+            read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
+        )
+        for name, signals, kinematics, clocks in recordings
+        if read_json(clocks).get("imu", {}).get("method") == "angular rate"
+    }
+    write_json(calibrate_without_each(records), output.calibration)
+
+
+if __name__ == "__main__":
+    run_step(calibrate_imu, snakemake)  # type: ignore[name-defined]  # noqa: F821

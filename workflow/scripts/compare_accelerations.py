@@ -1,0 +1,157 @@
+"""Acceleration of the end effector: from joints, through Euler angles, and as an IMU felt it."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.metrics import Array, mean_absolute_error
+from ur5lib.robots.description import load_robot
+from ur5lib.signals.clocks import clock_from_stamps
+from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
+from ur5lib.signals.euler_route import euler_acceleration
+from ur5lib.signals.imu_calibration import (
+    AS_DRAWN,
+    ImuCalibration,
+    accelerometer_bias,
+    calibration_for,
+)
+from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, imu_record
+from ur5lib.signals.lowpass import (
+    THESIS_ACCELERATION,
+    Butterworth,
+    by_segment,
+    causal_lowpass,
+    inner_lowpass,
+)
+from ur5lib.signals.motion import differentiate
+from ur5lib.signals.resampling import resample
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, named, period, read_json, read_table, write_json, write_table
+
+COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
+ESTIMATES = {"encoders": "", "encoders+imu": "fused_"}  # prefixes of their channels in motion
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What the comparison needs of a recording; point: (3,) [m], the IMU in frame 6."""
+
+    signals: pd.DataFrame
+    kinematics: pd.DataFrame
+    motion: pd.DataFrame
+    point: Array
+
+    def rotation(self) -> Array:
+        """R_6 (N, 3, 3)."""
+        return channel(self.kinematics, "R6", 9).reshape(-1, 3, 3)
+
+    def jacobian(self) -> Array:
+        """J_g (N, 6, 6)."""
+        return channel(self.kinematics, "J", 36).reshape(-1, 6, 6)
+
+    def by_segment(self, function: Any, values: Array, **settings: float) -> Array:
+        """A function of uniform samples, on each unbroken stretch."""
+        segment = self.signals["segment"].to_numpy()
+        return by_segment(partial(function, **settings), values, segment)
+
+    def lowpass(
+        self, function: Any, design: Butterworth, columns: dict[str, Array]
+    ) -> dict[str, Array]:
+        """Columns, low-passed alike."""
+        rate = 1 / period(self.signals)
+        return {
+            name: self.by_segment(function, values, rate=rate, **design._asdict())
+            for name, values in columns.items()
+        }
+
+    def derivative(self, values: Array) -> Array:
+        """Time derivative of values (N, M)."""
+        return self.by_segment(differentiate, values, period=period(self.signals))
+
+
+def compare_accelerations(input: Any, output: Any, params: Any) -> None:
+    signals, kinematics, motion = map(read_table, (input.signals, input.kinematics, input.motion))
+    point = np.array(load_robot(input.arm).mounting.imu)
+    recording = Recording(signals, kinematics, motion, point)
+    columns: dict[str, Array] = {}
+    summary: dict[str, Any] = {"errors": {}}
+    if read_json(input.clocks).get("imu", {}).get("method") == "angular rate":
+        others, calibration = calibration_for(params.recording, read_json(input.calibration))
+        ours, bias = as_calibrated(recording, calibration, params)
+        stamps = read_json(input.quality)["starts"]["imu"]
+        theirs = as_published(recording, read_table(input.imu), stamps)
+        errors = error_figures(theirs, "published_felt") | error_figures(ours, "felt")
+        columns = ours | theirs
+        summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
+    flat: dict[str, Array] = {}
+    for name, values in columns.items():
+        flat |= named(values, name)
+    write_table(signals[["time", "segment"]].join(pd.DataFrame(flat)), output.accelerations)
+    write_json(summary, output.summary)
+
+
+def as_calibrated(
+    recording: Recording, calibration: ImuCalibration, params: Any
+) -> tuple[dict[str, Array], Array]:
+    """What the calibrated IMU felt, and J_g q̈ + J̇_g q̇ at its place: low-passed without delay.
+
+    Also the accelerometer's bias (3,) [m/s²], which is the recording's own.
+    """
+    signals, rotation = recording.signals, recording.rotation()
+    design = params.order, params.cutoff_hz
+    record = imu_record(signals, recording.kinematics, recording.point, *design)
+    bias = accelerometer_bias(record, calibration)
+    accelerometer = signals[ACCELEROMETER].to_numpy() - bias
+    turning = recording.derivative(signals[GYROSCOPE].to_numpy())
+    axes = rotation @ calibration.axes()
+    columns = {"felt": felt_acceleration(axes, accelerometer, turning, calibration.up())}
+    for estimate, prefix in ESTIMATES.items():
+        qd, qdd = (channel(recording.motion, f"{prefix}{name}") for name in ("qd", "qdd"))
+        columns[f"acceleration_{estimate}"] = point_acceleration(
+            rotation, recording.jacobian(), qd, qdd, recording.point
+        )
+    return recording.lowpass(inner_lowpass, Butterworth(*design), columns), bias
+
+
+def as_published(recording: Recording, imu: pd.DataFrame, stamps: Any) -> dict[str, Array]:
+    """Section 5.5 as published: clocks by their stamps, an IMU without calibration at the origin
+    of frame 6, a causal filter, Euler angles by the printed Equation 2.33 and by the right one.
+    """
+    signals, rotation = recording.signals, recording.rotation()
+    clock = clock_from_stamps(stamps["seconds"], stamps["std"])
+    read = resample(imu, clock, signals["time"].to_numpy())
+    turning = recording.derivative(read[GYROSCOPE].to_numpy())
+    felt = felt_acceleration(rotation, read[ACCELEROMETER].to_numpy(), turning, AS_DRAWN.up())
+    columns = {"published_felt": felt}
+    qd = channel(signals, "actual_qd")
+    for name, printed in (("euler", True), ("euler, B corrected", False)):
+        columns[f"published_{name}"] = euler_acceleration(
+            rotation,
+            recording.jacobian(),
+            qd,
+            recording.derivative(qd),
+            signals["segment"].to_numpy(),
+            period(signals),
+            printed,
+        )
+    return recording.lowpass(causal_lowpass, THESIS_ACCELERATION, columns)
+
+
+def error_figures(columns: dict[str, Array], felt: str) -> dict[str, dict[str, dict[str, float]]]:
+    """MAE by estimate and component against what was felt, and that of an acceleration of zero."""
+    zero = mean_absolute_error(np.zeros_like(columns[felt]), columns[felt])
+    return {
+        name.partition("_")[2]: {
+            "mae": dict(zip(COMPONENTS, mean_absolute_error(values, columns[felt]), strict=True)),
+            "zero_mae": dict(zip(COMPONENTS, zero, strict=True)),
+        }
+        for name, values in columns.items()
+        if name != felt
+    }
+
+
+if __name__ == "__main__":
+    run_step(compare_accelerations, snakemake)  # type: ignore[name-defined]  # noqa: F821

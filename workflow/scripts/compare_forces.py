@@ -1,0 +1,133 @@
+"""Every estimate of the contact wrench against the force sensor."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.sensor import bias, fit_offset, move_to_frame_6, wrench_of_environment
+from ur5lib.metrics import (
+    Array,
+    correlation,
+    coverage,
+    gain,
+    largest_error,
+    mean_absolute_error,
+    skill,
+)
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.steps import run_step
+from ur5lib.tables import (
+    WRENCH,
+    channel,
+    labelled,
+    labelled_channel,
+    period,
+    read_table,
+    write_json,
+    write_table,
+)
+
+SENSOR = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
+NEW = ["Fmap", "observer", "repeat"]
+
+
+def compare_forces(input: Any, output: Any, params: Any) -> None:
+    signals, kinematics = read_table(input.signals), read_table(input.kinematics)
+    published, forces = read_table(input.published), read_table(input.forces)
+    summary: dict[str, Any] = {
+        "force_sensor": "ft_fx" in signals,
+        "share_near_singularity": share_below(kinematics, params.min_singular_value),
+        "std": band_widths(forces),
+        "errors": {},
+    }
+    columns: dict[str, Array] = {}
+    if "ft_fx" in signals:
+        rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
+        references, offset = sensor_wrenches(signals, rotation, load_robot(input.arm), params)
+        summary["offset"] = offset
+        for kind, reference in references.items():
+            columns |= labelled(reference, kind, WRENCH)
+            summary["errors"][kind] = {
+                name: error_figures(*estimate, reference)
+                for name, estimate in estimates(kind, published, forces).items()
+            }
+    write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.sensor)
+    write_json(summary, output.summary)
+
+
+def sensor_wrenches(
+    signals: pd.DataFrame, rotation: Array, robot: Robot, params: Any
+) -> tuple[dict[str, Array], dict[str, Any]]:
+    """What the sensor says, the environment acting on the arm, and what was taken off it.
+
+    printed: the raw reading; corrected: less its mean at the start; compensated: less bias and
+    tool weight, from all samples free of contact. The last two at the origin of frame 6.
+    """
+    reading, time = signals[SENSOR].to_numpy(), signals["time"].to_numpy()
+    offset = fit_offset(reading, rotation, period(signals))
+    start = bias(reading, time, params.bias_window_s)
+    position = np.array(robot.mounting.force_sensor)
+    references = {"printed": wrench_of_environment(reading, rotation)}
+    for kind, removed in (("corrected", start), ("compensated", offset.reading(rotation))):
+        wrench = wrench_of_environment(reading - removed, rotation)
+        references[kind] = move_to_frame_6(wrench, rotation, position)
+    account = asdict(offset) | {"free": float(offset.free.mean()), "start_bias": start}
+    return references, account
+
+
+def estimates(
+    kind: str, published: pd.DataFrame, forces: pd.DataFrame
+) -> dict[str, tuple[Array, Array | None]]:
+    """Wrench and standard deviation of every estimate that a reference is compared with."""
+    source = "printed" if kind == "printed" else "corrected"
+    found: dict[str, tuple[Array, Array | None]] = {
+        name: (labelled_channel(published, f"{source}_{name}", WRENCH), None)
+        for name in ("Fu", "F", "F*")
+        if f"{source}_{name}_Fx" in published
+    }
+    if kind != "printed":
+        for name in NEW:
+            if f"{name}_Fx" in forces:
+                std = labelled_channel(forces, f"{name}_std", WRENCH)
+                found[name] = labelled_channel(forces, name, WRENCH), std
+    return found
+
+
+def error_figures(
+    estimate: Array, std: Array | None, reference: Array
+) -> dict[str, dict[str, float]]:
+    """Errors by component, beside those of an estimate that always says "no force"."""
+    zero = np.zeros_like(reference)
+    figures = {
+        "mae": mean_absolute_error(estimate, reference),
+        "max": largest_error(estimate, reference),
+        "zero_mae": mean_absolute_error(zero, reference),
+        "zero_max": largest_error(zero, reference),
+        "skill": skill(estimate, reference),
+        "correlation": correlation(estimate, reference),
+        "gain": gain(estimate, reference),
+    }
+    if std is not None:
+        for stated in (0.5, 0.8, 0.95):
+            figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
+    return {name: dict(zip(WRENCH, values, strict=True)) for name, values in figures.items()}
+
+
+def band_widths(forces: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """Median standard deviation of each new estimate, by component."""
+    return {
+        name: {c: float(forces[f"{name}_std_{c}"].median()) for c in WRENCH}
+        for name in NEW
+        if f"{name}_Fx" in forces
+    }
+
+
+def share_below(kinematics: pd.DataFrame, least: float) -> float:
+    """Share of the samples near a singularity of the Jacobian."""
+    return float((kinematics["sigma_min"] < least).mean())
+
+
+if __name__ == "__main__":
+    run_step(compare_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

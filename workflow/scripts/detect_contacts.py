@@ -1,0 +1,102 @@
+"""Contacts by each estimate: alarms, what the sensor says of them, the smallest force found."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.force.detection import (
+    Span,
+    alarms,
+    compare,
+    receiver_curve,
+    smallest_force,
+    spans,
+    try_pushes,
+)
+from ur5lib.force.hypotheses import ContactPrior
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.wrench_estimate import estimate_wrench
+from ur5lib.force_run import force_run
+from ur5lib.metrics import Array
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, labelled_channel, period, read_json, read_table, write_json
+
+STRONG, TOUCH, NOTHING = 15.0, 3.0, 1.0  # N: a contact; any contact; where it is over
+TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
+
+
+def detect_contacts(input: Any, output: Any, params: Any) -> None:
+    forces, sensor = read_table(input.forces), read_table(input.sensor)
+    thresholds = read_json(input.threshold)
+    summary: dict[str, Any] = {}
+    for name, threshold in thresholds.items():
+        if f"log_odds_{name}" not in forces:
+            continue
+        odds = forces[f"log_odds_{name}"].to_numpy()
+        raised = alarms(odds, threshold)
+        minutes = len(odds) * period(forces) / 60
+        summary[name] = {
+            "threshold": threshold,
+            "alarm_times": times(raised, forces),
+            "alarms_per_min": len(raised) / minutes,
+        }
+        if "compensated_Fx" in sensor:
+            summary[name] |= against_sensor(odds, raised, sensor, minutes)
+    if params.role == "validate" and "Fmap" in summary:
+        summary["Fmap"]["smallest_force_95"] = smallest_forces(input, thresholds["Fmap"], params)
+    write_json(summary, output.detection)
+
+
+def times(raised: list[Span], forces: pd.DataFrame) -> list[list[float]]:
+    """Start and end of each alarm [s]."""
+    time = forces["time"].to_numpy()
+    return [[float(time[first]), float(time[last - 1])] for first, last in raised]
+
+
+def against_sensor(
+    odds: Array, raised: list[Span], sensor: pd.DataFrame, minutes: float
+) -> dict[str, Any]:
+    """Contacts that the sensor saw, how many were found and when, and the ROC by sample."""
+    force = np.linalg.norm(labelled_channel(sensor, "compensated", ["Fx", "Fy", "Fz"]), axis=1)
+    known = np.nan_to_num(force)
+    step = period(sensor)
+    found = compare(raised, spans(known, STRONG, TOUCH), spans(known, TOUCH, NOTHING), step)
+    wrong, right = receiver_curve(odds, known >= TOUCH)
+    return asdict(found) | {
+        "recall": found.recall(),
+        "precision": found.precision(),
+        "median_delay": float(np.median(found.delays)) if len(found.delays) else None,
+        "false_per_min": found.false / minutes,
+        "roc_area": float(np.trapezoid(right, wrong)),
+    }
+
+
+def smallest_forces(input: Any, threshold: float, params: Any) -> dict[str, Any]:
+    """The force that F^map finds with 95 % probability, pushes put onto a contact-free motion."""
+    motion = read_table(input.motion)
+    run = force_run(read_table(input.currents), motion, "tau_ext")
+    if run is None:
+        return {}
+    jacobian = channel(read_table(input.kinematics), "J", 36).reshape(-1, 6, 6)
+    model = ResidualModel.from_dict(read_json(input.residuals)["tau_ext"])
+    prior = ContactPrior(force=params.contact_force_n, lever=params.contact_lever_m)
+    step = period(motion)
+
+    def log_odds_of(pushed: Array) -> Array:
+        torque = run.torque + pushed
+        estimate = estimate_wrench(torque, jacobian, run.states, run.segment, step, model, prior)
+        return estimate.log_odds
+
+    forces = np.geomspace(LEAST, MOST, TRIALS)
+    tried = np.random.default_rng(0).permutation(forces)
+    found = {}
+    for axis, direction in zip("xyz", np.eye(6)[:3], strict=True):
+        seen = try_pushes(log_odds_of, jacobian, direction, tried, step, threshold)
+        found[axis] = asdict(smallest_force(tried, seen))
+    return found
+
+
+if __name__ == "__main__":
+    run_step(detect_contacts, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,0 +1,40 @@
+"""Frequency response of the study's low-pass filters, and of those that the thesis used."""
+
+from typing import Any
+
+import numpy as np
+
+from ur5lib.report.figures import response_panel, save
+from ur5lib.signals.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
+from ur5lib.steps import run_step
+
+RATE = 125.0  # Hz, of the thesis's controller
+STEPS = {
+    "filter_signals": "measured signals",
+    "compare_accelerations": "accelerations compared",
+    "fit_friction": "currents",
+    "rebuild_forces": "the thesis's external torques",
+}
+
+
+def draw_filters(input: Any, output: Any, params: Any) -> None:
+    frequency = np.geomspace(0.1, 0.49 * RATE, 300)
+    gains = {
+        f"{name}: order {order}, {cutoff:g} Hz, both ways": frequency_response(
+            frequency, RATE, order, cutoff
+        )
+        ** 2
+        for step, name in STEPS.items()
+        for order, cutoff in [params[step]]
+    }
+    gains |= {
+        f"thesis: order {order}, {cutoff:g} Hz, one way": frequency_response(
+            frequency, RATE, order, cutoff
+        )
+        for order, cutoff in (THESIS_ACCELERATION, THESIS_CURRENT)
+    }
+    save(response_panel(frequency, gains), output.filters)
+
+
+if __name__ == "__main__":
+    run_step(draw_filters, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,0 +1,36 @@
+"""The mass on the flange beyond the arm's model, from motor currents alone."""
+
+from dataclasses import asdict
+from typing import Any
+
+import torch
+
+from ur5lib.current_record import current_record, smoother
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.regressor import regressor
+from ur5lib.identification import payload
+from ur5lib.identification.currents import CurrentFit
+from ur5lib.robots.description import load_robot
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, read_json, read_table, write_json
+
+LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of link 6
+
+
+def estimate_payload(input: Any, output: Any, params: Any) -> None:
+    robot, friction = load_robot(input.arm), read_json(input.friction)
+    signals, motion, torques = map(read_table, (input.signals, input.motion, input.torques))
+    model = robot.fullest_model()
+    record = current_record(params.recording, signals, motion, torques, model)
+    summary: dict[str, Any] = {}
+    if record is not None and friction["from"]:
+        states = [torch.from_numpy(channel(motion, name)) for name in ("q", "qd", "qdd")]
+        columns = regressor(build_arm(robot, model), *states).numpy()[:, :, LINK_6]
+        fit = CurrentFit.from_plain(friction["fit"])
+        smooth = smoother(params.order, params.cutoff_hz)
+        summary = asdict(payload.estimate_payload(fit, record, columns, smooth))
+    write_json(summary, output.payload)
+
+
+if __name__ == "__main__":
+    run_step(estimate_payload, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,0 +1,67 @@
+"""Rotor inertia of each joint, from what rigid links leave of the controller's torque."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.identification import rotor_inertia
+from ur5lib.metrics import Array
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, period, read_table, write_json
+
+TARGETS = ["target_q", "target_qd", "target_qdd"]
+MEASURED = ["q", "qd", "qdd"]
+
+
+def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
+    robot = load_robot(input.arm)
+    tables = zip(params.recordings, input.signals, input.motion, strict=True)
+    samples = {
+        name: rotor_samples(robot, read_table(signals), read_table(motion), params)
+        for name, signals, motion in tables
+    }
+    known = {name: sample for name, sample in samples.items() if sample is not None}
+    summary: dict[str, Any] = {"from": list(known)}
+    if known:
+        fit = rotor_inertia.fit_rotor_inertia(*zip(*known.values(), strict=True))
+        summary |= {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
+    write_json(summary, output.rotors)
+
+
+def rotor_samples(
+    robot: Robot, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
+) -> tuple[Array, Array, Array] | None:
+    """The torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
+
+    At the targets where these were recorded, else at the measured motion: then all are
+    low-passed alike, because measured accelerations already are.
+    """
+    if "target_moment_0" not in signals:
+        return None
+    exact = all(f"{name}_0" in signals for name in TARGETS)
+    source, names = (signals, TARGETS) if exact else (motion, MEASURED)
+    states = [channel(source, name) for name in names]
+    rigid = inverse_dynamics(build_arm(robot, robot.chosen_model), *map(torch.from_numpy, states))
+    samples = np.hstack([channel(signals, "target_moment") - rigid.numpy(), *states[1:]])
+    if not exact:
+        lowpass = partial(
+            zero_phase_lowpass,
+            rate=1 / period(signals),
+            order=params.order,
+            cutoff=params.cutoff_hz,
+        )
+        samples = by_segment(lowpass, samples, signals["segment"].to_numpy())
+    samples[signals["interpolated"]] = np.nan
+    residual, qd, qdd = np.hsplit(samples, 3)
+    return residual, qd, qdd
+
+
+if __name__ == "__main__":
+    run_step(fit_rotor_inertia, snakemake)  # type: ignore[name-defined]  # noqa: F821

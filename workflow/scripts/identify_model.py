@@ -1,0 +1,171 @@
+"""The rigid-body model behind the controller's torque, as one more model of the arm."""
+
+from collections.abc import Iterator
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+
+from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.regressor import regressor
+from ur5lib.identification.base_parameters import (
+    BaseParameters,
+    Estimate,
+    Stack,
+    base_parameters,
+    identify,
+    prior_width,
+    stack,
+    torque_error,
+)
+from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.excitation import Motion, candidate_motions, check_excitation
+from ur5lib.identification.identified_model import identified_model, robot_yaml
+from ur5lib.metrics import Array
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.urdf import urdf
+from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, period, read_json, read_table, write_json, write_text
+
+TARGETS = ["target_q", "target_qd", "target_qdd"]
+MEASURED = ["q", "qd", "qdd"]
+BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
+RESOLUTION = 1e-3  # Nm: what the excitation check takes a torque to be good to
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
+
+
+def identify_model(input: Any, output: Any, params: Any) -> None:
+    robot = with_rotors(load_robot(input.arm), read_json(input.rotors))
+    arm = build_arm(robot, robot.chosen_model)
+    tables = zip(params.recordings, input.signals, input.motion, strict=True)
+    blocks = {
+        name: list(torque_blocks(arm, read_table(signals), read_table(motion), params))
+        for name, signals, motion in tables
+    }
+    known = [block for part in blocks.values() for block in part]
+    summary: dict[str, Any] = {"from": [name for name, part in blocks.items() if part]}
+    try:
+        robot, found = with_identified(robot, arm, known)
+        summary |= found
+    except ValueError as error:  # too little was recorded, or nothing physical explains it
+        summary["refused"] = str(error)
+    name = "identified" if "identified" in robot.models else robot.chosen_model
+    write_text(robot_yaml(robot), output.arm)
+    write_text(urdf(robot, rigid_bodies(robot, name)), output.urdf)
+    write_json(summary, output.summary)
+
+
+def with_rotors(robot: Robot, rotors: Any) -> Robot:
+    """The arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
+    if not rotors["from"]:
+        return robot
+    name = f"{robot.chosen_model}+rotors"
+    described = robot.models.get(name, robot.models[robot.chosen_model])
+    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
+    fitted = [
+        inertia if value is None or value < 0 else value
+        for value, inertia in zip(rotors["value"]["inertia"], described.rotor_inertias, strict=True)
+    ]
+    return robot.with_model(name, described.model_copy(update={"rotor_inertias": tuple(fitted)}))
+
+
+def with_identified(
+    robot: Robot, arm: Arm, blocks: list[tuple[Array, Array]]
+) -> tuple[Robot, dict[str, Any]]:
+    """The arm with the model "identified" from some blocks, and the account of how.
+
+    Raises ValueError where there are too few blocks, or none that bodies could explain.
+    """
+    data = stack(blocks)
+    estimate = identify(data, arm.parameters.numpy(), prior_width())
+    parameters = consistent(estimate)
+    description = "identified from the controller's torques, physically consistent"
+    model = identified_model(robot, parameters, description)
+    found = account(arm, data, estimate, parameters, blocks)
+    return robot.with_model("identified", model), found
+
+
+def torque_blocks(
+    arm: Arm, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
+) -> Iterator[tuple[Array, Array]]:
+    """Regressors (n, 6, 66) and the controller's torques (n, 6), a block for each two seconds.
+
+    At the targets where these were recorded, else at the measured motion: then both are
+    low-passed alike.
+    """
+    if "target_moment_0" not in signals:
+        return
+    exact = all(f"{name}_0" in signals for name in TARGETS)
+    source, names = (signals, TARGETS) if exact else (motion, MEASURED)
+    states = [torch.from_numpy(channel(source, name)) for name in names]
+    columns = regressor(arm, *states).numpy().reshape(len(signals), -1)
+    rows = np.hstack([columns, channel(signals, "target_moment")])
+    if not exact:
+        rate = 1 / period(signals)
+        lowpass = partial(
+            zero_phase_lowpass, rate=rate, order=params.order, cutoff=params.cutoff_hz
+        )
+        rows = by_segment(lowpass, rows, signals["segment"].to_numpy())
+    rows[signals["interpolated"]] = np.nan
+    block = signals["time"] // BLOCK
+    for _, part in signals.groupby(["segment", block], sort=False).indices.items():
+        chosen = rows[part[:: max(1, round(STEP / period(signals)))]]
+        yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]
+
+
+def account(
+    arm: Arm,
+    data: Stack,
+    estimate: Estimate,
+    parameters: Array,
+    blocks: list[tuple[Array, Array]],
+) -> dict[str, Any]:
+    """What was found: base parameters, what consistency costs, and what no recording tells."""
+    motions = candidate_motions(SPEED, ACCELERATION)
+    candidates = {name: columns_of(arm, motion) for name, motion in motions.items()}
+    base = base_parameters(candidates[list(motions)[-1]])
+    excitation = check_excitation(data, base, estimate.width, np.full(6, RESOLUTION), candidates)
+    return {
+        "noise": estimate.noise,
+        "parameters": parameter_rows(base, estimate, parameters),
+        "mae": {
+            "without constraint": torque_error(blocks, estimate.parameters),
+            "consistent": torque_error(blocks, parameters),
+        },
+        "smallest_eigenvalues": {
+            "without constraint": smallest_eigenvalues(estimate.parameters),
+            "consistent": smallest_eigenvalues(parameters),
+        },
+        "excitation": asdict(excitation),
+    }
+
+
+def columns_of(arm: Arm, motion: Motion) -> Array:
+    """The regressor (N, 6, 66) of a motion."""
+    q, qd, qdd = map(torch.from_numpy, motion)
+    return regressor(arm, q, qd, qdd).numpy()
+
+
+def parameter_rows(
+    base: BaseParameters, estimate: Estimate, parameters: Array
+) -> list[dict[str, Any]]:
+    """Each base parameter: the sum that it is, its value, standard error, whether data tell it."""
+    return [
+        {"parameter": name, "value": value, "std_error": std, "determined": bool(told)}
+        for name, value, std, told in zip(
+            base.names(),
+            base.groups @ parameters,
+            estimate.standard_errors(base.groups),
+            estimate.determined(base.groups),
+            strict=True,
+        )
+    ]
+
+
+if __name__ == "__main__":
+    run_step(identify_model, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -1,0 +1,106 @@
+"""The current that motion without contact needs, and the torque that is left for a contact."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.current_record import current_record, smoother
+from ur5lib.force.external_torque import external_torque, without_edges
+from ur5lib.force.observer import momentum_rate, observe
+from ur5lib.identification.currents import CurrentFit, band, predict
+from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
+from ur5lib.metrics import Array
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.steps import run_step
+from ur5lib.tables import channel, named, read_json, read_table, write_json, write_table
+
+
+def predict_currents(input: Any, output: Any, params: Any) -> None:
+    robot, friction = load_robot(input.arm), read_json(input.friction)
+    signals, motion, torques = map(read_table, (input.signals, input.motion, input.torques))
+    record = current_record(params.recording, signals, motion, torques, robot.fullest_model())
+    columns: dict[str, Array] = {}
+    summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
+    if record is not None and friction["from"]:
+        smooth = smoother(params.order, params.cutoff_hz)
+        fit = CurrentFit.from_plain(friction["fit"])
+        half = band(fit, smoothed_moving(record, smooth))
+        currents = {"fitted": predict(fit, record)}
+        currents |= baselines(record, robot, np.array(friction["least_squares"]))
+        if "target_current_0" in signals:
+            currents["i_target"] = channel(signals, "target_current")
+        summary["scores"] = scores(record, currents, smooth, half)
+        constant = np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
+        columns = named(currents["fitted"], "predicted_current") | named(half, "current_band")
+        columns |= named(left_over(record, currents["fitted"], constant, smooth, params), "tau_ext")
+        observed = observer_torque(record, torques, currents["fitted"], constant, params)
+        columns |= named(observed, "tau_observer")
+    write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.currents)
+    write_json(summary, output.summary)
+
+
+def baselines(record: Record, robot: Robot, least_squares: Array) -> dict[str, Array]:
+    """Currents by Coulomb and viscous least squares, and by published constants."""
+    currents = {"least_squares": baseline_current(record, least_squares)}
+    constants, friction = robot.current_to_torque, robot.friction
+    if constants is not None and friction is not None:
+        nothing = np.zeros(6)
+        coefficients = coefficients_of_constants(
+            np.array(constants.torque_constant),
+            np.array(constants.offset),
+            np.array(friction.coulomb),
+            np.array(friction.viscous),
+        )
+        preliminary = np.array(constants.preliminary_torque_constant)
+        without = coefficients_of_constants(preliminary, nothing, nothing, nothing)
+        currents["thesis"] = baseline_current(record, coefficients)
+        currents["thesis_without_friction"] = baseline_current(record, without)
+    return currents
+
+
+def scores(
+    record: Record, currents: dict[str, Array], smooth: Smooth, half: Array
+) -> dict[str, Any]:
+    """How well each current is predicted; a band is stated for ours alone."""
+    figures = {}
+    for name, current in currents.items():
+        figures[name] = asdict(score(record, current, smooth, half))
+        if name != "fitted":
+            figures[name]["coverage"] = np.full(6, np.nan)
+    return figures
+
+
+def left_over(
+    record: Record, predicted: Array, constant: Array, smooth: Smooth, params: Any
+) -> Array:
+    """External torque (N, 6) [Nm], the environment acting on the arm, low-passed."""
+    currents = (smooth(current, record) for current in (record.current, predicted))
+    torque = external_torque(constant, *currents)
+    return without_edges(torque, record.segment, edge(record, params))
+
+
+def observer_torque(
+    record: Record, torques: pd.DataFrame, predicted: Array, constant: Array, params: Any
+) -> Array:
+    """The same by the generalised momentum, which needs no accelerations."""
+    rate = momentum_rate(
+        motor=constant * record.current,
+        friction=constant * predicted - record.torque,
+        coriolis=channel(torques, "coriolis_torque"),
+        gravity=channel(torques, "gravity_torque"),
+    )
+    momentum = channel(torques, "momentum")
+    torque = observe(momentum, rate, record.segment, record.period, params.cutoff_hz)
+    return without_edges(torque, record.segment, edge(record, params))
+
+
+def edge(record: Record, params: Any) -> int:
+    """Samples at the ends of a stretch in which the low-pass knows one side only."""
+    return round(0.5 / params.cutoff_hz / record.period)
+
+
+if __name__ == "__main__":
+    run_step(predict_currents, snakemake)  # type: ignore[name-defined]  # noqa: F821
