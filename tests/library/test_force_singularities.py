@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 import torch
+from typer.testing import CliRunner
 
+from ur5lib.cli import app
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian
+from ur5lib.errors import InputError
 from ur5lib.force.singularities import (
     KINDS,
     manipulability,
@@ -89,3 +92,21 @@ def test_each_kind_is_named_where_it_is_alone() -> None:
     found = map_singularities(robot, q, jacobians("ur5", "C", q), 0.01)
     assert set(found.share) == set(KINDS)
     assert sum(found.share.values()) == 0
+
+
+def test_the_command_maps_joint_ranges() -> None:
+    """With the elbow kept bent and the wrist turned, no elbow or wrist singularity is met."""
+    bent = ["--within", "3=0.5:2.5", "--within", "5=0.5:2.5"]
+    command = ["singularities", "--robot", "ur5", "--count", "2000"]
+    whole = CliRunner().invoke(app, command, catch_exceptions=False)
+    kept = CliRunner().invoke(app, [*command, *bent], catch_exceptions=False)
+    assert "elbow: 0.00 %" in kept.stdout
+    assert "wrist: 0.00 %" in kept.stdout
+    assert "elbow: 0.00 %" not in whole.stdout
+
+
+@pytest.mark.parametrize("entry", ["3", "3=1", "3=2:1", "7=0:1", "a=0:1"])
+def test_a_wrong_range_is_told(entry: str) -> None:
+    done = CliRunner().invoke(app, ["singularities", "--robot", "ur5", "--within", entry])
+    assert isinstance(done.exception, InputError)
+    assert "give joint=low:high" in str(done.exception)

@@ -32,6 +32,9 @@ def compose(
     figures: holds a folder of figures for each recording.
     """
     roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
+    judged = [name for name, role in roles.items() if role == "validate"]
+    currents = tables["current_rmse"]
+    tables = {**tables, "current_rmse": currents[currents["recording"].isin(judged)]}
     found = findings(tables["torque_mae"], tables["force_mae"], tables["quality"])
     quality = recording_blocks(roles, qualities, tables["quality"], tables["clocks"])
     sections = [

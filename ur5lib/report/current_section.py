@@ -39,12 +39,11 @@ def current_blocks(
     payload: pd.DataFrame,
     figures: Path,
 ) -> list[Block]:
-    """The tables friction, current_rmse, cross_validation, payload; figures: a folder an arm."""
+    """The tables friction, current_rmse of recordings to validate on, cross_validation, payload."""
     if friction.empty:
         return [Paragraph(NO_CURRENTS)]
     blocks: list[Block] = [Paragraph(INTRODUCTION), _constants(friction)]
-    unseen = currents[currents["fitted"] == "no"]
-    for recording, rows in unseen.groupby("recording", sort=False):
+    for recording, rows in currents.groupby("recording", sort=False):
         blocks.append(_prediction(recording, rows))
     blocks += [_matrix(cross)] if len(cross) else []
     blocks += [_payloads(payload)] if len(payload) else []
