@@ -4,11 +4,13 @@ DATA ?=
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 
-all: thesis ## set up, build the default study (today the thesis's), name its report
+all: .venv/ready ## set up, simulate and build the default study, name its report
+	snakemake --quiet rules host reason
+	@echo "report: results/demo/report.html, results/demo/report.pdf"
 
 thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), build its study
 	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
-	snakemake --quiet rules host reason
+	snakemake --quiet rules host reason --configfile workflow/studies/thesis.yaml
 	@echo "report: results/thesis/report.html, results/thesis/report.pdf"
 
 test: lint ## run every check

@@ -14,6 +14,7 @@ container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/signals.smk"
 include: "workflow/rules/dynamics.smk"
@@ -27,6 +28,8 @@ rule all:
     input:
         rules.write_report.output,
         rules.make_tables.output,
+        TRUTH,
+        SIMULATED_FILES,
         rules.draw_filters.output,
         expand(rules.draw_friction.output, robot=ROBOTS),
         expand(rules.draw_figures.output, recording=RECORDINGS),

@@ -64,6 +64,10 @@ class Workflow:
         self.folder = folder
         self.environment = os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
 
+    def copied(self, target: Path) -> "Workflow":
+        """All of it, in another place."""
+        return Workflow(Path(shutil.copytree(self.folder, target)))
+
     def command(self, *arguments: str) -> list[str]:
         return [sys.executable, "-m", "snakemake", *arguments]
 
@@ -97,7 +101,6 @@ class Workflow:
 def built_workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     """A small study of two made-up recordings, built once."""
     folder = copy_project(tmp_path_factory.mktemp("small") / "project")
-    (folder / "config.yaml").unlink()
     (folder / "config.yaml").write_text(STUDY)
     write_recording(folder / "raw" / "still", seconds=3, seed=1)
     write_recording(folder / "raw" / "pushed", seconds=4, seed=2, force_sensor=True)
@@ -109,7 +112,15 @@ def built_workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
 @pytest.fixture
 def workflow(built_workflow: Workflow, tmp_path: Path) -> Workflow:
     """The small study as built, in a copy of its own."""
-    return Workflow(Path(shutil.copytree(built_workflow.folder, tmp_path / "project")))
+    return built_workflow.copied(tmp_path / "project")
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """The default study, simulated and built."""
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("demo") / "project"))
+    workflow.build()
+    return workflow
 
 
 @pytest.fixture(scope="session")

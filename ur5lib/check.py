@@ -28,13 +28,25 @@ def print_findings(path: Path) -> int:
     """
     study = read_study(path)
     console = Console()
-    recordings = track(study.recordings, "reading", console=console, transient=True)
+    there = [recording for recording in study.recordings if is_there(recording)]
+    unmade = [recording.name for recording in study.recordings if recording not in there]
+    if unmade:
+        console.print(f"not simulated yet: {', '.join(unmade)}; `snakemake` does it first of all")
+    if not there:
+        return 0
+    recordings = track(there, "reading", console=console, transient=True)
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = {name: clock for name, (_, clock) in results.items()}
     console.print(_findings(quality_table(qualities, clocks), list(results)))
     console.print(_clocks(clock_table(clocks)))
     return sum(not quality["devices"] for quality in qualities.values())
+
+
+def is_there(recording: Recording) -> bool:
+    """Whether a recording can be looked at; a simulated one may be still to be made."""
+    files = [Path(recording.folder) / name for name in recording.file_names()]
+    return getattr(recording, "simulate", None) is None or all(file.is_file() for file in files)
 
 
 def read_study(path: Path) -> Study:

@@ -1,12 +1,15 @@
 """The clock of a recording's device, by the best that its signals allow."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.signals.clocks import Array, Clock, clock_from_rotation, clock_from_stamps
-from ur5lib.tables import channel
+from ur5lib.signals.lowpass import by_segment
+from ur5lib.signals.motion import differentiate
+from ur5lib.tables import channel, period
 
 GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
 
@@ -28,13 +31,16 @@ def device_clock(
     stamps = clock_from_stamps(start["seconds"], start["std"])
     if not set(GYROSCOPE) <= set(device):
         return stamps, None
-    if "actual_qd_0" not in robot:
-        return stamps, "without joint velocities, motion cannot tell a clock"
-    omega = np.einsum("nij,nj->ni", jacobian[:, 3:], channel(robot, "actual_qd"))
+    segment = robot["segment"].to_numpy()
+    # Not the controller's velocities: they come some ms after the positions.
+    qd = by_segment(
+        partial(differentiate, period=period(robot)), channel(robot, "actual_q"), segment
+    )
+    omega = np.einsum("nij,nj->ni", jacobian[:, 3:], qd)
     return clock_from_rotation(
         time=robot["time"].to_numpy(),
         rate=np.einsum("nji,nj->ni", rotation, omega),  # in frame 6
-        segment=robot["segment"].to_numpy(),
+        segment=segment,
         device_time=device["time"].to_numpy(),
         gyroscope=device[GYROSCOPE].to_numpy(),
         stamps=stamps,

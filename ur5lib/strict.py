@@ -1,5 +1,7 @@
 """Data that people write by hand."""
 
+from pathlib import Path
+
 from pydantic import BaseModel, ConfigDict
 
 
@@ -7,3 +9,10 @@ class Strict(BaseModel):
     """A part of a hand-written file: unknown keys are errors, values stay as read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def existing_file(path: str) -> str:
+    """The path itself. Raises ValueError where there is no such file."""
+    if not Path(path).is_file():
+        raise ValueError("an existing file")
+    return path

@@ -11,12 +11,17 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, Field, ValidationError
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import robot_names
-from ur5lib.strict import Strict
+from ur5lib.stand import layout
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.strict import Strict, existing_file
+
+FILE_KEYS = {"folder", "file", "force_sensor", "imu"}
+QUOTE = "'"  # around a discriminator's name, as pydantic tells it
 
 Name = Annotated[  # it becomes a folder's name
     str,
@@ -25,21 +30,6 @@ Name = Annotated[  # it becomes a folder's name
         description="letters, digits, _ - and, but for the first, .",
     ),
 ]
-
-
-def _existing_folder(folder: str) -> str:
-    if not Path(folder).is_dir():
-        raise ValueError("an existing folder; fetch it (`ur5 fetch thesis`) or correct the path")
-    return folder
-
-
-def _existing_file(path: str) -> str:
-    if not Path(path).is_file():
-        raise ValueError("an existing file")
-    return path
-
-
-FORMATS = ["thesis-csv", "realtime-stream", "rtde-csv", "table-csv"]
 
 
 def _known_robot(name: str) -> str:
@@ -56,13 +46,12 @@ class Part(Strict):
         description="an arm described in ur5lib/robots/",
         json_schema_extra={"enum": [*robot_names()]},
     )
-    folder: Annotated[str, AfterValidator(_existing_folder)] = Field(
-        description="the folder that holds the device files"
-    )
+    folder: str = Field(description="the folder that holds the device files")
     role: Literal["fit", "validate", "contact"] = Field(
         description="fit: contact-free, for fitting; validate: contact-free, never fitted on; "
         "contact: something touches the arm"
     )
+    format: str
 
     def file_names(self) -> list[str]:
         """The files below its folder that it names; none when it means all of them."""
@@ -104,20 +93,45 @@ class Sensors(Strict):
     imu: Sensor | None = None
 
 
-class ThesisRecording(Part):
+def _or_simulated(schema: dict[str, Any]) -> None:
+    """Either the keys that say where real files are, or `simulate`."""
+    files = [key for key in ("folder", "file") if key in schema["required"]]
+    schema["required"] = [key for key in schema["required"] if key not in files]
+    schema["oneOf"] = [{"required": files}, {"required": ["simulate"]}]
+
+
+class Simulable(Part):
+    """A recording that the virtual test stand can make."""
+
+    model_config = ConfigDict(json_schema_extra=_or_simulated)
+
+    simulate: SimulatedRecording | None = Field(
+        None,
+        description="let the virtual test stand make it, in raw/<study>/<name>, without the keys "
+        "that say where real files are",
+    )
+
+    def file_names(self) -> list[str]:
+        """The files below its folder; those that the stand writes where it makes them."""
+        if self.simulate is None:
+            return super().file_names()
+        return layout.file_names(self.format, self.simulate.model_dump())
+
+
+class ThesisRecording(Simulable):
     """A folder `csv_files` with one CSV per channel, as the thesis recorded."""
 
     format: Literal["thesis-csv"]
 
 
-class StreamRecording(Part, Sensors):
+class StreamRecording(Simulable, Sensors):
     """A capture of the controller's realtime port: received_s,payload_hex."""
 
     format: Literal["realtime-stream"]
     file: str = Field(description="below the recording's folder")
 
 
-class RtdeRecording(Part, Sensors):
+class RtdeRecording(Simulable, Sensors):
     """One CSV with RTDE's names in its header, as ur_rtde and the maker's client write."""
 
     format: Literal["rtde-csv"]
@@ -233,7 +247,7 @@ class Study(Strict):
     study: Name
     title: str
     recordings: list[Recording] = Field(min_length=1)
-    reference: Annotated[str, AfterValidator(_existing_file)] | None = Field(
+    reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file of published values and errata to show beside the results"
     )
     settings: Settings = Settings()
@@ -245,9 +259,9 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     raw: the configuration as plain data; source: the file it came from, for the messages.
     Raises InputError with one line for each error found.
     """
-    problems = [f"recordings: {problem}" for problem in _repeated_names(raw)]
+    problems = [*_missing_folders(raw), *_files_of_simulated(raw), *_repeated_names(raw)]
     try:
-        study = Study.model_validate(raw)
+        study = Study.model_validate(_with_simulated_files(raw))
     except ValidationError as error:
         schema = Study.model_json_schema()
         problems = [_explain(detail, schema) for detail in error.errors()] + problems
@@ -261,28 +275,62 @@ def schema_text() -> str:
     return json.dumps(Study.model_json_schema(), indent=2) + "\n"
 
 
-def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
+def _entries(raw: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """The entries of the recordings that are mappings, each after its place."""
     recordings = raw.get("recordings")
     entries = recordings if isinstance(recordings, list) else []
-    names = [entry["name"] for entry in entries if isinstance(entry, dict) and "name" in entry]
+    return [(f"recordings[{k}]", e) for k, e in enumerate(entries) if isinstance(e, dict)]
+
+
+def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
+    for place, entry in _entries(raw):
+        folder = entry.get("folder")
+        if "simulate" not in entry and isinstance(folder, str) and not Path(folder).is_dir():
+            yield (
+                f"`{place}.folder` is {_shown(folder)}; give an existing folder; fetch it "
+                "(`ur5 fetch thesis`) or correct the path"
+            )
+
+
+def _files_of_simulated(raw: Mapping[str, Any]) -> Iterator[str]:
+    for place, entry in _entries(raw):
+        if "simulate" in entry:
+            for key in sorted(entry.keys() & FILE_KEYS):
+                yield f"`{place}.{key}` says where real files are; leave it or `simulate` out"
+
+
+def _with_simulated_files(raw: Mapping[str, Any]) -> dict[str, Any]:
+    """The configuration, its simulated recordings with the files that the stand will write."""
+    study = {**raw}
+    if isinstance(raw.get("recordings"), list):
+        study["recordings"] = [_with_files(entry, raw.get("study")) for entry in raw["recordings"]]
+    return study
+
+
+def _with_files(entry: Any, study: object) -> Any:
+    if not isinstance(entry, dict) or not isinstance(plan := entry.get("simulate"), dict):
+        return entry
+    files = {"folder": f"raw/{study}/{entry.get('name')}"}
+    if entry.get("format") in layout.FORMATS:
+        files |= layout.device_keys(entry["format"], plan)
+    return entry | files
+
+
+def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
+    names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
     for name in sorted({str(name) for name in names if names.count(name) > 1}):
-        yield f"two are named {name!r}; give each its own name"
+        yield f"recordings: two are named {name!r}; give each its own name"
 
 
 def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
     """One sentence for one error: key, value, what is allowed, the nearest valid name."""
-    location = [part for part in error["loc"] if part not in FORMATS]
+    location, node = _descend(schema, error["loc"])
     key, kind = _key(location), error["type"]
     if kind == "extra_forbidden":
-        known = _node(schema, error["loc"][:-1])["properties"]
+        known = _descend(schema, error["loc"][:-1])[1]["properties"]
         return f"unknown key `{key}`{_near(location[-1], known)}; known: {', '.join(known)}"
-    if kind == "union_tag_not_found":
-        return f"`{key}.format` is missing; give one of {', '.join(FORMATS)}"
-    if kind == "union_tag_invalid":
-        value = error["ctx"]["tag"]
-        allowed = ", ".join(FORMATS)
-        return f"`{key}.format` is {value!r}{_near(value, FORMATS)}; give one of {allowed}"
-    node = _node(schema, error["loc"])
+    if kind.startswith("union_tag"):
+        return _explain_tag(error, key, list(_branches(node)))
     if kind == "missing":
         return f"`{key}` is missing; give {_allowed(node)}"
     near = _near(error["input"], _choices(node))
@@ -290,25 +338,52 @@ def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
     return f"`{key}` is {_shown(error['input'])}{near}; give {allowed}"
 
 
+def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
+    """Of a part that comes in several kinds, told apart by its `format` or `kind`."""
+    key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
+    allowed = f"give one of {', '.join(tags)}"
+    if error["type"] == "union_tag_not_found":
+        return f"`{key}` is missing; {allowed}"
+    value = error["ctx"]["tag"]
+    return f"`{key}` is {value!r}{_near(value, tags)}; {allowed}"
+
+
 def _key(location: Iterable[str | int]) -> str:
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
     return "".join(parts).lstrip(".")
 
 
-def _node(schema: dict[str, Any], location: Iterable[str | int]) -> dict[str, Any]:
-    """The part of a JSON schema that describes what lies at a location."""
-    node = schema
+def _descend(
+    schema: dict[str, Any], location: Iterable[str | int]
+) -> tuple[list[str | int], dict[str, Any]]:
+    """The keys of a location, less the tags of its kinds, and what a JSON schema says there."""
+    node, keys = schema, list[str | int]()
     for part in location:
-        if "discriminator" in node:
-            node = {"$ref": node["discriminator"]["mapping"][part]}
-        elif isinstance(part, int):
-            node = node["items"]
+        branches = _branches(node)
+        if part in branches:
+            node = branches[str(part)]
         else:
-            node = node.get("properties", {}).get(part, {})
+            keys.append(part)
+            node = _child(node, part)
         node = next((option for option in node.get("anyOf", []) if "$ref" in option), node)
         if "$ref" in node:
             node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
-    return node
+    return keys, node
+
+
+def _branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The kinds of a part by their tags; where values of two types are allowed, these."""
+    tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
+    options = {tags.get(o.get("$ref"), o.get("type")): o for o in node.get("oneOf", [])}
+    return {tag: option for tag, option in options.items() if tag is not None}
+
+
+def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
+    """What a schema says of a key, or of an entry of a list."""
+    if isinstance(part, str):
+        return node.get("properties", {}).get(part, {})
+    each = node.get("prefixItems", [])
+    return each[part] if part < len(each) else node.get("items", {})
 
 
 def _near(value: object, candidates: Iterable[str]) -> str:
@@ -336,9 +411,8 @@ def _allowed(node: dict[str, Any]) -> str:
         "minItems": "with entries, at least",
     }
     limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
-    kind = {"array": "a list", "object": "a mapping"}.get(
-        node.get("type", ""), f"a {node.get('type', 'value')}"
-    )
+    type_ = "object" if "discriminator" in node else node.get("type", "value")
+    kind = {"array": "a list", "object": "a mapping"}.get(type_, f"a {type_}")
     if "pattern" in node:
         limits.append(f"of {node['description']}")
     return f"{kind.replace('a integer', 'an integer')} {' and '.join(limits)}".strip()

@@ -9,7 +9,7 @@ import pytest
 
 from tests.conftest import PROJECT
 
-ROOMS = ["recordings", "signals", "dynamics", "identification", "force", "report"]
+ROOMS = ["recordings", "signals", "dynamics", "identification", "force", "stand", "report"]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 
 

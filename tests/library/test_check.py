@@ -51,6 +51,19 @@ def test_an_unusable_recording_does_not_hide_the_others(
     assert "good" in text
 
 
+def test_a_recording_that_is_not_simulated_yet_is_told(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """It is no fault, and hides nothing."""
+    plan = "{trajectory: {kind: fourier}}"
+    entry = f"- {{name: made, robot: ur5, format: thesis-csv, role: fit, simulate: {plan}}}\n"
+    study.write_text(study.read_text() + entry)
+    assert run(monkeypatch, "check", study) == 0
+    text = capsys.readouterr().out
+    assert "not simulated yet: made; `snakemake` does it first of all\n" in text
+    assert "good" in text
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [

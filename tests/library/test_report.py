@@ -40,7 +40,7 @@ def document(picture: Path) -> Document:
         table,
         Code(HOSTILE),
     ]
-    return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)]).numbered()
+    return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)], HOSTILE).numbered()
 
 
 class Tags(HTMLParser):
@@ -68,8 +68,8 @@ def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path
     write_html(document, tmp_path / "report.html")
     page = Tags((tmp_path / "report.html").read_text())
     assert not any(tag == "script" for tag, _ in page.tags)
-    # title, 2 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
-    assert page.text.count(HOSTILE) == 13
+    # title, notice, 2 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
+    assert page.text.count(HOSTILE) == 14
     (image,) = [attributes for tag, attributes in page.tags if tag == "img"]
     assert image["alt"] == HOSTILE
     assert image["src"].startswith("data:image/svg+xml;base64,")

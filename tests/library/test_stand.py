@@ -18,7 +18,7 @@ from ur5lib.dynamics.rigid_body import (
     wrench_torque,
 )
 from ur5lib.errors import InputError
-from ur5lib.force.sensor import move_to_frame_6, wrench_on_arm
+from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.engine import STEP, Experiment, perform
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
@@ -149,12 +149,12 @@ def test_imu_agrees_with_where_the_flange_goes(ur5: Robot) -> None:
     assert np.abs(motion.imu[1:, 3:] - rate).max() < 0.003
 
 
-def test_force_sensor_reads_the_force_of_the_arm_on_the_hand(ur5: Robot) -> None:
+def test_force_sensor_reads_the_force_of_the_hand_on_the_arm(ur5: Robot) -> None:
     contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0, 0.02, 0.1]}]
     motion = experiment(contacts=contacts).motion
     assert ur5.mounting is not None
     rotation = motion.rotation.reshape(-1, 3, 3)
-    there = wrench_on_arm(motion.force_sensor, rotation)
+    there = wrench_of_environment(motion.force_sensor, rotation)
     wrench = move_to_frame_6(there, rotation, np.array(ur5.mounting.force_sensor))
     np.testing.assert_allclose(wrench, motion.wrench, atol=1e-10)
 
@@ -163,10 +163,10 @@ def test_force_sensor_carries_the_tool() -> None:
     """Its weight at rest, its inertia in motion; the sensor sits 28.6 mm from frame 6."""
     motion = experiment(payload=PAYLOAD.model_dump(), trajectory=STILL).motion
     rotation = motion.rotation[-1].reshape(3, 3)
-    held = rotation.T @ [0, 0, 9.81 * PAYLOAD.mass]
+    weight = rotation.T @ [0, 0, -9.81 * PAYLOAD.mass]
     lever = np.array(PAYLOAD.center_of_mass) - [0, 0, 0.0286]
-    np.testing.assert_allclose(motion.force_sensor[-1, :3], held, atol=1e-6)
-    np.testing.assert_allclose(motion.force_sensor[-1, 3:], np.cross(lever, held), atol=1e-6)
+    np.testing.assert_allclose(motion.force_sensor[-1, :3], weight, atol=1e-6)
+    np.testing.assert_allclose(motion.force_sensor[-1, 3:], np.cross(lever, weight), atol=1e-6)
 
 
 # Friction

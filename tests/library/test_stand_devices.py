@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from ur5lib import tables
 from ur5lib.device_clock import device_clock
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.force.sensor import bias, move_to_frame_6, wrench_on_arm
+from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.intake import Intake, take_in
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
@@ -23,6 +22,7 @@ from ur5lib.signals.lowpass import zero_phase_lowpass
 from ur5lib.stand.faults import LATE, SPLIT, split_late
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import Format, simulate
+from ur5lib.study import parse_study
 from ur5lib.tables import Array, channel, read_json, read_table
 
 FOURIER: dict[str, Any] = {"kind": "fourier"}
@@ -37,9 +37,7 @@ SINGULARITY_FREE = {
 WALL = {"kind": "wall", "through": [0, 0, 0], "normal": [0, 0, 1]}
 PUSH = {"kind": "push", "start_s": 3, "force": [30, 0, -20]}
 FILES: dict[str, str] = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
-COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}
 FORMATS: list[Format] = ["thesis-csv", "realtime-stream", "rtde-csv"]
-UNITS = {"tau_motor": "Nm", "tau_friction": "Nm", "tau_contact": "Nm", "wrench": "N, Nm"}
 
 Recorder = Callable[..., "Recorded"]
 
@@ -50,38 +48,23 @@ class Recorded:
     def __init__(self, robot: str, format: Format, folder: Path, plan: dict[str, Any]) -> None:
         self.arm = load_robot(robot_path(robot))
         self.folder, self.truth = folder / "raw", folder / "truth"
-        self.plan = SimulatedRecording.model_validate({"trajectory": FOURIER, "seconds": 5} | plan)
-        self.entry: dict[str, Any] = {"format": format, "folder": str(self.folder)}
-        if format != "thesis-csv":
-            self.entry |= {
-                "file": FILES[format],
-                "force_sensor": self._sensor("force_sensor", ["time", "ft"], COUNTS[format]),
-                "imu": self._sensor("imu", ["time", "imu_a", "imu_m", "imu_g"], COUNTS[format]),
-            }
+        plan = {"trajectory": FOURIER, "seconds": 5} | plan
+        self.plan = SimulatedRecording.model_validate(plan)
+        entry = {"name": "made", "robot": robot, "format": format, "role": "fit"}
+        raw = {"study": "made", "title": "Made", "recordings": [entry | {"simulate": plan}]}
+        recording = parse_study(raw, "made.yaml").recordings[0]
+        self.entry = recording.model_dump() | {"folder": str(self.folder)}
+        self.files = recording.file_names()
         simulate(self.arm, self.plan, format, self.folder, self.truth)
-
-    def _sensor(self, name: str, columns: list[str], counts: str) -> dict[str, Any] | None:
-        start = {"units": {}, "start_file": None, "start": "epoch_s"}
-        sensor = {"file": f"{name}.csv", "columns": columns, "time": counts} | start
-        return sensor if getattr(self.plan, name) is not None else None
 
     def taken_in(self) -> Intake:
         return take_in(self.entry, self.arm, 0.1)
 
     def true(self) -> pd.DataFrame:
-        return read_table(self.truth / "truth.parquet")
+        return read_table(f"{self.truth}.parquet")
 
     def summary(self) -> Any:
-        return read_json(self.truth / "truth.json")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _units() -> Any:
-    """The units of the truth's columns."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, unit in UNITS.items():
-            patch.setitem(tables.UNITS, name, unit)
-        yield
+        return read_json(f"{self.truth}.json")
 
 
 @pytest.fixture(scope="module")
@@ -116,11 +99,22 @@ def test_the_same_plan_gives_the_same_bytes(record: Recorder, format: Format) ->
     assert len(files) >= 3
     for file in files:
         assert (one.folder / file).read_bytes() == (other.folder / file).read_bytes()
-    for name in ("truth.json", "truth.parquet"):
-        assert (one.truth / name).read_bytes() == (other.truth / name).read_bytes()
+    for suffix in (".json", ".parquet"):
+        truths = [Path(f"{recorded.truth}{suffix}").read_bytes() for recorded in (one, other)]
+        assert truths[0] == truths[1]
     another = record(format, **plan, seed=6)
     robot = "csv_files/log_i_actual.csv" if format == "thesis-csv" else FILES[format]
     assert (one.folder / robot).read_bytes() != (another.folder / robot).read_bytes()
+
+
+@pytest.mark.parametrize("sensors", [{}, {"imu": {}}, {"force_sensor": {}, "imu": {}}])
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_files_are_those_that_a_study_expects(
+    record: Recorder, format: Format, sensors: dict[str, Any]
+) -> None:
+    recorded = record(format, **sensors, seconds=1.5)
+    written = [path for path in recorded.folder.rglob("*") if path.is_file()]
+    assert {str(path.relative_to(recorded.folder)) for path in written} == {*recorded.files}
 
 
 @pytest.mark.parametrize("robot", ["ur5", "ur10e"])
@@ -192,15 +186,15 @@ def test_without_noise_channels_are_the_truth(record: Recorder) -> None:
     np.testing.assert_allclose(channel(robot, "actual_TCP_speed"), speed, atol=1e-6)
 
 
-def test_the_controller_s_force_is_that_on_the_arm(record: Recorder) -> None:
-    """Its sign and axes: a steady pull at rest, without friction to hide it."""
+def test_the_controller_s_force_is_that_of_the_arm(record: Recorder) -> None:
+    """On its environment, axes of the base: a steady pull at rest, no friction to hide it."""
     spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
     recorded = record(trajectory={"kind": "standstill"}, friction=False, contacts=[spring])
     told = channel(recorded.taken_in().robot, "actual_TCP_force")
     true = channel(recorded.true(), "wrench")
     peak = slice(370, 380)
     assert np.abs(true[peak, :3].mean(axis=0)).min() > 5
-    np.testing.assert_allclose(told[peak].mean(axis=0), true[peak].mean(axis=0), atol=1.5)
+    np.testing.assert_allclose(told[peak].mean(axis=0), -true[peak].mean(axis=0), atol=1.5)
 
 
 # Clocks and sensors
@@ -219,21 +213,41 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     assert found.drift == pytest.approx(-2500e-6, abs=5e-4)
 
 
-@pytest.mark.parametrize("format", FORMATS)
-def test_the_force_sensor_tells_the_true_wrench(record: Recorder, format: Format) -> None:
-    recorded = record(format, force_sensor={}, contacts=[PUSH])
+def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:
+    """The tool's mass [kg] and the wrench's errors (N, 6), by the steps of real recordings."""
     sensor, true = recorded.taken_in().sensors["force"], recorded.true()
     time = sensor["time"].to_numpy() + recorded.summary()["clocks"]["force"]["offset_s"]
+
+    def at_samples(name: str, count: int) -> Array:
+        columns = channel(true, name, count).T
+        return np.stack([np.interp(time, true["time"], column) for column in columns], axis=1)
+
+    rotation = at_samples("R6", 9).reshape(-1, 3, 3)
     reading = sensor.drop(columns="time").to_numpy(copy=True)
-    reading -= bias(reading, time, 0.9)
-    turn = [np.interp(time, true["time"], column) for column in channel(true, "R6", 9).T]
-    rotation = np.stack(turn, axis=1).reshape(-1, 3, 3)
-    assert recorded.arm.mounting is not None
-    place = np.array(recorded.arm.mounting.force_sensor)
-    wrench = move_to_frame_6(wrench_on_arm(reading, rotation), rotation, place)
-    at_samples = [np.interp(time, true["time"], column) for column in channel(true, "wrench").T]
-    assert np.abs(wrench - np.stack(at_samples, axis=1))[:, :3].max() < 0.1
-    assert np.abs(wrench[:, :3]).max() > 25
+    offset = fit_offset(reading, rotation, 1 / 207)
+    there = wrench_of_environment(reading - offset.reading(rotation), rotation)
+    wrench = move_to_frame_6(there, rotation, np.array(recorded.arm.mounting.force_sensor))
+    return offset.mass, wrench - at_samples("wrench", 6)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_the_force_sensor_tells_the_true_wrench(record: Recorder, format: Format) -> None:
+    recorded = record(format, force_sensor={}, contacts=[PUSH], seconds=12)
+    _, off = off_the_true_wrench(recorded)
+    assert np.abs(off[:, :3]).max() < 0.1
+    assert np.abs(off[:, 3:]).max() < 0.02
+    assert np.abs(channel(recorded.true(), "wrench")[:, :3]).max() > 25
+
+
+def test_the_force_sensor_tells_its_tool(record: Recorder) -> None:
+    """In a slow motion: the inertia of a tool is no part of its weight."""
+    tool = {"mass": 1.5, "center_of_mass": [0.01, -0.02, 0.06]}
+    slow = FOURIER | {"period_s": 40, "amplitude_rad": 1.2}
+    recorded = record(force_sensor={}, contacts=[PUSH], payload=tool, trajectory=slow, seconds=20)
+    mass, off = off_the_true_wrench(recorded)
+    assert mass == pytest.approx(1.5, abs=0.01)
+    assert np.abs(off[:, :3]).max() < 1.0
+    assert np.abs(off[:, 3:]).max() < 0.1
 
 
 def test_saturation_is_seen(record: Recorder) -> None:

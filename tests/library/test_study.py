@@ -80,7 +80,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
             "(`ur5 fetch thesis`) or correct the path",
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
-         "unknown key `recordings[0].columns`; known: name, robot, folder, role, format"),
+         "unknown key `recordings[0].columns`; known: name, robot, folder, role, format, simulate"),
         (lambda raw: raw["recordings"][0].update(format="table-csv", file="a.csv"),
          "`recordings[0].columns` is missing; give a list with entries, at least 1"),
         (lambda raw: raw["recordings"][0].update(
@@ -104,6 +104,73 @@ def test_an_error_names_key_value_range_and_near_name(
 ) -> None:
     change(raw)
     assert complaints(raw) == [f"config.yaml: {sentence}"]
+
+
+FOURIER = {"kind": "fourier"}
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"trajectory": {"kind": "fourie"}},
+         "`recordings[0].simulate.trajectory.kind` is 'fourie' (did you mean `fourier`?); "
+         "give one of movej, fourier, standstill"),
+        ({"trajectory": {}},
+         "`recordings[0].simulate.trajectory.kind` is missing; "
+         "give one of movej, fourier, standstill"),
+        ({"trajectory": {"kind": "fourier", "drw": 3}},
+         "unknown key `recordings[0].simulate.trajectory.drw` (did you mean `draw`?); known: "
+         "kind, draw, posture, amplitude_rad, period_s, harmonics, limit_share"),
+        ({"trajectory": {"kind": "movej", "way_points": "nowhere.txt"}},
+         "`recordings[0].simulate.trajectory.way_points` is 'nowhere.txt'; give an existing file"),
+        ({"trajectory": {"kind": "movej", "way_points": [[0] * 6, [0, 0, 0, 0, 0, "x"]]}},
+         "`recordings[0].simulate.trajectory.way_points[1][5]` is 'x'; give a number"),
+        ({"trajectory": {"kind": "movej", "way_points": 3}},
+         "`recordings[0].simulate.trajectory.way_points` is 3; "
+         "give a list with entries, at least 2"),
+        ({"contacts": [{"kind": "push", "start_s": 1, "force": [1, 2, 3]}, {"kind": "psh"}]},
+         "`recordings[0].simulate.contacts[1].kind` is 'psh' (did you mean `push`?); "
+         "give one of push, hand, spring, wall"),
+        ({"contacts": [{"kind": "push", "start_s": -1, "force": [1, 2, 3]}]},
+         "`recordings[0].simulate.contacts[0].start_s` is -1; give a number at least 0"),
+        ({"faults": {"lost_frame": 0.1}},
+         "unknown key `recordings[0].simulate.faults.lost_frame` (did you mean `lost_frames`?); "
+         "known: late_packets, lost_frames, cut_frames, stale_stamps, stale_frames, torn_files, "
+         "stale_imu"),
+        ({"trajectory": None},
+         "`recordings[0].simulate.trajectory` is None; give a mapping"),
+    ],
+)  # fmt: skip
+def test_an_error_in_a_plan_is_told_as_plainly(
+    raw: dict[str, Any], change: dict[str, Any], sentence: str
+) -> None:
+    del raw["recordings"][0]["folder"]
+    raw["recordings"][0]["simulate"] = {"trajectory": FOURIER} | change
+    assert complaints(raw) == [f"config.yaml: {sentence}"]
+
+
+def test_a_simulated_recording_needs_no_files(raw: dict[str, Any]) -> None:
+    """What the stand will write is as if the study had named it; other names are refused."""
+    plan = {"trajectory": FOURIER, "imu": {}}
+    simulated = {"name": "b.c", "robot": "ur5", "role": "fit", "simulate": plan}
+    raw["recordings"] = [
+        {**simulated, "format": "rtde-csv"},
+        {**simulated, "format": "thesis-csv", "name": "t"},
+    ]
+    recording, thesis = parse_study(raw, "config.yaml").recordings
+    assert recording.folder == "raw/mine/b.c"
+    assert recording.file_names() == ["robot.csv", "imu.csv"]
+    assert recording.imu.columns == ["time", "imu_a", "imu_m", "imu_g"]
+    assert "csv_files/acc_data.csv" in thesis.file_names()
+    raw["recordings"][0]["folder"] = "raw/mine"
+    assert complaints(raw) == [
+        "config.yaml: `recordings[0].folder` says where real files are; leave it or `simulate` out"
+    ]
+
+
+def test_a_real_recording_still_needs_its_file(raw: dict[str, Any]) -> None:
+    raw["recordings"][0] |= {"format": "rtde-csv"}
+    assert complaints(raw) == ["config.yaml: `recordings[0].file` is missing; give a string"]
 
 
 def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:

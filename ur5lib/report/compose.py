@@ -15,6 +15,7 @@ from ur5lib.report.motion_section import motion_blocks
 from ur5lib.report.recordings_section import recording_blocks
 from ur5lib.report.reference import Erratum
 from ur5lib.report.torque_section import torque_blocks
+from ur5lib.report.truth_section import truth_blocks, truth_findings
 from ur5lib.report.verdict import findings
 
 
@@ -29,23 +30,40 @@ def compose(
     """The report of a study.
 
     study: the configuration; tables: results by name; qualities: quality.json by recording;
-    figures: holds a folder of figures for each recording.
+    figures: holds a folder of figures for each recording. With simulated recordings, there is a
+    table `truth`, and every page says so.
     """
     roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
     judged = [name for name, role in roles.items() if role == "validate"]
     currents = tables["current_rmse"]
     tables = {**tables, "current_rmse": currents[currents["recording"].isin(judged)]}
     found = findings(tables["torque_mae"], tables["force_mae"], tables["quality"])
+    beside_truth = []
+    if "truth" in tables:
+        found += truth_findings(tables["truth"])
+        beside_truth = [Section("Estimates against the truth", truth_blocks(tables["truth"]))]
     quality = recording_blocks(roles, qualities, tables["quality"], tables["clocks"])
     sections = [
         Section("What was found", [Items(found)]),
         Section("Recordings and their quality", quality),
         *_results(tables, figures),
+        *beside_truth,
         *([_errata_section(errata)] if errata else []),
         Section("Provenance", [*provenance, *_configuration(study)]),
     ]
     subtitle = f"Study “{study['study']}”, recordings: {len(roles)}"
-    return Document(study["title"], subtitle, sections).numbered()
+    notice = _notice(study["recordings"])
+    title = f"{study['title']} (simulated)" if notice else study["title"]
+    return Document(title, subtitle, sections, notice).numbered()
+
+
+def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
+    """Which recordings no arm made, if any."""
+    simulated = [recording["name"] for recording in recordings if recording.get("simulate")]
+    if not simulated:
+        return ""
+    some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)
+    return f"Simulated: {some} of this study are of the virtual test stand, not of a real arm."
 
 
 def _results(tables: Mapping[str, pd.DataFrame], figures: Path) -> list[Section]:
@@ -82,5 +100,5 @@ def _errata_section(errata: Sequence[Erratum]) -> Section:
 
 
 def _configuration(study: Mapping[str, Any]) -> list[Block]:
-    text = yaml.safe_dump(dict(study), sort_keys=False, allow_unicode=True)
+    text = yaml.safe_dump(dict(study), sort_keys=False, allow_unicode=True, default_flow_style=None)
     return [Paragraph("The configuration, with every default filled in:"), Code(text)]

@@ -89,11 +89,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Document:
-    """A whole report."""
+    """A whole report; `notice`: what every page must say, if anything."""
 
     title: str
     subtitle: str
     sections: list[Section]
+    notice: str = ""
 
     def numbered(self) -> "Document":
         """The same document with tables and figures counted from 1."""

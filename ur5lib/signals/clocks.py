@@ -18,9 +18,9 @@ MAX_DRIFT = 0.01  # far more than a quartz drifts
 EXPLAINED = 0.8  # least share of the gyroscope's variance that the joints must explain
 BLOCKS = 8  # of the jackknife: few, so that each is longer than what correlates the residuals
 SAMPLES = 20  # least number in a block
-# What no jackknife of one recording sees [s]: joint velocities lag the positions by some 2 ms, and
-# clocks found from gyroscope and accelerometer of one IMU differ by 3 to 7 ms; over a recording
-# the clock wanders about its straight line, which tilts it.
+# What no jackknife of one recording sees [s]: clocks found from gyroscope and accelerometer of one
+# IMU differ by 3 to 7 ms; over a recording the clock wanders about its straight line, which tilts
+# it.
 LATENCY, WANDER = 0.005, 0.004
 NOTHING = 1e-30  # (rad/s)²: keeps a perfect fit, or a dead gyroscope, from infinity
 

@@ -2,11 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from ur5lib.signals.lowpass import by_segment
+from ur5lib.signals.motion import differentiate
 
 Array = NDArray[np.float64]
 
@@ -91,16 +95,18 @@ def calibration_for(recording: str, known: Mapping[str, Any]) -> tuple[list[str]
 def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     """The calibration that fits some recordings of one arm and IMU best.
 
-    Least squares of  accelerometer = f + f × θ + g R_6^T [β, 0] + b_a  and
-    gyroscope = ω + ω × θ + b_g  over the mounting θ, the base's tilt β, the gyroscope's bias b_g,
-    and an accelerometer's bias b_a of each recording, accelerations and rates weighted by their
-    residuals. Standard errors allow for residuals that are alike within blocks of 2 s.
+    Least squares of  accelerometer = f + f × θ + g R_6^T [β, 0] + b_a + f' δ  and
+    gyroscope = ω + ω × θ + b_g + ω' δ  over the mounting θ, the base's tilt β, the gyroscope's
+    bias b_g, and of each recording an accelerometer's bias b_a and the rest δ by which its clock
+    is off, accelerations and rates weighted by their residuals. Without δ, a clock that is right
+    within half a millisecond tilts the mounting by as much as all noise does. Standard errors are
+    a jackknife over blocks of 2 s, within which residuals are alike.
     """
     columns = np.concatenate([_columns(records, index) for index in range(len(records))])
     misfit = np.concatenate([_misfit(record) for record in records])
     block, scale = _blocks(records), np.ones(6)
     for _ in range(3):
-        estimate, covariance = _cluster_robust(columns / scale[:, None], misfit / scale, block)
+        estimate, covariance = _jackknife(columns / scale[:, None], misfit / scale, block)
         scale = np.repeat(_rms(misfit - columns @ estimate), 3)
     std = np.sqrt(np.diag(covariance))
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
@@ -120,15 +126,25 @@ def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
 
 
 def _columns(records: Sequence[ImuRecord], index: int) -> Array:
-    """Columns (N, 6, 8 + 3K) of θ, β, b_g and K accelerometer biases; rows: force, then rate."""
-    record = records[index]
-    columns = np.zeros((len(record.time), 6, 8 + 3 * len(records)))
+    """Columns (N, 6, 8 + 4K) of θ, β, b_g, K times b_a and K times δ; rows: force, then rate."""
+    record, count = records[index], len(records)
+    columns = np.zeros((len(record.time), 6, 8 + 4 * count))
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
     columns[:, :3, 3:5] = GRAVITY * record.rotation[:, :2].swapaxes(1, 2)
     columns[:, :3, 8 + 3 * index : 11 + 3 * index] = np.eye(3)
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
     columns[:, 3:, 5:8] = np.eye(3)
+    columns[:, :, 8 + 3 * count + index] = _slope(record)
     return columns
+
+
+def _slope(record: ImuRecord) -> Array:
+    """How fast (N, 6) the predicted force and rate change, in stretches without gaps."""
+    step = np.diff(record.time, prepend=record.time[0])
+    period = float(np.median(step))
+    predicted = np.concatenate([record.specific_force, record.angular_rate], axis=1)
+    stretch = np.cumsum(step > 1.5 * period, dtype=np.int64)
+    return np.nan_to_num(by_segment(partial(differentiate, period=period), predicted, stretch))
 
 
 def _misfit(record: ImuRecord) -> Array:
@@ -157,13 +173,15 @@ def _blocks(records: Sequence[ImuRecord]) -> NDArray[np.int64]:
     return np.concatenate(labels)
 
 
-def _cluster_robust(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Least squares (P,) of X (N, R, P) to y (N, R), and a covariance (P, P) that allows for
-    residuals being alike within blocks (N,) (Liang and Zeger's sandwich).
+def _jackknife(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Least squares (P,) of X (N, R, P) to y (N, R), and its covariance (P, P) by leaving out one
+    block (N,) after another.
     """
-    information = np.linalg.pinv(np.einsum("nrp,nrq->pq", X, X), hermitian=True)
-    estimate = information @ np.einsum("nrp,nr->p", X, y)
-    score = np.einsum("nrp,nr->np", X, y - X @ estimate)
     starts = np.flatnonzero(np.diff(block, prepend=-1))
-    sums = np.add.reduceat(score, starts, axis=0)
-    return estimate, information @ (sums.T @ sums) @ information
+    squares = np.add.reduceat(np.einsum("nrp,nrq->npq", X, X), starts, axis=0)
+    products = np.add.reduceat(np.einsum("nrp,nr->np", X, y), starts, axis=0)
+    square, product = squares.sum(axis=0), products.sum(axis=0)
+    estimate = np.linalg.pinv(square, hermitian=True) @ product
+    others = np.linalg.pinv(square - squares, hermitian=True) @ (product - products)[..., None]
+    change = others[..., 0] - estimate
+    return estimate, (len(starts) - 1) / len(starts) * change.T @ change

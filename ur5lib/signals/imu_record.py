@@ -20,17 +20,20 @@ def imu_record(
 ) -> ImuRecord:
     """What the joints predict and the IMU read, both low-passed without delay.
 
-    signals: on the robot's clock, with joint velocities and an IMU; kinematics: of the same
-    samples; point: (3,) [m], the IMU in frame 6; cutoff: [Hz]. Rows where either side is missing,
-    and ends where the filter guesses, are left out.
+    signals: on the robot's clock, with an IMU; kinematics: of the same samples; point: (3,) [m],
+    the IMU in frame 6; cutoff: [Hz]. Rows where either side is missing, and ends where the filter
+    guesses, are left out.
     """
     rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
     jacobian = channel(kinematics, "J", 36).reshape(-1, 6, 6)
     segment = signals["segment"].to_numpy()
     step = period(signals)
     lowpass = partial(inner_lowpass, rate=1 / step, order=order, cutoff=cutoff)
-    velocity = point_velocity(rotation, jacobian, channel(signals, "actual_qd"), point)
-    acceleration = by_segment(partial(differentiate, period=step), velocity[:, :3], segment)
+    change = partial(differentiate, period=step)
+    # The controller's velocities come some ms after the positions that R_6 and J_g are of.
+    qd = by_segment(change, channel(signals, "actual_q"), segment)
+    velocity = point_velocity(rotation, jacobian, qd, point)
+    acceleration = by_segment(change, velocity[:, :3], segment)
     sides = [
         np.einsum("nji,nj->ni", rotation, np.array([0, 0, GRAVITY]) + acceleration),
         np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),

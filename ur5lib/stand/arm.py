@@ -18,6 +18,7 @@ SENSORS = {  # name: what it is, the site where it is mounted
     "accelerometer": (mujoco.mjtSensor.mjSENS_ACCELEROMETER, "imu"),
     "gyroscope": (mujoco.mjtSensor.mjSENS_GYRO, "imu"),
 }
+POINT = 1e-12  # kg m²
 AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 
 
@@ -71,7 +72,8 @@ def _add_tool(flange: mujoco.MjsBody, robot: Robot, model: str) -> mujoco.MjsBod
     payload = robot.models[model].payload
     if payload is not None:
         center = np.array(payload.center_of_mass)
-        _set_inertia(tool, payload.mass, center, tensor(payload.inertia))
+        # MuJoCo takes no point mass: a ball as light as nothing around it.
+        _set_inertia(tool, payload.mass, center, tensor(payload.inertia) + POINT * np.eye(3))
     return tool
 
 

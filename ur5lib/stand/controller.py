@@ -32,7 +32,7 @@ def frames(
     """The controller's frames: `time` [s] and its channels under RTDE names.
 
     cycle: [s]; random: of the noise, None for none. `actual_TCP_force` is its own estimate, the
-    wrench on the arm that explains what its model and known friction leave of the currents.
+    wrench of the arm on its environment, from what model and known friction leave of the currents.
     """
     plant, drive, motion = experiment.plant, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
@@ -44,7 +44,7 @@ def frames(
     moment = model_torques(plant, targets)
     jacobian = jacobians(plant, motion.q[steps])
     expected = moment + drive.known_friction(targets.qd)
-    force = _force(expected - drive.torque_constant * current, jacobian, cycle)
+    force = _force(drive.torque_constant * current - expected, jacobian, cycle)
     channels = {
         "target_q": targets.q,
         "target_qd": targets.qd,
@@ -103,7 +103,7 @@ def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array
 
 
 def _force(external: Array, jacobian: Array, cycle: float) -> Array:
-    """The wrench (N, 6) behind external joint torques (N, 6): least squares, damped, filtered."""
+    """The wrench (N, 6) behind excess joint torques (N, 6): least squares, damped, filtered."""
     square = jacobian @ jacobian.mT + SINGULAR**2 * np.eye(6)
     wrench = np.linalg.solve(square, jacobian @ external[:, :, None])[..., 0]
     b, a = butter(1, FORCE_CUTOFF, fs=1 / cycle)

@@ -42,8 +42,9 @@ class Motion:
     time: (N,) [s]; targets; q, qd, qdd: (N, 6); torques: (N, 6) [Nm], of the motors, of friction
     (against the motion) and of contacts: D q̈ + C q̇ + g = motor − friction + contact; wrench:
     (N, 6), environment on link 6 and beyond, base axes, at the origin of frame 6; force_sensor:
-    (N, 6), flange on tool, at the sensor, its axes; imu: (N, 6), specific force [m/s²] and
-    angular rate [rad/s], IMU axes; origin, rotation: of frame 6, (N, 3) [m] and (N, 9).
+    (N, 6), of tool and environment on the flange, at the sensor, its axes; imu: (N, 6), specific
+    force [m/s²] and angular rate [rad/s], IMU axes; origin, rotation: of frame 6, (N, 3) [m] and
+    (N, 9).
     """
 
     time: Array
@@ -134,6 +135,6 @@ def _step(
     contact, wrench = contacts.apply(plant, data, STEP)
     data.qfrc_applied = motor - rubbing
     mujoco.mj_step2(plant, data)
-    flange, sensors = data.body(FLANGE), data.sensordata
-    acting = (motor, rubbing, contact, wrench)
-    np.concatenate((q, qd, data.qacc, *acting, sensors, flange.xpos, flange.xmat), out=row)
+    flange, held, imu = data.body(FLANGE), *np.split(data.sensordata, 2)
+    felt = (motor, rubbing, contact, wrench, -held, imu)
+    np.concatenate((q, qd, data.qacc, *felt, flange.xpos, flange.xmat), out=row)

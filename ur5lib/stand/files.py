@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.stand.faults import is_moving, split_late, tear
+from ur5lib.stand.layout import ROBOT_FILES, THESIS_FILES
 from ur5lib.stand.plan import Clock, SimulatedRecording
 from ur5lib.tables import channel, write_text
 
@@ -17,19 +18,6 @@ UPTIME = 4096.0  # s, of the controller when a recording begins
 MESSAGE = 756  # bytes
 UNCONNECTED = -1e-6  # what a force sensor writes that is not connected
 
-THESIS_FILES = {  # after log_; as the thesis's recorder names the controller's channels
-    "q_actual": "actual_q",
-    "qd_actual": "actual_qd",
-    "i_actual": "actual_current",
-    "q_target": "target_q",
-    "qd_target": "target_qd",
-    "qdd_target": "target_qdd",
-    "i_target": "target_current",
-    "m_target": "target_moment",
-    "tcp_force": "actual_TCP_force",
-    "tcp_speed": "actual_TCP_speed",
-    "tool_vector": "actual_TCP_pose",
-}
 PLACES = {  # in a message: after its size, in doubles
     "time": 0,
     "target_q": 1,
@@ -81,7 +69,7 @@ def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecor
     """A capture of the realtime port, `received_s,payload_hex`, and sensors on epoch time."""
     lines = (f"{EPOCH + time:.6f},{data.hex()}\n" for time, data in _receive(frames, plan) if data)
     return {
-        "capture.csv": "received_s,payload_hex\n" + "".join(lines),
+        ROBOT_FILES["realtime-stream"]: "received_s,payload_hex\n" + "".join(lines),
         **_sensor_tables(sensors, plan, EPOCH),
     }
 
@@ -91,7 +79,7 @@ def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -
     names = frames.columns.drop(["time", "sent", "kept"])
     header = ",".join(["timestamp", *names]) + "\n"
     rows = _rows(frames["time"] + UPTIME, frames[names].to_numpy(), ",")
-    return {"robot.csv": header + rows, **_sensor_tables(sensors, plan, 0.0)}
+    return {ROBOT_FILES["rtde-csv"]: header + rows, **_sensor_tables(sensors, plan, 0.0)}
 
 
 WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]] = {

@@ -1,11 +1,11 @@
 """What a study may ask of the virtual test stand: the plan of one simulated recording."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
 
 from ur5lib.robots.description import Payload, PerJoint, Positive, Vector3
-from ur5lib.strict import Strict
+from ur5lib.strict import Strict, existing_file
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
 
@@ -21,6 +21,11 @@ def _direction(vector: Vector3) -> Vector3:
     return vector
 
 
+def _list_or_file(value: Any) -> str:
+    """As what way-points are given: the JSON type, so that an error is about that alone."""
+    return "string" if isinstance(value, str) else "array"
+
+
 class Planned(Strict):
     """A part of a plan: its numbers are finite."""
 
@@ -34,9 +39,11 @@ class Movej(Planned):
     """
 
     kind: Literal["movej"]
-    way_points: Annotated[list[PerJoint], Field(min_length=2)] | str = Field(
-        description="[rad]; or a text file with one movej([six angles]) per line"
-    )
+    way_points: Annotated[
+        Annotated[list[PerJoint], Field(min_length=2), Tag("array")]
+        | Annotated[str, AfterValidator(existing_file), Tag("string")],
+        Discriminator(_list_or_file),
+    ] = Field(description="[rad]; or a text file with one movej([six angles]) per line")
     speed_rad_s: float = Field(1.05, gt=0, le=6.3, description="of the joint that leads")
     acceleration_rad_s2: float = Field(1.4, gt=0, le=40, description="of the joint that leads")
     pause_s: float = Field(0.0, ge=0, description="wait at each way-point")
@@ -132,7 +139,7 @@ class Clock(Planned):
 
 
 class ForceSensor(Planned):
-    """A force sensor between flange and tool; it reads the force of the arm on the hand."""
+    """A force sensor between flange and tool; it reads the force of the hand on the arm."""
 
     bias: PerJoint = Field(
         (-5.0, 1.8, -1.0, 0.07, 0.43, -0.11), description="force, torque, sensor axes [N, Nm]"

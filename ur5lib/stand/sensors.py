@@ -29,7 +29,7 @@ def force_readings(
 ) -> pd.DataFrame:
     """A force sensor's record: `time` [s] by its clock from its first sample, and ft_* [N, Nm].
 
-    Force and torque of the arm on what it carries and touches: weight and inertia of the tool, less
+    Force and torque on the arm of what it carries and touches: weight and inertia of the tool and
     the contact, plus the bias. noise: whether there is any, in values and stamps.
     """
     stamps, when = _samples(sensor.clock, FORCE_RATE, motion, random, noise)

@@ -26,8 +26,8 @@ def simulate(
 ) -> None:
     """Write one recording as real devices would, and beside it, elsewhere, what truly was.
 
-    thesis-csv: `folder`/csv_files; realtime-stream: capture.csv; rtde-csv: robot.csv; the latter
-    two with force_sensor.csv and imu.csv. truth: the folder of truth.parquet and truth.json.
+    folder: of the files that `layout.file_names` tells; truth: path of the truth's table and
+    summary, less their suffixes .parquet and .json.
     The same plan gives the same bytes. Raises InputError when the arm cannot do what is planned.
     """
     random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))

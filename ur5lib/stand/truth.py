@@ -1,4 +1,4 @@
-"""What truly was, for tests and benchmarks alone: no step of the pipeline reads it."""
+"""What truly was: no step of the pipeline reads it but the comparison at its end."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -15,10 +15,10 @@ from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.tables import Array, named, write_json, write_table
 
 
-def write_truth(experiment: Experiment, hit: Hit, cycle: float, folder: Path) -> None:
-    """Write truth.parquet, at the controller's frames, and truth.json: what made the recording."""
+def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> None:
+    """Write truth + .parquet, at the controller's frames, and .json: what made the recording."""
     plan, motion = experiment.plan, experiment.motion
-    write_table(truth_table(motion, cycle), folder / "truth.parquet")
+    write_table(truth_table(motion, cycle), f"{truth}.parquet")
     summary = {
         "robot": experiment.robot.name,
         "model": experiment.model,
@@ -31,7 +31,7 @@ def write_truth(experiment: Experiment, hit: Hit, cycle: float, folder: Path) ->
         "contacts": _intervals(motion),
         "frames": {name: np.flatnonzero(flags) for name, flags in asdict(hit).items()},
     }
-    write_json(summary, folder / "truth.json")
+    write_json(summary, f"{truth}.json")
 
 
 def truth_table(motion: Motion, cycle: float) -> pd.DataFrame:

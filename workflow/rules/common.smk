@@ -26,9 +26,12 @@ except OSError as error:
     )
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
+SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
-STUDY_YAML = yaml.safe_dump(STUDY.model_dump(), sort_keys=False, allow_unicode=True)
+STUDY_YAML = yaml.safe_dump(
+    STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
+)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 VALIDATED = [name for name, recording in RECORDINGS.items() if recording.role == "validate"]
 ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
@@ -44,9 +47,9 @@ def result(name):
     return f"{RESULTS}/recordings/{{recording}}/{name}"
 
 
-def results(name):
+def results(name, recordings=RECORDINGS):
     """Paths of a file that each recording has, one for each recording."""
-    return [f"{RESULTS}/recordings/{recording}/{name}" for recording in RECORDINGS]
+    return [f"{RESULTS}/recordings/{recording}/{name}" for recording in recordings]
 
 
 def parameter(name):
@@ -97,16 +100,23 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """What a reader needs to know of a recording: nothing of what it is used for."""
-    return recording_of(wildcards).model_dump_json(exclude={"name", "role", "robot"})
+    return recording_of(wildcards).model_dump_json(exclude={"name", "role", "robot", "simulate"})
 
 
-def raw_files(wildcards):
+def raw_files(name):
     """The files that a recording names, or everything below its folder."""
-    recording = recording_of(wildcards)
-    folder = Path(recording.folder)
-    named = [folder / name for name in recording.file_names()]
+    folder = Path(RECORDINGS[name].folder)
+    named = [folder / file for file in RECORDINGS[name].file_names()]
+    if name in SIMULATED:
+        return [str(path) for path in named]
     files = named or [path for path in folder.rglob("*") if path.is_file()]
     return sorted(str(path) for path in files if path.is_file())
+
+
+def way_points(name):
+    """The file of way-points that a simulated recording follows, where there is one."""
+    given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
+    return {"way_points": given} if isinstance(given, str) else {}
 
 
 def arm_file(wildcards):

@@ -1,6 +1,6 @@
 rule repair_frames:
     input:
-        raw=raw_files,
+        raw=lambda wildcards: raw_files(wildcards.recording),
         arm=arm_file,
         code=code("repair_frames"),
     output:

@@ -142,7 +142,7 @@ rule draw_filters:
 rule write_report:
     input:
         **REFERENCE,
-        tables=rules.make_tables.output,
+        tables=[*rules.make_tables.output, *TRUTH],
         quality=results("quality.json"),
         figures=[rules.draw_filters.output.filters]
         + expand(rules.draw_friction.output, robot=ROBOTS)

@@ -154,11 +154,16 @@ def columns_of(arm: Arm, motion: Motion) -> Array:
 def parameter_rows(
     base: BaseParameters, estimate: Estimate, parameters: Array
 ) -> list[dict[str, Any]]:
-    """Each base parameter: the sum that it is, its value, standard error, whether data tell it."""
+    """Each base parameter: the sum that it is, its value, standard error, whether data tell it.
+
+    weights: (66,) of the arm's parameters π in that sum.
+    """
     return [
         {"parameter": name, "value": value, "std_error": std, "determined": bool(told)}
-        for name, value, std, told in zip(
+        | {"weights": weights}
+        for name, weights, value, std, told in zip(
             base.names(),
+            base.groups,
             base.groups @ parameters,
             estimate.standard_errors(base.groups),
             estimate.determined(base.groups),

@@ -15,7 +15,7 @@ from ur5lib.steps import run_step
 from ur5lib.tables import read_csv, read_json
 
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
-PACKAGES += ["torch", "pytorch-kinematics", "matplotlib", "typst"]
+PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 
 def write_report(input: Any, output: Any, params: Any) -> None:

@@ -1,0 +1,100 @@
+"""The default study: what the workflow made of simulated recordings, beside the truth."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from pypdf import PdfReader
+
+from tests.conftest import Workflow
+from ur5lib.tables import read_csv
+
+NOTICE = "Simulated: all recordings of this study are of the virtual test stand"
+
+
+@pytest.fixture(scope="module")
+def results(demo: Workflow) -> Path:
+    return demo.folder / "results" / "demo"
+
+
+@pytest.fixture(scope="module")
+def truth(results: Path) -> pd.DataFrame:
+    return read_csv(results / "tables" / "truth.csv")
+
+
+def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
+    rows = truth[truth["quantity"] == quantity]
+    assert len(rows)
+    return (rows["estimate"] - rows["truth"]).abs()
+
+
+def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
+    assert demo.plan() == {}
+
+
+def test_clocks_come_back_within_5_ms(truth: pd.DataFrame) -> None:
+    assert errors(truth, "clock_offset").max() < 0.005
+    assert errors(truth, "clock_drift").max() < 100
+    assert set(truth.query("quantity == 'clock_drift'")["recording"]) == {
+        "excitation", "excitation_2", "excitation_slow", "way_points",
+    }  # fmt: skip
+
+
+def test_what_is_fitted_comes_back(truth: pd.DataFrame) -> None:
+    assert errors(truth, "rotor_inertia").max() < 1e-6
+    assert errors(truth, "base_parameter").max() < 1e-5
+    assert errors(truth, "imu_mounting").max() < 3e-4
+    assert errors(truth, "imu_tilt").max() < 3e-4
+    assert errors(truth, "imu_gyroscope_bias").max() < 4e-4
+
+
+def test_stated_intervals_hold_the_truth(truth: pd.DataFrame) -> None:
+    """Clocks, rotors and IMU; base parameters err by rounding, which no interval knows."""
+    stated = truth[truth["within95"].notna() & (truth["quantity"] != "base_parameter")]
+    assert (stated["within95"] == "yes").mean() >= 0.9
+
+
+def test_the_identified_model_is_the_simulated_one(truth: pd.DataFrame) -> None:
+    rows = truth[(truth["quantity"] == "torque_rmse") & (truth["method"] == "Model identified")]
+    assert set(rows["recording"]) == set(truth["recording"].dropna())
+    assert rows["estimate"].max() < 1e-4
+
+
+def test_accelerations_are_near_the_truth_and_inside_their_bands(truth: pd.DataFrame) -> None:
+    moving = truth[truth["recording"] != "standstill_pushed"]
+    rows = moving[moving["quantity"] == "joint_acceleration_rmse"]
+    assert (rows["estimate"] < 0.35 * rows["zero"]).all()
+    inside = truth[truth["quantity"] == "joint_acceleration_inside_2_std"]["estimate"]
+    assert inside.min() > 0.9
+    end = truth[truth["quantity"] == "end_effector_acceleration_rmse"]
+    assert (end["estimate"] < 0.05 * end["zero"]).all()
+
+
+def test_an_imu_improves_the_joints_accelerations(truth: pd.DataFrame) -> None:
+    """In each recording to fit, over the joints."""
+    rows = truth[truth["quantity"] == "joint_acceleration_rmse"]
+    mean = rows.pivot_table("estimate", "recording", "method")
+    both = mean.dropna()
+    assert len(both) == 4
+    assert (both["encoders+imu"] < both["encoders"]).all()
+
+
+def test_every_fault_is_found(results: Path) -> None:
+    quality = read_csv(results / "tables" / "quality.csv").query("recording == 'every_fault'")
+    assert {
+        "damaged lines", "bytes skipped", "torn last line", "stale stamps", "stale data",
+        "lost frames", "stale copy", "saturation",
+    } <= set(quality["finding"])  # fmt: skip
+    assert not (quality["severity"] == "error").any()
+
+
+def test_every_page_says_that_it_is_simulated(results: Path) -> None:
+    pages = [
+        " ".join(page.extract_text().split()) for page in PdfReader(results / "report.pdf").pages
+    ]
+    assert len(pages) > 5
+    assert all(NOTICE in page for page in pages)
+    html = (results / "report.html").read_text()
+    assert f'<p class="notice" role="note">{NOTICE}' in html
+    assert "<title>A UR5 on the virtual test stand (simulated)</title>" in html
+    assert "Estimates against the truth" in html

@@ -1,0 +1,120 @@
+"""Estimates beside the truth: what a row says, and what there is no truth of."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.report.truth_section import truth_blocks, truth_findings
+from ur5lib.report.truth_table import (
+    COLUMNS,
+    clock_rows,
+    errors,
+    friction_rows,
+    imu_rows,
+    joint_acceleration_rows,
+    rotor_rows,
+    values,
+    wrench_rows,
+)
+from ur5lib.tables import named
+
+TRUTH: dict[str, Any] = {
+    "clocks": {"imu": {"offset_s": 0.02, "drift_ppm": -3000}},
+    "drive": {"torque_constant": [10.0] * 6},
+    "friction": {
+        "coulomb": [8.0] * 6, "viscous": [9.0] * 6, "load": [0.05] * 6,
+        "periodic": [0.4] * 6, "phase": [0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0],
+    },
+}  # fmt: skip
+
+
+def series(name: str, value: float, count: int = 100) -> dict[str, Any]:
+    return named(np.full((count, 6), value), name)
+
+
+def test_an_interval_holds_the_truth_or_not() -> None:
+    rows = list(values("x", "abc", "m", [0, 0, 0], [1.9, 2.0, 5.0], [1.0, 1.0, np.nan]))
+    assert [row["within95"] for row in rows] == ["yes", "no", None]
+    assert [row["std_error"] for row in rows] == [1.0, 1.0, None]
+
+
+def test_few_recordings_make_wide_intervals() -> None:
+    """Three recordings leave two degrees of freedom: 4.3 standard errors instead of 1.96."""
+    rotors: dict[str, Any] = {"value": {"inertia": [4.0] * 6}, "std_error": {"inertia": [1.0] * 6}}
+    for recordings, told in (("abc", "yes"), ("abcdefghijklmnop", "no"), ("a", "no")):
+        rows = list(rotor_rows(rotors | {"from": [*recordings]}, [0.5] * 6))
+        assert {row["within95"] for row in rows} == {told}
+
+
+def test_errors_stand_beside_those_of_zero() -> None:
+    truth, found = np.array([[3.0, 0.0], [np.nan, 1.0]]), np.array([[5.0, 1.0], [0.0, 0.0]])
+    rows = list(errors("x", "ab", ["m", "m"], truth, found))
+    assert [(row["estimate"], row["zero"]) for row in rows] == [(2.0, 3.0), (1.0, 0.0)]
+    assert {row["quantity"] for row in rows} == {"x_rmse"}
+
+
+def test_clocks_without_drift_have_no_row_of_it() -> None:
+    clock = {"offset": 0.03, "offset_std": 0.01, "method": "start stamps"}
+    rows = list(clock_rows({"imu": clock | {"drift": None, "drift_std": None}}, TRUTH))
+    assert [(row["quantity"], row["within95"]) for row in rows] == [("clock_offset", "yes")]
+    drifting = clock | {"drift": -0.0029, "drift_std": 2e-5}
+    drift = list(clock_rows({"imu": drifting}, TRUTH))[1]
+    assert drift["estimate"] == pytest.approx(-2900)
+    assert drift["within95"] == "no"
+
+
+def test_friction_that_the_stand_lacks_has_no_truth() -> None:
+    row = {"value": 8.1, "std_error": 0.1, "joint": 2}
+    names = ["coulomb", "stribeck_0.1", "periodic_1_sin", "torque_constant"]
+    friction = {"parameters": [row | {"name": name} for name in names]}
+    found = {r["quantity"]: r["truth"] for r in friction_rows(friction, TRUTH)}
+    assert found == {"coulomb": 8.0, "periodic_1_sin": -0.4, "torque_constant": 10.0}
+
+
+def test_an_imu_s_mounting_is_told_in_radians() -> None:
+    calibration = {
+        name: np.zeros(count)
+        for part, count in (("mounting", 3), ("tilt", 2), ("gyroscope_bias", 3))
+        for name in (part, f"{part}_std")
+    }
+    imu = {"mounting_deg": [180, 0, 0], "gyroscope_bias": [1, 2, 3]}
+    rows = list(imu_rows(calibration, imu))
+    assert [row["truth"] for row in rows] == pytest.approx([np.pi, 0, 0, 0, 0, 1, 2, 3])
+
+
+def test_accelerations_are_held_against_their_bands() -> None:
+    motion = pd.DataFrame(series("qdd", 1.0) | series("qdd_std", 0.4))
+    rows = pd.DataFrame(joint_acceleration_rows(motion, pd.DataFrame(series("qdd", 0.5))))
+    rmse = rows[rows["quantity"] == "joint_acceleration_rmse"]
+    assert rmse["estimate"].tolist() == rmse["zero"].tolist() == [0.5] * 6
+    inside = rows[rows["quantity"] == "joint_acceleration_inside_2_std"]
+    assert inside["estimate"].tolist() == [1.0] * 6
+    assert set(rows["method"]) == {"encoders"}
+
+
+def test_wrenches_are_compared_where_they_state_a_band() -> None:
+    names = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
+    truth = pd.DataFrame(series("wrench", 10.0))
+    forces = pd.DataFrame({f"Fmap_{name}": [8.0] * 100 for name in names})
+    assert list(wrench_rows(forces, truth)) == []
+    band = forces.assign(**{f"Fmap_std_{name}": 1.5 for name in names})
+    rows = pd.DataFrame(wrench_rows(band, truth)).set_index(["quantity", "index"])
+    assert rows.loc[("wrench_rmse", "Fz"), "estimate"] == pytest.approx(2.0)
+    assert rows.loc[("wrench_mae", "nz"), "zero"] == pytest.approx(10.0)
+    assert rows.loc[("wrench_coverage95", "Fx"), "estimate"] == 1.0
+
+
+def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
+    clock = {"offset": 0.03, "offset_std": 0.01, "drift": -0.0029, "drift_std": 2e-5}
+    rows = [{"recording": "a"} | r for r in clock_rows({"imu": clock | {"method": "m"}}, TRUTH)]
+    motion = pd.DataFrame(series("qdd", 1.0) | series("qdd_std", 0.4))
+    true = pd.DataFrame(series("qdd", 0.5))
+    rows += [{"recording": "a"} | row for row in joint_acceleration_rows(motion, true)]
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    assert truth_findings(table) == [
+        "Of 2 values with a stated 95 % interval, 1 intervals hold the truth of the simulation."
+    ]
+    tables = [block for block in truth_blocks(table) if block.kind == "table"]
+    assert [len(block.rows) for block in tables] == [2, 2, 2, 1]

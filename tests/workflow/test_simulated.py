@@ -1,0 +1,129 @@
+"""Simulated recordings in the workflow: made first, made alike, their truth kept apart."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import Workflow, copy_project
+
+STUDY = """\
+study: made
+title: Two simulated recordings
+recordings:
+  - name: moved
+    robot: ur5
+    format: thesis-csv
+    role: fit
+    simulate:
+      trajectory: {kind: movej, way_points: points.txt}
+      seconds: 3
+      imu: {}
+  - name: held.1
+    robot: ur5
+    format: rtde-csv
+    role: contact
+    simulate:
+      trajectory: {kind: standstill}
+      seconds: 2
+      seed: 1
+      force_sensor: {}
+      contacts:
+        - {kind: push, start_s: 0.5, seconds: 1, force: [20, 0, 0]}
+"""
+POINTS = "movej([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])\nmovej([0.2, -1.4, 1.5, -1.2, 1.2, 0.1])\n"
+MOVED, HELD = {"simulate_recording_moved": 1}, {"simulate_recording_held.1": 1}
+READ = ("--until", "repair_frames")  # as far as these tests build
+
+
+@pytest.fixture(scope="module")
+def read_workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """Two recordings, simulated and read."""
+    folder = copy_project(tmp_path_factory.mktemp("made") / "project")
+    (folder / "config.yaml").write_text(STUDY)
+    (folder / "points.txt").write_text(POINTS)
+    workflow = Workflow(folder)
+    workflow.build(*READ)
+    return workflow
+
+
+@pytest.fixture
+def made(read_workflow: Workflow, tmp_path: Path) -> Workflow:
+    """The same, in a copy of its own."""
+    return read_workflow.copied(tmp_path / "project")
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def simulated_files(workflow: Workflow) -> dict[str, bytes]:
+    folders = workflow.folder / "raw" / "made", workflow.folder / "results" / "made" / "truth"
+    files = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    return {str(path.relative_to(workflow.folder)): path.read_bytes() for path in files}
+
+
+def test_a_fresh_run_simulates_reads_and_compares(made: Workflow) -> None:
+    plan = made.plan("--forceall")
+    assert plan.items() >= (MOVED | HELD | {"repair_frames": 2, "compare_with_truth": 1}).items()
+
+
+def test_what_was_simulated_is_not_simulated_again(made: Workflow) -> None:
+    assert made.plan(*READ) == {}
+
+
+def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
+    before = simulated_files(made)
+    (made.folder / "raw/made/moved/csv_files/log_i_actual.csv").unlink()
+    assert made.plan(*READ) == MOVED | {"repair_frames": 1}
+    (made.folder / "raw/made/held.1/force_sensor.csv").unlink()
+    made.build(*READ)
+    assert simulated_files(made) == before
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "expected"),
+    [
+        ("config.yaml", "seed: 1", "seed: 2", HELD | {"repair_frames": 1}),
+        ("config.yaml", "role: fit", "role: validate", {}),
+        ("points.txt", "0.5", "0.6", MOVED | {"repair_frames": 1}),
+        ("ur5lib/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
+        ("ur5lib/robots/ur5.yaml", "1.61", "1.62", MOVED | HELD | {"repair_frames": 2}),
+    ],
+)
+def test_an_edit_simulates_again_what_it_concerns(
+    made: Workflow, file: str, old: str, new: str, expected: dict[str, int]
+) -> None:
+    edit(made.folder / file, old, new)
+    assert made.plan(*READ) == expected
+
+
+def test_no_step_but_the_comparison_is_given_the_truth(made: Workflow) -> None:
+    """Of all jobs of a run, by their inputs; every recording's truth is written where they look."""
+    jobs = re.findall(
+        r"\nrule (\S+):\n    input: (.*)\n", made.run("--dry-run", "--forceall").stdout
+    )
+    assert {"simulate_recording_moved", "estimate_forces", "write_report"} <= {j for j, _ in jobs}
+    assert {job for job, files in jobs if "made/truth/" in files} == {"compare_with_truth"}
+    assert {name for name in simulated_files(made) if "truth" in name} == {
+        f"results/made/truth/{name}.{suffix}"
+        for name in ("moved", "held.1")
+        for suffix in ("parquet", "json")
+    }
+
+
+def test_what_an_arm_cannot_do_is_told(made: Workflow) -> None:
+    edit(made.folder / "points.txt", "0.5", "50")
+    done = made.run(*READ)
+    assert done.returncode == 1
+    assert "simulate_recording_moved: the trajectory takes joint 1 of ur5 to" in done.stdout
+    assert "Traceback" not in done.stdout
+
+
+def test_a_missing_file_of_way_points_is_told(made: Workflow) -> None:
+    (made.folder / "points.txt").unlink()
+    done = made.run("--dry-run")
+    assert done.returncode == 1
+    assert "simulate.trajectory.way_points` is 'points.txt'; give an existing file" in done.stdout

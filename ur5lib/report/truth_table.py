@@ -1,0 +1,191 @@
+"""The table of estimates beside the truth, which only simulated recordings have."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import norm, t
+
+from ur5lib.metrics import Array, coverage, mean_absolute_error
+from ur5lib.tables import channel
+
+Row = dict[str, object]
+
+COLUMNS = ["recording", "robot", "quantity", "method", "index", "unit"]
+COLUMNS += ["truth", "estimate", "std_error", "within95", "zero"]
+JOINTS = [1, 2, 3, 4, 5, 6]
+AXES = ["x", "y", "z"]
+MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
+WRENCH_COMPONENTS = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
+ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
+WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
+WRENCHES = {"Fmap": ("Fmap_", "Fmap_std_"), "observer": ("observer_", "observer_std_")}
+PARTS = 8  # of an only recording, in a jackknife
+INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
+
+
+def values(
+    quantity: str,
+    index: Sequence[object],
+    unit: str,
+    truth: Any,
+    estimate: Any,
+    std: Any,
+    freedom: float = np.inf,
+) -> Iterator[Row]:
+    """A row for each value of an estimate, and whether the truth lies in its 95 % interval.
+
+    index: joints, axes or a device; truth, estimate, std: as many numbers, std NaN where none is
+    stated; freedom: how many degrees of it the standard errors have.
+    """
+    half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
+    for name, true, found, error, half in zip(index, truth, estimate, std, half_width, strict=True):
+        told = np.isfinite(half)
+        inside = abs(found - true) <= half
+        yield {
+            "quantity": quantity,
+            "index": name,
+            "unit": unit,
+            "truth": true,
+            "estimate": found,
+            "std_error": error if told else None,
+            "within95": ("yes" if inside else "no") if told else None,
+        }
+
+
+def errors(
+    quantity: str, index: Sequence[object], units: Sequence[str], truth: Array, estimate: Array
+) -> Iterator[Row]:
+    """A row for each column (N, M) of a series: its RMSE, and that of an estimate of zero."""
+    kept = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
+    off, zero = (_rms(array[kept]) for array in (estimate - truth, truth))
+    for name, unit, found, baseline in zip(index, units, off, zero, strict=True):
+        row: Row = {"quantity": f"{quantity}_rmse", "index": name, "unit": unit, "zero": baseline}
+        yield row | {"truth": 0.0, "estimate": found}
+
+
+def shares(quantity: str, index: Sequence[object], stated: float, inside: Array) -> Iterator[Row]:
+    """A row for each column of a series: how much of it lies in a band that states a share."""
+    for name, share in zip(index, inside, strict=True):
+        row: Row = {"quantity": quantity, "index": name, "unit": "1"}
+        yield row | {"truth": stated, "estimate": share}
+
+
+def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
+    """Offset [s] and drift [ppm] of each device, from clocks.json and the truth."""
+    for device, found in clocks.items():
+        true = truth["clocks"][device]
+        for quantity, unit, scale, key in (
+            ("offset", "s", 1.0, "offset_s"),
+            ("drift", "ppm", 1e6, "drift_ppm"),
+        ):
+            if found[quantity] is not None:
+                number, std = scale * found[quantity], scale * found[f"{quantity}_std"]
+                told = [true[key]], [number], [std]
+                for row in values(f"clock_{quantity}", [device], unit, *told):
+                    yield row | {"method": found["method"]}
+
+
+def joint_acceleration_rows(motion: pd.DataFrame, truth: pd.DataFrame) -> Iterator[Row]:
+    """RMSE of q̈, and how much of it lies inside two of its standard deviations."""
+    true = channel(truth, "qdd")
+    for method, prefix in (("encoders", ""), ("encoders+imu", "fused_")):
+        if f"{prefix}qdd_0" in motion:
+            found, std = (channel(motion, f"{prefix}{name}") for name in ("qdd", "qdd_std"))
+            inside = coverage(found, std, true, INSIDE2)
+            rows = [
+                *errors("joint_acceleration", JOINTS, ["rad/s2"] * 6, true, found),
+                *shares("joint_acceleration_inside_2_std", JOINTS, INSIDE2, inside),
+            ]
+            yield from (row | {"method": method} for row in rows)
+
+
+def end_effector_rows(accelerations: pd.DataFrame, truth: Array) -> Iterator[Row]:
+    """RMSE of the end effector's acceleration; truth: (N, 6), low-passed as the estimates."""
+    names = {"imu": "felt"} | {
+        name: f"acceleration_{name}" for name in ("encoders", "encoders+imu")
+    }
+    for method, name in names.items():
+        if f"{name}_0" in accelerations:
+            found = channel(accelerations, name)
+            about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
+            yield from (row | {"method": method} for row in errors(*about, truth, found))
+
+
+def wrench_rows(forces: pd.DataFrame, truth: pd.DataFrame) -> Iterator[Row]:
+    """RMSE, MAE and share inside the 95 % band of each estimate that states a band."""
+    true, index = channel(truth, "wrench"), WRENCH_COMPONENTS
+    for method, prefixes in WRENCHES.items():
+        names = [prefix + component for prefix in prefixes for component in index]
+        if not set(names) <= set(forces):
+            continue
+        found, std = np.hsplit(forces[names].to_numpy(), 2)
+        off, zero = (mean_absolute_error(array, true) for array in (found, np.zeros_like(true)))
+        rows = [
+            *errors("wrench", index, WRENCH_UNITS, true, found),
+            *(
+                {"quantity": "wrench_mae", "index": c, "unit": u, "truth": 0.0}
+                | {"estimate": mae, "zero": baseline}
+                for c, u, mae, baseline in zip(index, WRENCH_UNITS, off, zero, strict=True)
+            ),
+            *shares("wrench_coverage95", index, 0.95, coverage(found, std, true)),
+        ]
+        yield from (row | {"method": method} for row in rows)
+
+
+def rotor_rows(rotors: Mapping[str, Any], truth: Sequence[float]) -> Iterator[Row]:
+    """Rotor inertias, from rotor_inertia.json; truth: (6,) [kg m²].
+
+    Their standard errors are a jackknife over recordings, or over parts of the only one.
+    """
+    value, std = (rotors[part]["inertia"] for part in ("value", "std_error"))
+    freedom = len(rotors["from"]) - 1 or PARTS - 1
+    yield from values("rotor_inertia", JOINTS, "kg m2", truth, value, std, freedom)
+
+
+def imu_rows(calibration: Mapping[str, Any], imu: Mapping[str, Any]) -> Iterator[Row]:
+    """Mounting, tilt of the base and gyroscope bias, from imu.json's "all" and the IMU's plan."""
+    for name, unit, truth in (
+        ("mounting", "rad", np.deg2rad(imu["mounting_deg"])),
+        ("tilt", "rad", np.zeros(2)),
+        ("gyroscope_bias", "rad/s", imu["gyroscope_bias"]),
+    ):
+        axes = AXES[: len(truth)]
+        found, std = calibration[name], calibration[f"{name}_std"]
+        yield from values(f"imu_{name}", axes, unit, truth, found, std)
+
+
+def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[Row]:
+    """Base parameters that the data determine, from identification.json; truth: π (P,)."""
+    for row in identification.get("parameters", []):
+        if row["determined"]:
+            true = [float(np.array(row["weights"]) @ truth)]
+            found = [row["value"]], [row["std_error"]]
+            yield from values("base_parameter", [row["parameter"]], "", true, *found)
+
+
+def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
+    """Torque constants and friction, from friction.json's "parameters" and truth.json.
+
+    Of fitted terms that the stand's friction does not have, there is no truth.
+    """
+    drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}
+    known = {
+        "torque_constant": ("Nm/A", drive["torque_constant"]),
+        "offset": ("Nm", np.zeros(6)),
+        "coulomb": ("Nm", true["coulomb"]),
+        "viscous": ("Nm s/rad", true["viscous"]),
+        "load": ("1", true["load"]),
+        "periodic_1_cos": ("Nm", true["periodic"] * np.cos(true["phase"])),
+        "periodic_1_sin": ("Nm", -true["periodic"] * np.sin(true["phase"])),
+    }
+    for row in friction.get("parameters", []):
+        if row["name"] in known:
+            unit, of_joints = known[row["name"]]
+            told = [of_joints[row["joint"] - 1]], [row["value"]], [row["std_error"]]
+            yield from values(row["name"], [row["joint"]], unit, *told)
+
+
+def _rms(array: Array) -> Array:
+    return np.sqrt(np.mean(array**2, axis=0))

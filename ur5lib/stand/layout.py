@@ -1,0 +1,45 @@
+"""Which files the stand's devices write, and how a study names them."""
+
+from collections.abc import Mapping
+from typing import Any
+
+THESIS_FILES = {  # after log_; as the thesis's recorder names the controller's channels
+    "q_actual": "actual_q",
+    "qd_actual": "actual_qd",
+    "i_actual": "actual_current",
+    "q_target": "target_q",
+    "qd_target": "target_qd",
+    "qdd_target": "target_qdd",
+    "i_target": "target_current",
+    "m_target": "target_moment",
+    "tcp_force": "actual_TCP_force",
+    "tcp_speed": "actual_TCP_speed",
+    "tool_vector": "actual_TCP_pose",
+}
+ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
+COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
+COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
+FORMATS = ["thesis-csv", *ROBOT_FILES]
+
+
+def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:
+    """The files of a simulated recording, below its folder. plan: as plain data."""
+    sensors = [name for name in COLUMNS if plan.get(name) is not None]
+    if format != "thesis-csv":
+        return [ROBOT_FILES[format], *(f"{name}.csv" for name in sensors)]
+    names = [*(f"log_{file}.csv" for file in THESIS_FILES), "start_time.csv"]
+    names += ["log_force_sensor.csv", "log_force_sensor_start_time.csv"]
+    names += ["acc_data.csv", "acc_start_time.csv"] if "imu" in sensors else []
+    return [f"csv_files/{name}" for name in names]
+
+
+def device_keys(format: str, plan: Mapping[str, Any]) -> dict[str, Any]:
+    """What an entry of a study says of these files: `file`, `force_sensor`, `imu`."""
+    if format == "thesis-csv":
+        return {}
+    sensors = {
+        name: {"file": f"{name}.csv", "columns": columns, "time": COUNTS[format]}
+        for name, columns in COLUMNS.items()
+        if plan.get(name) is not None
+    }
+    return {"file": ROBOT_FILES[format], **sensors}

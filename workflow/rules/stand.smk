@@ -1,0 +1,56 @@
+# One rule for each simulated recording: which files it has depends on what is simulated.
+for recording in SIMULATED:
+
+    rule:
+        name:
+            f"simulate_recording_{recording}"
+        input:
+            **way_points(recording),
+            arm=f"ur5lib/robots/{RECORDINGS[recording].robot}.yaml",
+            code=code("simulate_recording"),
+        output:
+            raw=raw_files(recording),
+            truth=f"{RESULTS}/truth/{recording}.parquet",
+            summary=f"{RESULTS}/truth/{recording}.json",
+        log:
+            f"{RESULTS}/logs/simulate_recording/{recording}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/simulate_recording/{recording}.tsv"
+        params:
+            format=RECORDINGS[recording].format,
+            plan=RECORDINGS[recording].simulate.model_dump_json(),
+        script:
+            "../scripts/simulate_recording.py"
+
+
+rule compare_with_truth:
+    input:
+        truth=[f"{RESULTS}/truth/{name}.parquet" for name in SIMULATED],
+        truth_summary=[f"{RESULTS}/truth/{name}.json" for name in SIMULATED],
+        clocks=results("clocks.json", SIMULATED),
+        motion=results("motion.parquet", SIMULATED),
+        accelerations=results("accelerations.parquet", SIMULATED),
+        forces=results("forces.parquet", SIMULATED),
+        described=[f"ur5lib/robots/{robot}.yaml" for robot in ROBOTS],
+        fitted=parameters("arm.yaml"),
+        rotors=parameters("rotor_inertia.json"),
+        identification=parameters("identification.json"),
+        calibration=parameters("imu.json"),
+        code=code("compare_with_truth"),
+    output:
+        truth=f"{RESULTS}/tables/truth.csv",
+    log:
+        f"{RESULTS}/logs/compare_with_truth.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/compare_with_truth.tsv"
+    params:
+        recordings=SIMULATED,
+        robots=ROBOTS,
+        order=SETTINGS.compare_accelerations.order,
+        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+    script:
+        "../scripts/compare_with_truth.py"
+
+
+SIMULATED_FILES = [raw_files(name) for name in SIMULATED]
+TRUTH = rules.compare_with_truth.output if SIMULATED else []

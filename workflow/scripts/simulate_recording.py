@@ -1,0 +1,22 @@
+"""A recording of the virtual test stand: raw files for the workflow, the truth for its end."""
+
+from pathlib import Path
+from typing import Any
+
+from ur5lib.robots.description import load_robot
+from ur5lib.stand.layout import file_names
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
+from ur5lib.steps import run_step
+
+
+def simulate_recording(input: Any, output: Any, params: Any) -> None:
+    plan = SimulatedRecording.model_validate_json(params.plan)
+    first = file_names(params.format, plan.model_dump())[0]
+    folder = Path(output.raw[0].removesuffix(first))
+    truth = Path(output.truth).with_suffix("")
+    simulate(load_robot(input.arm), plan, params.format, folder, truth)
+
+
+if __name__ == "__main__":
+    run_step(simulate_recording, snakemake)  # type: ignore[name-defined]  # noqa: F821
