@@ -143,13 +143,14 @@ def test_a_new_recording_runs_alone(workflow: Workflow) -> None:
     assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | REPORT
 
 
-def test_a_new_contact_free_recording_may_be_a_template_for_forces(workflow: Workflow) -> None:
+def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> None:
     shutil.copytree(workflow.folder / "raw" / "still", workflow.folder / "raw" / "new")
     append(
         workflow.folder / "config.yaml",
         "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: validate}\n",
     )
-    again = jobs("estimate_forces", *FROM_SENSOR, recordings=RECORDINGS + 1)
+    others = ("compare_accelerations", "estimate_forces", *FROM_SENSOR)
+    again = jobs(*others, recordings=RECORDINGS + 1)
     alone = jobs(*EACH_RECORDING, "estimate_payload", recordings=1)
     assert workflow.plan() == alone | again | {"set_threshold": 1} | REPORT
 

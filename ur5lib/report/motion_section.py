@@ -12,7 +12,7 @@ INTRODUCTION = (
     "from the encoders alone, and together with the IMU. The acceleration of the IMU's place on "
     "the end effector, J q̈ + J̇ q̇, is compared with what the IMU felt, R a + g0; both sides are "
     "low-passed without delay. The IMU's mounting, the base's tilt and the gyroscope's bias come "
-    "from recordings for fitting other than the one that is judged; its clock and the "
+    "from other recordings without contact than the one that is judged; its clock and the "
     "accelerometer's bias are its own. “Encoders” uses nothing of the IMU's motion, "
     "“encoders+imu” does. “Euler” is the thesis's route through Euler angles, with its causal "
     "filter, clocks by their stamps and an IMU taken as it is (errata 1, 3, 4, 5). “Zero” is the "

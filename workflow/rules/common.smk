@@ -83,14 +83,21 @@ def fitted_results(name):
     ]
 
 
-def contact_free_results(name):
-    """The same file of each other recording of the arm in which nothing touches it."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{other}/{name}"
+def other_contact_free(wildcards):
+    """Names of the arm's other recordings in which nothing touches it."""
+    return [
+        other
         for other, recording in RECORDINGS.items()
         if recording.role != "contact"
         and recording.robot == recording_of(wildcards).robot
         and other != wildcards.recording
+    ]
+
+
+def contact_free_results(name):
+    """The same file of each of these."""
+    return lambda wildcards: [
+        f"{RESULTS}/recordings/{other}/{name}" for other in other_contact_free(wildcards)
     ]
 
 

@@ -84,7 +84,9 @@ rule compare_accelerations:
         clocks=result("clocks.json"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),
-        calibration=parameter_of("imu.json"),
+        other_signals=contact_free_results("signals.parquet"),
+        other_kinematics=contact_free_results("kinematics.parquet"),
+        other_clocks=contact_free_results("clocks.json"),
         arm=arm_file,
         code=code("compare_accelerations"),
     output:
@@ -95,7 +97,7 @@ rule compare_accelerations:
     benchmark:
         f"{RESULTS}/benchmarks/compare_accelerations/{{recording}}.tsv"
     params:
-        recording="{recording}",
+        others=other_contact_free,
         order=SETTINGS.compare_accelerations.order,
         cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
     script:

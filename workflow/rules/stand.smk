@@ -36,6 +36,7 @@ rule compare_with_truth:
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
+        friction=parameters("friction.json"),
         code=code("compare_with_truth"),
     output:
         truth=f"{RESULTS}/tables/truth.csv",

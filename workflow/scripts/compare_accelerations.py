@@ -15,8 +15,9 @@ from ur5lib.signals.euler_route import euler_acceleration
 from ur5lib.signals.imu_calibration import (
     AS_DRAWN,
     ImuCalibration,
+    ImuRecord,
     accelerometer_bias,
-    calibration_for,
+    calibrate,
 )
 from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, imu_record
 from ur5lib.signals.lowpass import (
@@ -78,19 +79,43 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     recording = Recording(signals, kinematics, motion, point)
     columns: dict[str, Array] = {}
     summary: dict[str, Any] = {"errors": {}}
-    if read_json(input.clocks).get("imu", {}).get("method") == "angular rate":
-        others, calibration = calibration_for(params.recording, read_json(input.calibration))
+    if has_valid_imu(input.clocks):
+        others = other_records(input, point, params)
+        calibration = calibrate([*others.values()]) if others else AS_DRAWN
         ours, bias = as_calibrated(recording, calibration, params)
         stamps = read_json(input.quality)["starts"]["imu"]
         theirs = as_published(recording, read_table(input.imu), stamps)
         errors = error_figures(theirs, "published_felt") | error_figures(ours, "felt")
         columns = ours | theirs
-        summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
+        summary = {"calibrated_on": [*others], "accelerometer_bias": bias, "errors": errors}
     flat: dict[str, Array] = {}
     for name, values in columns.items():
         flat |= named(values, name)
     write_table(signals[["time", "segment"]].join(pd.DataFrame(flat)), output.accelerations)
     write_json(summary, output.summary)
+
+
+def other_records(input: Any, point: Array, params: Any) -> dict[str, ImuRecord]:
+    """All other contact-free recordings of the arm with a valid IMU."""
+    tables = zip(
+        params.others,
+        input.other_signals,
+        input.other_kinematics,
+        input.other_clocks,
+        strict=True,
+    )
+    return {
+        name: imu_record(
+            read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
+        )
+        for name, signals, kinematics, clocks in tables
+        if has_valid_imu(clocks)
+    }
+
+
+def has_valid_imu(clocks: str) -> bool:
+    """Whether motion tells the IMU's clock: then its readings are of this recording."""
+    return bool(read_json(clocks).get("imu", {}).get("method") == "angular rate")
 
 
 def as_calibrated(
