@@ -54,7 +54,7 @@ def arm_rows(files: Mapping[str, str], truths: Truths) -> Iterator[Row]:
         (rotors, partial(true_rotors, robot), truth_table.rotor_rows),
         (identification, partial(true_parameters, robot), truth_table.parameter_rows),
         (calibration, lambda truth: truth["plan"]["imu"], truth_table.imu_rows),
-        (friction, lambda truth: truth, truth_table.friction_rows),
+        (friction, true_friction, truth_table.friction_rows),
     ]
     for found, part, rows in comparisons:
         truth = shared(truths, found["from"], part)
@@ -68,6 +68,12 @@ def shared(truths: Truths, recordings: list[str], part: Callable[[Any], Any]) ->
         return None
     parts = [part(truths[name]) for name in recordings]
     return parts[0] if all(np.array_equal(one, parts[0]) for one in parts) else None
+
+
+def true_friction(truth: Mapping[str, Any]) -> dict[str, Any]:
+    """Torque constants and friction that were simulated."""
+    constant = truth["drive"]["torque_constant"]
+    return {"drive": {"torque_constant": constant}, "friction": truth["friction"]}
 
 
 def true_robot(robot: Robot, truth: Mapping[str, Any]) -> Robot:
