@@ -365,17 +365,22 @@ def test_the_force_tables_show_each_number_in_its_column(
     page: Page, force: pd.DataFrame, figure: str
 ) -> None:
     name = {"mae": "Mean", "max": "Largest"}[figure]
-    header, *rows = page.table(f"{name} absolute error on {TABLE_6_1}, as printed and corrected")
     labels = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "zero": "Fu"}
-    kinds = {"as printed": "printed", "corrected": "corrected"}
+    labels |= {"F^map": "Fmap", "observer": "observer", "repeat-aware": "repeat"}
     expected = force.set_index(["kind", "estimate", "component"])
-    assert [len(row) for row in rows] == [9] * 6
-    for row in rows:
-        for title, cell in list(zip(header, row, strict=True))[1:]:
-            label, _, kind = title.partition(" ")
-            column = f"zero_{figure}" if label == "zero" else figure
-            value = expected.loc[(kinds[kind], labels[label], row[0].split()[0]), column]
-            assert cell.lstrip("▼▲ ") == f"{value:.2f}"
+    references = {
+        "printed": "the raw sensor",
+        "corrected": "the sensor less its reading at the start",
+        "compensated": "the sensor less bias and tool weight",
+    }
+    for kind, reference in references.items():
+        header, *rows = page.table(f"{name} absolute error on {TABLE_6_1} against {reference}")
+        assert [len(row) for row in rows] == [5 if kind == "printed" else 8] * 6
+        for row in rows:
+            for label, cell in list(zip(header, row, strict=True))[1:]:
+                column = f"zero_{figure}" if label == "zero" else figure
+                value = expected.loc[(kind, labels[label], row[0].split()[0]), column]
+                assert cell.lstrip("▼▲ ") == f"{value:.2f}"
 
 
 def test_the_report_holds_what_was_promised(thesis_results: Path, page: Page) -> None:
