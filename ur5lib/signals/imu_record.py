@@ -1,6 +1,8 @@
 """One recording as a calibration of its IMU sees it."""
 
+from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,6 +15,11 @@ from ur5lib.tables import channel, period
 
 ACCELEROMETER = ["imu_ax", "imu_ay", "imu_az"]
 GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
+
+
+def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
+    """Whether motion told the IMU's clock (clocks.json): then its readings are of that motion."""
+    return bool(clocks.get("imu", {}).get("method") == "angular rate")
 
 
 def imu_record(

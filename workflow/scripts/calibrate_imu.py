@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibrate_without_each
-from ur5lib.signals.imu_record import imu_record
+from ur5lib.signals.imu_record import has_valid_imu, imu_record
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json
 
@@ -19,7 +19,7 @@ def calibrate_imu(input: Any, output: Any, params: Any) -> None:
             read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
         )
         for name, signals, kinematics, clocks in recordings
-        if read_json(clocks).get("imu", {}).get("method") == "angular rate"
+        if has_valid_imu(read_json(clocks))
     }
     write_json(calibrate_without_each(records), output.calibration)
 

@@ -19,7 +19,7 @@ from ur5lib.signals.imu_calibration import (
     accelerometer_bias,
     calibrate,
 )
-from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, imu_record
+from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, has_valid_imu, imu_record
 from ur5lib.signals.lowpass import (
     THESIS_ACCELERATION,
     Butterworth,
@@ -79,7 +79,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     recording = Recording(signals, kinematics, motion, point)
     columns: dict[str, Array] = {}
     summary: dict[str, Any] = {"errors": {}}
-    if has_valid_imu(input.clocks):
+    if has_valid_imu(read_json(input.clocks)):
         others = other_records(input, point, params)
         calibration = calibrate([*others.values()]) if others else AS_DRAWN
         ours, bias = as_calibrated(recording, calibration, params)
@@ -109,13 +109,8 @@ def other_records(input: Any, point: Array, params: Any) -> dict[str, ImuRecord]
             read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
         )
         for name, signals, kinematics, clocks in tables
-        if has_valid_imu(clocks)
+        if has_valid_imu(read_json(clocks))
     }
-
-
-def has_valid_imu(clocks: str) -> bool:
-    """Whether motion tells the IMU's clock: then its readings are of this recording."""
-    return bool(read_json(clocks).get("imu", {}).get("method") == "angular rate")
 
 
 def as_calibrated(

@@ -11,7 +11,7 @@ from ur5lib.metrics import Array
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
-from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE
+from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, has_valid_imu
 from ur5lib.signals.lowpass import by_segment
 from ur5lib.signals.motion import differentiate
 from ur5lib.signals.smoothing import SmoothedMotion, smooth_encoders, smooth_with_imu
@@ -28,7 +28,7 @@ def smooth_motion(input: Any, output: Any, params: Any) -> None:
     q, qd = measured(signals)
     motion = smooth_encoders(time, segment, q, qd)
     columns, summary = channels(motion, STATES, ""), {"encoders": account(motion)}
-    if read_json(input.clocks).get("imu", {}).get("method") == "angular rate":
+    if has_valid_imu(read_json(input.clocks)):
         imu = imu_model(input, params.recording, motion.qd)
         readings = signals[[*ACCELEROMETER, *GYROSCOPE]].to_numpy()
         fused = smooth_with_imu(time, segment, q, qd, readings, imu, motion)
