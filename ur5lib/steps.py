@@ -1,22 +1,28 @@
 """What every workflow script has in common: its log, and how it fails."""
 
 import contextlib
+import re
 import sys
+import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
+import psutil
+
 from ur5lib.errors import InputError
 
 Step = Callable[[Any, Any, Any], None]
+START_UP = "start-up took {:.2f} s"
 
 
 def run_step(step: Step, snakemake: Any) -> None:
     """Run `step(input, output, params)` for a Snakemake job.
 
-    What it prints goes to the job's log, the traceback of an unexpected error too; the terminal
-    gets one sentence on what went wrong. A failed step ends the process with status 1.
+    What it prints goes to the job's log, after the time that Python and its packages took to
+    start, the traceback of an unexpected error too; the terminal gets one sentence on what went
+    wrong. A failed step ends the process with status 1.
     """
     log = Path(snakemake.log[0])
     with (
@@ -24,6 +30,7 @@ def run_step(step: Step, snakemake: Any) -> None:
         contextlib.redirect_stdout(stream),
         contextlib.redirect_stderr(stream),
     ):
+        print(START_UP.format(time.time() - psutil.Process().create_time()))
         try:
             step(snakemake.input, snakemake.output, snakemake.params)
         except InputError as error:
@@ -31,6 +38,13 @@ def run_step(step: Step, snakemake: Any) -> None:
         except Exception as error:
             traceback.print_exc()
             _fail(f"{snakemake.rule}: {type(error).__name__}: {error} (traceback in {log})")
+
+
+def start_up_of(log: str | Path) -> float:
+    """The start-up time that a job's log tells [s], NaN where it tells none."""
+    pattern = START_UP.replace("{:.2f}", r"([\d.]+)")
+    found = re.match(pattern, Path(log).read_text(encoding="utf-8"))
+    return float(found[1]) if found else float("nan")
 
 
 def _fail(sentence: str) -> NoReturn:

@@ -183,9 +183,9 @@ def labelled_channel(table: pd.DataFrame, name: str, labels: Sequence[str]) -> A
     return table[[f"{name}_{label}" for label in labels]].to_numpy(np.float64)
 
 
-def write_csv(table: pd.DataFrame, path: str | Path) -> None:
-    """Write a table of results: one value a row, an empty cell where none applies."""
-    _write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format="%.9g"))
+def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
+    """Write a table of results: an empty cell where no value applies, numbers to some digits."""
+    _write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format=f"%.{digits}g"))
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:

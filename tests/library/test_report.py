@@ -10,11 +10,24 @@ import pytest
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed
-from ur5lib.report.document import Cell, Code, Document, Items, Paragraph, Picture, Section, Table
-from ur5lib.report.figures import cartesian_panels, joint_panels, save
+from ur5lib.report.document import (
+    Cell,
+    Code,
+    Document,
+    Equation,
+    Heading,
+    Items,
+    Paragraph,
+    Picture,
+    Reference,
+    Section,
+    Table,
+)
+from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.result_tables import torque_errors
+from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.tables import named
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -24,20 +37,22 @@ HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{
 def picture(tmp_path: Path) -> Path:
     time = np.linspace(0, 1, 50)
     values = np.outer(np.sin(time), np.ones(6))
-    figure = joint_panels(time, {"a": (values, "measured"), "b": (2 * values, "first")}, r"\tau")
-    save(figure, tmp_path / "figure.svg")
+    series = {"a": (values, "measured"), "b": (2 * values, "joint")}
+    save(draw_traces(Traces(time, series), TORQUE), tmp_path / "figure.svg")
     return tmp_path / "figure.svg"
 
 
 @pytest.fixture
 def document(picture: Path) -> Document:
-    table = Table(HOSTILE, ["joint", "mae"], [[Cell(HOSTILE), Cell("0.5", "lowest")]])
+    rows = [[Cell(HOSTILE), Cell("0.5", "lowest")]]
     blocks = [
-        Paragraph(HOSTILE),
+        Paragraph([HOSTILE, Reference("later")]),
+        Heading(HOSTILE),
         Items([HOSTILE], numbered=True),
-        table,
-        Picture(HOSTILE, picture, HOSTILE),
-        table,
+        Table(HOSTILE, ["joint", "mae"], rows, "first"),
+        Picture(HOSTILE, picture, HOSTILE, "picture", "figures/a.csv", "draw_figures"),
+        Table(HOSTILE, ["joint", "mae"], rows, "later", "tables/a.csv"),
+        Equation("a / b", "a over b"),
         Code(HOSTILE),
     ]
     return Document(HOSTILE, HOSTILE, [Section(HOSTILE, blocks)], HOSTILE).numbered()
@@ -60,19 +75,31 @@ class Tags(HTMLParser):
 
 
 def test_tables_and_figures_are_counted(document: Document) -> None:
-    numbers = [block.number for block in document.sections[0].blocks if hasattr(block, "number")]
+    numbers = [block.number for block in document.blocks() if isinstance(block, Table | Picture)]
     assert numbers == [1, 1, 2]
+
+
+def test_mentions_tell_the_number(document: Document) -> None:
+    first = next(document.blocks())
+    assert isinstance(first, Paragraph)
+    assert first.spans[1] == Reference("later", "Table 2")
+
+
+def test_a_mention_of_nothing_is_an_error() -> None:
+    lost = Document("", "", [Section("", [Paragraph([Reference("lost")])])])
+    with pytest.raises(KeyError, match="lost"):
+        lost.numbered()
 
 
 def test_html_shows_text_from_outside_as_text(document: Document, tmp_path: Path) -> None:
     write_html(document, tmp_path / "report.html")
     page = Tags((tmp_path / "report.html").read_text())
     assert not any(tag == "script" for tag, _ in page.tags)
-    # title, notice, 2 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
-    assert page.text.count(HOSTILE) == 14
+    # title, notice, 3 headings, subtitle, contents, paragraph, item, 3 captions, 2 cells, code
+    assert page.text.count(HOSTILE) == 15
     (image,) = [attributes for tag, attributes in page.tags if tag == "img"]
     assert image["alt"] == HOSTILE
-    assert image["src"].startswith("data:image/svg+xml;base64,")
+    assert image["src"].startswith("data:image/svg+xml,%3C?xml")
 
 
 def test_pdf_is_made_from_text_from_outside(document: Document, tmp_path: Path) -> None:
@@ -103,22 +130,6 @@ def test_numbers_tell_their_sign_and_absence() -> None:
 def test_columns_of_numbers_stand_right() -> None:
     rows = [[Cell("Fx [N]"), Cell("−1.5"), Cell("–")], [Cell("Fy [N]"), Cell("2"), Cell("3 %")]]
     assert Table("", ["", "", ""], rows).alignment() == ["left", "right", "right"]
-
-
-def test_the_same_figure_is_the_same_file(picture: Path, tmp_path: Path) -> None:
-    time = np.linspace(0, 1, 50)
-    values = np.outer(np.cos(time), np.ones(6))
-    for name in ("a.svg", "b.svg"):
-        save(cartesian_panels(time, {"sensor": (values, "measured")}), tmp_path / name)
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-
-
-def test_forces_stand_left_and_moments_right(tmp_path: Path) -> None:
-    time = np.linspace(0, 1, 50)
-    figure = cartesian_panels(time, {"sensor": (np.tile(np.arange(6.0), (50, 1)), "measured")})
-    shown = {axis.get_ylabel(): axis.lines[0].get_ydata()[0] for axis in figure.axes}
-    assert list(shown.values()) == [0, 3, 1, 4, 2, 5]
-    assert [*shown][:2] == ["$F_x$ [N]", "$n_x$ [Nm]"]
 
 
 # Tables of results

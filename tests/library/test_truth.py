@@ -1,12 +1,13 @@
 """Estimates beside the truth: what a row says, and what there is no truth of."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from ur5lib.report.truth_section import truth_blocks, truth_findings
+from ur5lib.report.results import Results
 from ur5lib.report.truth_table import (
     COLUMNS,
     clock_rows,
@@ -18,6 +19,8 @@ from ur5lib.report.truth_table import (
     values,
     wrench_rows,
 )
+from ur5lib.report.views import truth
+from ur5lib.report.views.found import beside_truth
 from ur5lib.tables import named
 
 TRUTH: dict[str, Any] = {
@@ -113,8 +116,10 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     true = pd.DataFrame(series("qdd", 0.5))
     rows += [{"recording": "a"} | row for row in joint_acceleration_rows(motion, true)]
     table = pd.DataFrame(rows, columns=COLUMNS)
-    assert truth_findings(table) == [
+    assert [*beside_truth(table)] == [
         "Of 2 values with a stated 95 % interval, 1 intervals hold the truth of the simulation."
     ]
-    tables = [block for block in truth_blocks(table) if block.kind == "table"]
-    assert [len(block.rows) for block in tables] == [2, 2, 2, 1]
+    results = Results({"recordings": []}, {"truth": table}, {}, Path())
+    views = [truth.summary, truth.clocks, truth.joint_accelerations, truth.joint_acceleration_bands]
+    assert [len(view(results).rows) for view in views] == [2, 2, 2, 1]
+    assert truth.torques(results).rows == []

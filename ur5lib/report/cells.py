@@ -14,6 +14,13 @@ def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
     return Cell("–" if np.isnan(value) else f"{value:.{digits}f}", mark)
 
 
+def rounded(value: float, digits: int) -> str:
+    """A value with some decimals, or a bound where they would show nothing but zeros."""
+    if 0 < abs(value) < 0.5 * 10**-digits:
+        return f"< {10**-digits:.{digits}f}"
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
 def signed(value: float, digits: int, unit: str = "") -> Cell:
     """A difference, with its sign."""
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))

@@ -1,60 +1,168 @@
-"""The whole report of a study, from its results."""
+"""The report of a study: its contents, filled from its results."""
 
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import ModuleType
 from typing import Any
 
-import pandas as pd
-import yaml
+from ur5lib.report.contents import (
+    Contents,
+    Figure,
+    Formula,
+    List,
+    Listing,
+    Part,
+    Repeated,
+    Sentences,
+    Single,
+    Tabular,
+    Text,
+)
+from ur5lib.report.document import (
+    Block,
+    Code,
+    Document,
+    Equation,
+    Heading,
+    Items,
+    Paragraph,
+    Picture,
+    Reference,
+    Section,
+    Table,
+)
+from ur5lib.report.results import Results
+from ur5lib.report.views import (
+    closed_loop,
+    currents,
+    errata,
+    forces,
+    found,
+    models,
+    motion,
+    provenance,
+    recordings,
+    truth,
+)
 
-from ur5lib.report.closed_loop_section import closed_loop_blocks
-from ur5lib.report.current_section import current_blocks
-from ur5lib.report.document import Block, Cell, Code, Document, Items, Paragraph, Section, Table
-from ur5lib.report.force_section import force_blocks
-from ur5lib.report.motion_section import motion_blocks
-from ur5lib.report.recordings_section import recording_blocks
-from ur5lib.report.reference import Erratum
-from ur5lib.report.torque_section import torque_blocks
-from ur5lib.report.truth_section import truth_blocks, truth_findings
-from ur5lib.report.verdict import findings
+VIEWS: dict[str, ModuleType] = {
+    "closed_loop": closed_loop,
+    "currents": currents,
+    "errata": errata,
+    "forces": forces,
+    "found": found,
+    "models": models,
+    "motion": motion,
+    "provenance": provenance,
+    "recordings": recordings,
+    "truth": truth,
+}
+MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 
 
-def compose(
-    study: Mapping[str, Any],
-    tables: Mapping[str, pd.DataFrame],
-    qualities: Mapping[str, Any],
-    figures: Path,
-    errata: Sequence[Erratum],
-    provenance: list[Block],
-) -> Document:
-    """The report of a study.
-
-    study: the configuration; tables: results by name; qualities: quality.json by recording;
-    figures: holds a folder of figures for each recording. With simulated recordings, there is a
-    table `truth`, and every page says so.
-    """
-    roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
-    judged = [name for name, role in roles.items() if role == "validate"]
-    currents = tables["current_rmse"]
-    tables = {**tables, "current_rmse": currents[currents["recording"].isin(judged)]}
-    found = findings(tables["torque_mae"], tables["force_mae"], tables["quality"])
-    beside_truth = []
-    if "truth" in tables:
-        found += truth_findings(tables["truth"])
-        beside_truth = [Section("Estimates against the truth", truth_blocks(tables["truth"]))]
-    quality = recording_blocks(roles, qualities, tables["quality"], tables["clocks"])
-    sections = [
-        Section("What was found", [Items(found)]),
-        Section("Recordings and their quality", quality),
-        *_results(tables, figures),
-        *beside_truth,
-        *([_errata_section(errata)] if errata else []),
-        Section("Provenance", [*provenance, *_configuration(study)]),
+def compose(contents: Contents, results: Results) -> Document:
+    """The report of a study. Sections without evidence are left out, and the first says why."""
+    first, *others = contents.sections
+    sections = [Section(part.title, _blocks(part, results)) for part in others]
+    kept = [part for part in sections if any(map(_is_evidence, part.blocks))]
+    left_out = [
+        f"{part.title}: {part.absent}."
+        for part, section in zip(others, sections, strict=True)
+        if section not in kept and part.absent
     ]
-    subtitle = f"Study “{study['study']}”, recordings: {len(roles)}"
+    opening = Section(first.title, _blocks(first, replace(results, left_out=left_out)))
+    study = results.study
     notice = _notice(study["recordings"])
-    title = f"{study['title']} (simulated)" if notice else study["title"]
-    return Document(title, subtitle, sections, notice).numbered()
+    return Document(
+        title=f"{study['title']} (simulated)" if notice else study["title"],
+        subtitle=f"Study “{study['study']}”, recordings: {len(study['recordings'])}",
+        sections=[opening, *kept],
+        notice=notice,
+    ).numbered()
+
+
+def view(name: str) -> Callable[..., Any]:
+    """The view of a name, `module.function`. Raises KeyError, AttributeError."""
+    module, function = name.split(".")
+    found: Callable[..., Any] = getattr(VIEWS[module], function)
+    return found
+
+
+def _blocks(part: Part, results: Results) -> list[Block]:
+    """The blocks of a section, without texts on what is not there."""
+    drafts = [*_drafts(part, results)]
+    shown = {block.label for block, _ in drafts if isinstance(block, Table | Picture)}
+    return [block for block, beside in drafts if not beside or beside in shown]
+
+
+def _drafts(part: Part, results: Results) -> Iterator[tuple[Block, str]]:
+    """Blocks, each with the label of what it needs beside it, if anything."""
+    for wanted in part.blocks:
+        if not isinstance(wanted, Repeated):
+            yield from _single(wanted, results)
+            continue
+        for of in view(wanted.each)(results):
+            drafts = [draft for block in wanted.blocks for draft in _single(block, results, of)]
+            if wanted.heading and any(_is_evidence(block) for block, _ in drafts):
+                yield Heading(wanted.heading.format(of=of)), ""
+            yield from drafts
+
+
+def _single(wanted: Single, results: Results, of: str = "") -> Iterator[tuple[Block, str]]:
+    given = (results, of) if of else (results,)
+
+    def label(name: str) -> str:
+        return f"{name}-{of}" if of else name
+
+    match wanted:
+        case Text():
+            spans: list[str | Reference] = [
+                Reference(label(span)) if i % 2 else span.replace("{of}", of)
+                for i, span in enumerate(MENTION.split(wanted.text.strip()))
+            ]
+            yield Paragraph(spans), wanted.beside and label(wanted.beside)
+        case Sentences():
+            yield from ((Paragraph([text]), "") for text in view(wanted.sentences)(*given))
+        case List():
+            items = [*view(wanted.items)(*given)]
+            if items:
+                yield Items(items, wanted.numbered), ""
+        case Tabular():
+            header, rows = view(wanted.table)(*given)
+            caption = wanted.caption.replace("{of}", of)
+            if rows:
+                yield Table(caption, header, rows, label(wanted.table), wanted.source), ""
+        case Figure():
+            path = results.figures / of / f"{wanted.figure}.svg"
+            if _shows_something(path):
+                yield _picture(wanted, results, path, label(wanted.figure), of), ""
+        case Formula():
+            yield Equation(wanted.equation, wanted.alternative), ""
+        case Listing():
+            yield Code(view(wanted.listing)(*given)), ""
+
+
+def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -> Picture:
+    return Picture(
+        caption=wanted.caption.replace("{of}", of),
+        path=path,
+        alternative=wanted.alternative.replace("{of}", of),
+        label=label,
+        source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
+        rule=wanted.rule,
+    )
+
+
+def _shows_something(path: Any) -> bool:
+    """Whether a figure has numbers: its CSV has more than a header."""
+    with path.with_suffix(".csv").open(encoding="utf-8") as lines:
+        return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
+
+
+def _is_evidence(block: Block) -> bool:
+    """Whether a block is more than words that stand in every report."""
+    return not isinstance(block, Paragraph | Heading)
 
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
@@ -64,41 +172,3 @@ def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
         return ""
     some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)
     return f"Simulated: {some} of this study are of the virtual test stand, not of a real arm."
-
-
-def _results(tables: Mapping[str, pd.DataFrame], figures: Path) -> list[Section]:
-    """What each step found: each section with the tables that it shows."""
-    parts: dict[str, tuple[Callable[..., list[Block]], str]] = {
-        "Closed loop": (closed_loop_blocks, "closed_loop_mae gains published_gains"),
-        "Joint torques": (torque_blocks, "torque_mae rotor_inertia parameters"),
-        "Accelerations": (motion_blocks, "acceleration_mae imu_calibration innovations"),
-        "Friction and currents": (
-            current_blocks,
-            "friction current_rmse cross_validation payload",
-        ),
-        "Contact forces": (force_blocks, "force_mae detection"),
-    }
-    return [
-        Section(title, blocks(*(tables[name] for name in names.split()), figures))
-        for title, (blocks, names) in parts.items()
-    ]
-
-
-def versions_blocks(commit: str, versions: Mapping[str, str]) -> list[Block]:
-    """Which code and which packages made the results."""
-    rows = [[Cell(name), Cell(version)] for name, version in versions.items()]
-    return [
-        Paragraph(f"Made by commit {commit}."),
-        Table("Versions of what the numbers depend on.", ["package", "version"], rows),
-    ]
-
-
-def _errata_section(errata: Sequence[Erratum]) -> Section:
-    items = [f"{erratum.place}: {erratum.error} Here: {erratum.choice}" for erratum in errata]
-    introduction = Paragraph("Errors found in the published work, each with the choice made here.")
-    return Section("Errata", [introduction, Items(items, numbered=True)])
-
-
-def _configuration(study: Mapping[str, Any]) -> list[Block]:
-    text = yaml.safe_dump(dict(study), sort_keys=False, allow_unicode=True, default_flow_style=None)
-    return [Paragraph("The configuration, with every default filled in:"), Code(text)]

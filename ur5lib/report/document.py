@@ -25,11 +25,27 @@ def _is_number(cell: Cell) -> bool:
 
 
 @dataclass(frozen=True)
+class Reference:
+    """A mention of a table or figure by its label; its text is known once all are numbered."""
+
+    label: str
+    text: str = ""
+
+
+@dataclass(frozen=True)
 class Paragraph:
-    """Running text."""
+    """Running text, with mentions of tables and figures."""
+
+    spans: list[str | Reference]
+    kind: str = "paragraph"
+
+
+@dataclass(frozen=True)
+class Heading:
+    """Opens a part of a section."""
 
     text: str
-    kind: str = "paragraph"
+    kind: str = "heading"
 
 
 @dataclass(frozen=True)
@@ -43,11 +59,16 @@ class Items:
 
 @dataclass(frozen=True)
 class Table:
-    """A table with one header row; the first column names the rows."""
+    """A table with one header row; the first column names the rows.
+
+    source: the file it was made from, relative to the study's results.
+    """
 
     caption: str
     header: list[str]
     rows: list[list[Cell]]
+    label: str = ""
+    source: str = ""
     number: int = 0
     kind: str = "table"
 
@@ -59,13 +80,28 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure: an SVG file, its caption, and what it shows in words for who cannot see it."""
+    """A figure: an SVG file, its caption, and what it shows in words for who cannot see it.
+
+    source: its numbers, relative to the study's results; rule: what made it.
+    """
 
     caption: str
     path: Path
     alternative: str
+    label: str = ""
+    source: str = ""
+    rule: str = ""
     number: int = 0
     kind: str = "picture"
+
+
+@dataclass(frozen=True)
+class Equation:
+    """An equation in typst's notation, and in words for who cannot see it."""
+
+    source: str
+    alternative: str
+    kind: str = "equation"
 
 
 @dataclass(frozen=True)
@@ -76,7 +112,8 @@ class Code:
     kind: str = "code"
 
 
-Block = Paragraph | Items | Table | Picture | Code
+Block = Paragraph | Heading | Items | Table | Picture | Equation | Code
+NAMES = {"table": "Table", "picture": "Figure"}
 
 
 @dataclass(frozen=True)
@@ -97,33 +134,46 @@ class Document:
     notice: str = ""
 
     def numbered(self) -> "Document":
-        """The same document with tables and figures counted from 1."""
+        """The same document with tables and figures counted from 1, and mentions that say so.
+
+        Mentions of what is not in the document raise KeyError.
+        """
         counts = {"table": 0, "picture": 0}
+        names: dict[str, str] = {}
 
         def count(block: Block) -> Block:
             if not isinstance(block, Table | Picture):
                 return block
             counts[block.kind] += 1
+            names[block.label] = f"{NAMES[block.kind]} {counts[block.kind]}"
             return replace(block, number=counts[block.kind])
 
-        sections = [
-            replace(section, blocks=[count(block) for block in section.blocks])
-            for section in self.sections
-        ]
+        def resolve(block: Block) -> Block:
+            if not isinstance(block, Paragraph):
+                return block
+            spans = [
+                replace(span, text=names[span.label]) if isinstance(span, Reference) else span
+                for span in block.spans
+            ]
+            return replace(block, spans=spans)
+
+        sections = self.sections
+        for change in (count, resolve):
+            sections = [replace(part, blocks=[*map(change, part.blocks)]) for part in sections]
         return replace(self, sections=sections)
 
-    def pictures(self) -> Iterator[Picture]:
-        """The figures, in order."""
+    def blocks(self) -> Iterator[Block]:
+        """All blocks, in order."""
         for section in self.sections:
-            yield from (block for block in section.blocks if isinstance(block, Picture))
+            yield from section.blocks
 
     def as_data(self) -> dict[str, Any]:
         """The document as plain data, for templates; paths become text."""
         data: dict[str, Any] = asdict(self)
-        for section, plain in zip(self.sections, data["sections"], strict=True):
-            for block, fields in zip(section.blocks, plain["blocks"], strict=True):
-                if isinstance(block, Table):
-                    fields["alignment"] = block.alignment()
-                if isinstance(block, Picture):
-                    fields["path"] = str(block.path)
+        plain = (block for section in data["sections"] for block in section["blocks"])
+        for block, fields in zip(self.blocks(), plain, strict=True):
+            if isinstance(block, Table):
+                fields["alignment"] = block.alignment()
+            if isinstance(block, Picture):
+                fields["path"] = str(block.path)
         return data

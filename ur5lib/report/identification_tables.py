@@ -111,3 +111,16 @@ def parameter_rows(robot: str, identification: Mapping[str, Any]) -> Iterator[Ro
     for row in identification.get("parameters", []):
         told = "yes" if row["determined"] else "no"
         yield {"robot": robot, **row, "determined": told}
+
+
+def excitation_rows(robot: str, identification: Mapping[str, Any]) -> Iterator[Row]:
+    """How well the recordings excite an arm, from identification.json."""
+    found = identification.get("excitation")
+    if found:
+        yield {
+            "robot": robot,
+            "combinations": found["combinations"],
+            "undetermined": len(found["undetermined"]),
+            **found["condition"],
+            "advice": "; ".join(found["advice"]),
+        }

@@ -1,18 +1,23 @@
 """A document as one HTML file and as PDF, from the same data."""
 
-import base64
 import json
+import re
 import shutil
 import tempfile
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 import jinja2
 import typst
+from markupsafe import Markup
 
 from ur5lib.report.document import Document
 from ur5lib.tables import write_bytes, write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
+EQUATION_PAGES = "#set page(width: auto, height: auto, margin: 1pt, fill: none)\n"
+PLAIN = " '!$()*+,-./:;=?@[]_~"  # what may stand in a data URI as it is
 
 
 def write_html(document: Document, path: str | Path) -> None:
@@ -25,7 +30,11 @@ def write_html(document: Document, path: str | Path) -> None:
         undefined=jinja2.StrictUndefined,
     )
     environment.filters["data_uri"] = _data_uri
-    page = environment.get_template("report.html.jinja").render(document=document.as_data())
+    data = document.as_data()
+    equations = _blocks(data, "equation")
+    for block, drawn in zip(equations, _drawn([e["source"] for e in equations]), strict=True):
+        block["drawn"] = drawn
+    page = environment.get_template("report.html.jinja").render(document=data)
     write_text(page, path)
 
 
@@ -35,16 +44,36 @@ def write_pdf(document: Document, path: str | Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(TEMPLATES / "report.typ", root)
-        for picture, block in zip(document.pictures(), _pictures(data), strict=True):
-            block["path"] = f"figure_{picture.number}.svg"
-            shutil.copy(picture.path, root / block["path"])
+        for block in _blocks(data, "picture"):
+            picture = f"figure_{block['number']}.svg"
+            shutil.copy(block["path"], root / picture)
+            block["path"] = picture
         (root / "report.json").write_text(json.dumps(data), encoding="utf-8")
         write_bytes(typst.compile(root / "report.typ", root=root, timestamp=0), path)
 
 
-def _pictures(data: dict) -> list[dict]:
-    return [b for section in data["sections"] for b in section["blocks"] if b["kind"] == "picture"]
+def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
+    return [b for section in data["sections"] for b in section["blocks"] if b["kind"] == kind]
+
+
+def _drawn(equations: list[str]) -> list[Markup]:
+    """Equations as SVG in the colour of the text around them."""
+    if not equations:
+        return []
+    pages = "\n#pagebreak()\n".join(f"$ {equation} $" for equation in equations)
+    drawn = typst.compile((EQUATION_PAGES + pages).encode(), format="svg")
+    images = [drawn] if isinstance(drawn, bytes) else drawn
+    return [Markup(_coloured(image.decode(), i)) for i, image in enumerate(images)]
+
+
+def _coloured(svg: str, index: int) -> str:
+    """An equation's SVG with names that no other has, in the text's colour."""
+    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>equation{index}-", svg)
+    return svg.replace('fill="#000000"', 'fill="currentColor"').replace(
+        'stroke="#000000"', 'stroke="currentColor"'
+    )
 
 
 def _data_uri(path: str) -> str:
-    return "data:image/svg+xml;base64," + base64.b64encode(Path(path).read_bytes()).decode()
+    """A figure inside the page, as text: base64 would be a third larger."""
+    return "data:image/svg+xml," + quote(Path(path).read_text(encoding="utf-8"), safe=PLAIN)

@@ -2,17 +2,14 @@ FIGURES = [
     "positions",
     "velocities",
     "torques",
-    "torque_errors",
     "accelerations",
-    "acceleration_errors",
     "accelerations_published",
     "currents",
     "forces_estimated",
-    *(
-        f"{figure}_{kind}"
-        for kind in ("printed", "corrected")
-        for figure in ("forces", "forces_friction", "force_errors")
-    ),
+    "forces_printed",
+    "forces_friction_printed",
+    "forces_corrected",
+    "forces_friction_corrected",
 ]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
 TABLES = [
@@ -24,6 +21,7 @@ TABLES = [
     "published_gains",
     "rotor_inertia",
     "parameters",
+    "excitation",
     "acceleration_mae",
     "imu_calibration",
     "innovations",
@@ -34,6 +32,26 @@ TABLES = [
     "force_mae",
     "detection",
 ]
+
+
+def drawings(folder, names):
+    """Figures of a folder, each with its numbers beside it."""
+    figures = {name: f"{folder}/{name}.svg" for name in names}
+    return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
+
+
+def of_every_job(kind):
+    """The log or the benchmark of every job of the rules so far."""
+    recordings = {"estimate_payload": VALIDATED}
+    patterns = {
+        step.name: re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(getattr(step, kind)))
+        for step in workflow.rules
+    }
+    return [
+        path
+        for name, pattern in patterns.items()
+        for path in expand(pattern, recording=recordings.get(name, RECORDINGS), robot=ROBOTS)
+    ]
 
 
 rule draw_figures:
@@ -50,7 +68,7 @@ rule draw_figures:
         arm=parameter_of("arm.yaml"),
         code=code("draw_figures"),
     output:
-        **{name: f"{RESULTS}/figures/{{recording}}/{name}.svg" for name in FIGURES},
+        **drawings(f"{RESULTS}/figures/{{recording}}", FIGURES),
     log:
         f"{RESULTS}/logs/draw_figures/{{recording}}.log",
     benchmark:
@@ -105,7 +123,7 @@ rule draw_friction:
         arm=parameter("arm.yaml"),
         code=code("draw_friction"),
     output:
-        **{name: f"{RESULTS}/figures/{{robot}}_{name}.svg" for name in FRICTION_FIGURES},
+        **drawings(f"{RESULTS}/figures/{{robot}}", FRICTION_FIGURES),
     log:
         f"{RESULTS}/logs/draw_friction/{{robot}}.log",
     benchmark:
@@ -122,7 +140,7 @@ rule draw_filters:
     input:
         code=code("draw_filters"),
     output:
-        filters=f"{RESULTS}/figures/filters.svg",
+        **drawings(f"{RESULTS}/figures", ["filters"]),
     log:
         f"{RESULTS}/logs/draw_filters.log",
     benchmark:
@@ -139,14 +157,58 @@ rule draw_filters:
         "../scripts/draw_filters.py"
 
 
+rule draw_models:
+    input:
+        arm=parameter("arm.yaml"),
+        code=code("draw_models"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["models"]),
+    log:
+        f"{RESULTS}/logs/draw_models/{{robot}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_models/{{robot}}.tsv"
+    script:
+        "../scripts/draw_models.py"
+
+
+rule draw_calibration:
+    input:
+        errors=rules.make_tables.output.force_mae,
+        code=code("draw_calibration"),
+    output:
+        **drawings(f"{RESULTS}/figures", ["calibration"]),
+    log:
+        f"{RESULTS}/logs/draw_calibration.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/draw_calibration.tsv"
+    script:
+        "../scripts/draw_calibration.py"
+
+
+rule time_steps:
+    input:
+        benchmarks=of_every_job("benchmark"),
+        logs=of_every_job("log"),
+        code=code("time_steps"),
+    output:
+        run_times=f"{RESULTS}/tables/run_times.csv",
+    log:
+        f"{RESULTS}/logs/time_steps.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/time_steps.tsv"
+    script:
+        "../scripts/time_steps.py"
+
+
 rule write_report:
     input:
         **REFERENCE,
-        tables=[*rules.make_tables.output, *TRUTH],
+        tables=[*rules.make_tables.output, *rules.time_steps.output, *TRUTH],
         quality=results("quality.json"),
-        figures=[rules.draw_filters.output.filters]
-        + expand(rules.draw_friction.output, robot=ROBOTS)
+        figures=[*rules.draw_filters.output, *rules.draw_calibration.output]
+        + expand([*rules.draw_friction.output, *rules.draw_models.output], robot=ROBOTS)
         + expand(rules.draw_figures.output, recording=RECORDINGS),
+        contents="ur5lib/report/contents.yaml",
         templates=[
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",

@@ -5,23 +5,33 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.figures import ACCELERATION, cartesian_panels, joint_panels, save
+from ur5lib.report.house_style import save
+from ur5lib.report.traces import (
+    ACCELERATION,
+    CURRENT,
+    TORQUE,
+    WRENCH,
+    Series,
+    Traces,
+    draw_traces,
+    joint_quantity,
+)
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import WRENCH, channel, labelled_channel, read_table
+from ur5lib.tables import WRENCH as COMPONENTS
+from ur5lib.tables import channel, labelled_channel, read_table
 
 BAND = 1.96  # standard deviations that hold 95 %
-LABELS = {
-    "sensor": "force sensor",
-    "Fu": "controller's estimate",
-    "F": "without friction",
-    "F*": "with friction",
-    "Fmap": "F^map",
-    "observer": "momentum observer",
-    "repeat": "repeat-aware",
+PUBLISHED = {
+    "Fu": ("controller's estimate", "first"),
+    "F": ("without friction", "second"),
+    "F*": ("with friction", "third"),
 }
-STYLES = {"sensor": "measured", "Fu": "first", "F": "second", "F*": "third"}
-STYLES |= {"Fmap": "first", "observer": "second", "repeat": "third"}
+ESTIMATES = {
+    "Fmap": ("F^map", "first"),
+    "observer": ("momentum observer", "second"),
+    "repeat": ("repeat-aware", "third"),
+}
 
 
 def draw_figures(input: Any, output: Any, params: Any) -> None:
@@ -43,8 +53,8 @@ def draw_closed_loop(
     time = unbroken(signals, signals["time"].to_numpy())
     gains = robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
     for state, symbol, unit, path in (
-        ("q", "q", "rad", output.positions),
-        ("qd", r"\dot{q}", "rad/s", output.velocities),
+        ("q", r"\Delta q", "rad", output.positions),
+        ("qd", r"\Delta \dot{q}", "rad/s", output.velocities),
     ):
         series = {}
         if f"{state}_{gains}_0" in closed_loop:
@@ -53,9 +63,9 @@ def draw_closed_loop(
             told = measured - channel(signals, f"target_{state}")
             series = {
                 "measured − target": (unbroken(signals, told), "measured"),
-                f"measured − closed loop, gains {gains}": (unbroken(signals, looped), "first"),
+                f"measured − closed loop, gains {gains}": (unbroken(signals, looped), "joint"),
             }
-        save(joint_panels(time, series, rf"\Delta {symbol}", unit), path)
+        save(draw_traces(Traces(time, series), joint_quantity(symbol, unit)), path)
 
 
 def draw_torques(signals: pd.DataFrame, torques: pd.DataFrame, model: str, output: Any) -> None:
@@ -63,104 +73,99 @@ def draw_torques(signals: pd.DataFrame, torques: pd.DataFrame, model: str, outpu
     time = unbroken(signals, signals["time"].to_numpy())
     motion = "target" if f"tau_target_{model}_0" in torques else "measured"
     modelled = unbroken(signals, channel(torques, f"tau_{motion}_{model}"))
-    values = {f"Model {model}, {motion} motion": (modelled, "first")}
-    error = {}
+    name = f"Model {model}, {motion} motion"
+    series, reference = {name: (modelled, "joint")}, None
     if "target_moment_0" in signals:
-        moment = unbroken(signals, channel(signals, "target_moment"))
-        values = {"controller's target_moment": (moment, "measured")} | values
-        error = {f"target_moment − Model {model}": (moment - modelled, "measured")}
-    save(joint_panels(time, values, r"\tau"), output.torques)
-    save(joint_panels(time, error, r"\Delta\tau"), output.torque_errors)
+        reference = unbroken(signals, channel(signals, "target_moment"))
+        series = {"controller's target_moment": (reference, "measured")} | series
+    save(draw_traces(Traces(time, series, errors(series, reference)), TORQUE), output.torques)
 
 
 def draw_currents(signals: pd.DataFrame, currents: pd.DataFrame, output: Any) -> None:
     """Measured current and the current that motion without contact needs."""
     time = unbroken(signals, signals["time"].to_numpy())
-    series = {}
+    series, measured = {}, None
     if "actual_current_0" in signals:
         measured = unbroken(signals, channel(signals, "actual_current"))
         series = {"actual_current": (measured, "measured")}
     if "predicted_current_0" in currents:
         predicted = unbroken(currents, channel(currents, "predicted_current"))
-        series["predicted without contact"] = (predicted, "first")
-    save(joint_panels(time, series, "i", "A"), output.currents)
+        series["predicted without contact"] = (predicted, "joint")
+    save(draw_traces(Traces(time, series, errors(series, measured)), CURRENT), output.currents)
 
 
 def draw_accelerations(accelerations: pd.DataFrame, output: Any) -> None:
-    """Figures 5.14 and 5.15: ours and its error, and as published."""
+    """Figures 5.14 and 5.15: ours and as published."""
     time = unbroken(accelerations, accelerations["time"].to_numpy())
-
-    def series(**labels: tuple[str, str]) -> dict[str, Any]:
-        return {
+    ours = {"felt": ("IMU", "measured"), "acceleration_encoders": ("from the joints", "first")}
+    published = {
+        "published_felt": ("IMU", "measured"),
+        "published_euler": ("Euler angles, Equation 2.33 as printed", "second"),
+    }
+    for names, path in ((ours, output.accelerations), (published, output.accelerations_published)):
+        series = {
             label: (unbroken(accelerations, channel(accelerations, name)), style)
-            for name, (label, style) in labels.items()
+            for name, (label, style) in names.items()
             if f"{name}_0" in accelerations
         }
-
-    ours = series(felt=("IMU", "measured"), acceleration_encoders=("from the joints", "first"))
-    published = series(
-        published_felt=("IMU", "measured"),
-        published_euler=("Euler angles, Equation 2.33 as printed", "second"),
-    )
-    errors = {}
-    if ours:
-        (felt, _), (modelled, _) = ours.values()
-        errors = {"IMU − from the joints": (felt - modelled, "measured")}
-    save(cartesian_panels(time, ours, ACCELERATION), output.accelerations)
-    save(cartesian_panels(time, errors, ACCELERATION, r"\Delta "), output.acceleration_errors)
-    save(cartesian_panels(time, published, ACCELERATION), output.accelerations_published)
+        felt = series["IMU"][0] if series else None
+        save(draw_traces(Traces(time, series, errors(series, felt)), ACCELERATION), path)
 
 
 def draw_published(published: pd.DataFrame, sensor: pd.DataFrame, output: Any) -> None:
-    """Figures 6.4 and 6.5, 6.6 and 6.7, 6.8 and 6.9, as printed and corrected."""
+    """Figures 6.4 to 6.9, as printed and corrected: values, and errors under them."""
     time = unbroken(sensor, sensor["time"].to_numpy())
     for kind in ("printed", "corrected"):
-        sources = {"sensor": (sensor, kind)}
-        sources |= {name: (published, f"{kind}_{name}") for name in ("Fu", "F", "F*")}
-        wrenches = {
-            name: (unbroken(table, labelled_channel(table, column, WRENCH)), STYLES[name])
-            for name, (table, column) in sources.items()
-            if f"{column}_Fx" in table
-        }
-
-        def chosen(*names: str, known: dict[str, Any] = wrenches) -> dict[str, Any]:
-            return {LABELS[name]: known[name] for name in names if name in known}
-
-        errors = {}
-        if "sensor" in wrenches:
-            measured = wrenches["sensor"][0]
-            errors = {
-                label: (measured - values, style)
-                for label, (values, style) in chosen("Fu", "F", "F*").items()
-            }
-        save(cartesian_panels(time, chosen("sensor", "F", "Fu")), output[f"forces_{kind}"])
-        save(cartesian_panels(time, chosen("sensor", "F*")), output[f"forces_friction_{kind}"])
-        save(cartesian_panels(time, errors, prefix=r"\Delta "), output[f"force_errors_{kind}"])
+        measured = wrench(sensor, kind)
+        for estimates, name in ((("F", "Fu"), "forces"), (("F*",), "forces_friction")):
+            series = {} if measured is None else {"force sensor": (measured, "measured")}
+            for estimate in estimates:
+                values = wrench(published, f"{kind}_{estimate}")
+                if values is not None:
+                    label, style = PUBLISHED[estimate]
+                    series[label] = values, style
+            traces = Traces(time, series, errors(series, measured))
+            save(draw_traces(traces, WRENCH), output[f"{name}_{kind}"])
 
 
 def draw_estimates(forces: pd.DataFrame, sensor: pd.DataFrame, hidden: Any, output: Any) -> None:
-    """The new estimates with the band of the first, the sensor, and where a force hides."""
-    time = unbroken(forces, forces["time"].to_numpy())
-    known = [name for name in ("Fmap", "observer", "repeat") if f"{name}_Fx" in forces]
-    series = {}
-    if "compensated_Fx" in sensor:
-        measured = labelled_channel(sensor, "compensated", WRENCH)
-        series["force sensor"] = (unbroken(sensor, measured), "measured")
-    for name in known:
-        wrench = labelled_channel(forces, name, WRENCH)
-        series[LABELS[name]] = (unbroken(forces, wrench), STYLES[name])
+    """The new estimates, the band of the last, the sensor, and where a force hides."""
+    measured = wrench(sensor, "compensated")
+    series = {} if measured is None else {"force sensor": (measured, "measured")}
     band = None
-    if known:
-        std = labelled_channel(forces, f"{known[-1]}_std", WRENCH)
-        band = LABELS[known[-1]], unbroken(forces, BAND * std)
-    figure = cartesian_panels(time, series, band=band, shaded=unbroken(forces, hidden))
-    save(figure, output.forces_estimated)
+    for name, (label, style) in ESTIMATES.items():
+        values = wrench(forces, name)
+        if values is not None:
+            series[label] = values, style
+            half = BAND * unbroken(forces, labelled_channel(forces, f"{name}_std", COMPONENTS))
+            band = values - half, values + half
+    time = unbroken(forces, forces["time"].to_numpy())
+    traces = Traces(time, series, errors(series, measured), band, unbroken(forces, hidden))
+    save(draw_traces(traces, WRENCH), output.forces_estimated)
+
+
+def wrench(table: pd.DataFrame, name: str) -> Any:
+    """A wrench of a table, (N, 6); None where the table has none of this name."""
+    if f"{name}_Fx" not in table:
+        return None
+    return unbroken(table, labelled_channel(table, name, COMPONENTS))
+
+
+def errors(series: Series, reference: Any) -> Series | None:
+    """What every other series misses of the one that is the reference."""
+    if reference is None or len(series) < 2:
+        return None
+    return {
+        label: (reference - values, style)
+        for label, (values, style) in series.items()
+        if values is not reference
+    }
 
 
 def unbroken(table: pd.DataFrame, values: Any) -> Any:
     """Values with NaN between segments, so that no line is drawn across a gap."""
     breaks = np.flatnonzero(np.diff(table["segment"])) + 1
-    return np.insert(values, breaks, np.nan, axis=0)
+    return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)
 
 
 if __name__ == "__main__":

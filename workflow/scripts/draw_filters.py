@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.report.figures import response_panel, save
+from ur5lib.report.charts import response_panel
+from ur5lib.report.house_style import save
 from ur5lib.signals.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 from ur5lib.steps import run_step
 

@@ -14,6 +14,7 @@ from ur5lib.report.current_tables import (
 )
 from ur5lib.report.identification_tables import (
     closed_loop_errors,
+    excitation_rows,
     gain_rows,
     parameter_rows,
     published_gain_rows,
@@ -35,6 +36,7 @@ COLUMNS = {
     "viscous viscous_std_error robot",
     "parameters": "robot parameter value std_error determined",
     "acceleration_mae": "recording estimate component mae printed zero_mae",
+    "excitation": "robot combinations undetermined gravity inertia rotors all advice",
     "imu_calibration": "robot quantity axis unit value std_error",
     "innovations": "recording estimate channel variance variance_low variance_high portmanteau "
     "portmanteau_limit consistent white",
@@ -112,6 +114,7 @@ def arm_rows(input: Any, robots: list[str]) -> dict[str, Rows]:
         found = {
             "rotor_inertia": rotor_rows(robot, rotors),
             "parameters": parameter_rows(robot, identification),
+            "excitation": excitation_rows(robot, identification),
             "imu_calibration": calibration_rows(robot, calibration),
             "friction": friction_rows(robot, load_robot(arm), friction),
             "cross_validation": cross_validation_rows(robot, friction),

@@ -8,9 +8,11 @@ from typing import Any
 
 import yaml
 
-from ur5lib.report.compose import compose, versions_blocks
+from ur5lib.report.compose import compose
+from ur5lib.report.contents import contents
 from ur5lib.report.reference import read_reference
 from ur5lib.report.render import write_html, write_pdf
+from ur5lib.report.results import Results
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv, read_json
 
@@ -21,14 +23,16 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 def write_report(input: Any, output: Any, params: Any) -> None:
     study = yaml.safe_load(params.study)
     names = [recording["name"] for recording in study["recordings"]]
-    document = compose(
-        study,
+    results = Results(
+        study=study,
         tables={Path(path).stem: read_csv(path) for path in input.tables},
         qualities=dict(zip(names, map(read_json, input.quality), strict=True)),
         figures=Path(input.figures[0]).parent,
         errata=read_reference(input.get("reference")).errata,
-        provenance=versions_blocks(commit(), versions()),
+        commit=commit(),
+        versions=versions(),
     )
+    document = compose(contents(), results)
     write_html(document, output.html)
     write_pdf(document, output.pdf)
 

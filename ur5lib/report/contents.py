@@ -1,0 +1,97 @@
+"""What the report holds and in which order, as data: `contents.yaml`.
+
+A block is text, sentences or a list that a view makes of the results, a table that a view makes,
+a figure that a rule drew, an equation, or a part that is repeated for each recording or arm that
+a view names. Views are named `module.function`. In texts, captions and alternative texts,
+{of} is the recording or arm of a repeated part; in texts, @name is a mention of the table or
+figure of this name.
+"""
+
+from functools import cache
+from pathlib import Path
+
+import yaml
+
+from ur5lib.strict import Strict
+
+
+class Text(Strict):
+    """A paragraph; `beside`: shown only where the table or figure of this name is."""
+
+    text: str
+    beside: str = ""
+
+
+class Sentences(Strict):
+    """Paragraphs, one a sentence or more, that a view writes."""
+
+    sentences: str
+
+
+class List(Strict):
+    """A list that a view writes."""
+
+    items: str
+    numbered: bool = False
+
+
+class Tabular(Strict):
+    """A table that a view makes; left out where it has no rows."""
+
+    table: str
+    caption: str
+    source: str = ""
+
+
+class Figure(Strict):
+    """A figure that a rule drew: figures/<of>/<figure>.svg; left out where it shows nothing."""
+
+    figure: str
+    rule: str
+    caption: str
+    alternative: str
+
+
+class Formula(Strict):
+    """An equation in typst's notation, and in words."""
+
+    equation: str
+    alternative: str
+
+
+class Listing(Strict):
+    """Text shown as typed, that a view writes."""
+
+    listing: str
+
+
+Single = Text | Sentences | List | Tabular | Figure | Formula | Listing
+
+
+class Repeated(Strict):
+    """Blocks for each recording or arm that a view names."""
+
+    each: str
+    heading: str = ""
+    blocks: list[Single]
+
+
+class Part(Strict):
+    """A section; `absent` says why, where the study's data give it nothing to show."""
+
+    title: str
+    absent: str = ""
+    blocks: list[Single | Repeated]
+
+
+class Contents(Strict):
+    """The whole report."""
+
+    sections: list[Part]
+
+
+@cache
+def contents() -> Contents:
+    """The report's contents, from the file beside this one."""
+    text = Path(__file__).with_name("contents.yaml").read_text(encoding="utf-8")
+    return Contents.model_validate(yaml.safe_load(text))

@@ -1,0 +1,72 @@
+"""The house style of all figures, and how they are written: SVG, with the data beside it."""
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from ur5lib.tables import write_bytes, write_csv
+
+# Okabe and Ito's palette: told apart by colour-blind readers; dashes tell lines apart in print.
+JOINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+STYLES: dict[str, Any] = {
+    "measured": {"color": "#000000", "linewidth": 1.1},
+    "first": {"color": "#0072B2", "linewidth": 1.0, "linestyle": (0, (5, 1.2))},
+    "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
+    "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
+    "joint": {"color": JOINTS, "linewidth": 1.0},  # each joint in its own colour
+    "joint, dashed": {"color": JOINTS, "linewidth": 1.0, "linestyle": (0, (2, 1))},
+}
+HOUSE_STYLE: Any = {
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 8,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "path.simplify_threshold": 0.5,
+    "svg.hashsalt": "ur5lib",  # the same figure gives the same file
+}
+DOTS: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
+BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
+GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
+SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
+WIDTH = 7.2  # inches, of A4 between margins
+DPI = 140  # of what is an image inside a figure
+MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
+
+
+class Drawing(NamedTuple):
+    """A figure and the numbers that are drawn in it; no rows where there was nothing to draw."""
+
+    figure: Figure
+    data: pd.DataFrame
+
+
+def nothing_to_draw() -> Drawing:
+    """What stands for a figure without data."""
+    figure = Figure(figsize=(WIDTH, 0.5))
+    figure.text(0.5, 0.5, "not recorded", ha="center", va="center")
+    return Drawing(figure, pd.DataFrame())
+
+
+def save(drawing: Drawing, path: str | Path) -> None:
+    """Write a figure as SVG, byte for byte the same for the same data, and its numbers as CSV.
+
+    Lines stay lines while they are few; many become an image inside the SVG, which is smaller.
+    """
+    axes = drawing.figure.axes
+    if sum(np.size(line.get_xdata()) for axis in axes for line in axis.lines) > MOST_VERTICES:
+        for artist in (artist for axis in axes for artist in [*axis.lines, *axis.collections]):
+            artist.set_rasterized(True)
+    buffer = BytesIO()
+    with matplotlib.rc_context(HOUSE_STYLE):
+        drawing.figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
+    write_bytes(buffer.getvalue(), path)
+    write_csv(drawing.data, Path(path).with_suffix(".csv"), digits=6)

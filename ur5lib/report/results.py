@@ -1,0 +1,65 @@
+"""Everything a report is written from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from ur5lib.report.document import Cell
+from ur5lib.report.reference import Erratum
+
+MOST_SHOWN = 4  # recordings that get tables and figures of their own; the others' lie in files
+
+
+class Body(NamedTuple):
+    """What a view makes of the results: a table's header and rows."""
+
+    header: list[str]
+    rows: list[list[Cell]]
+
+
+NOTHING = Body([], [])
+
+
+@dataclass(frozen=True)
+class Results:
+    """A study's results.
+
+    study: the configuration; tables: by name; qualities: quality.json by recording; figures: the
+    folder of figures; left_out: a sentence for each section that the data do not allow.
+    """
+
+    study: Mapping[str, Any]
+    tables: Mapping[str, pd.DataFrame]
+    qualities: Mapping[str, Any]
+    figures: Path
+    errata: Sequence[Erratum] = ()
+    commit: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    left_out: Sequence[str] = ()
+
+    def roles(self) -> dict[str, str]:
+        """The role of each recording."""
+        return {recording["name"]: recording["role"] for recording in self.study["recordings"]}
+
+    def with_role(self, role: str) -> list[str]:
+        """Names of the recordings with a role."""
+        return [name for name, other in self.roles().items() if other == role]
+
+    def robots(self) -> list[str]:
+        """The arms of the study."""
+        return sorted({recording["robot"] for recording in self.study["recordings"]})
+
+    def rows(self, table: str, **values: Any) -> pd.DataFrame:
+        """The rows of a table that have these values."""
+        rows = self.tables[table]
+        for column, value in values.items():
+            rows = rows[rows[column] == value]
+        return rows
+
+
+def shown(names: Sequence[str]) -> list[str]:
+    """As many recordings as a report has room for."""
+    return [*dict.fromkeys(names)][:MOST_SHOWN]

@@ -1,0 +1,215 @@
+"""Figures over time: six panels, errors under values, gaps and singular stretches shaded."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from ur5lib.report.decimation import decimate
+from ur5lib.report.house_style import (
+    BAND,
+    GAP,
+    HOUSE_STYLE,
+    JOINTS,
+    SHADE,
+    STYLES,
+    WIDTH,
+    Drawing,
+    nothing_to_draw,
+)
+
+Array = NDArray[np.float64]
+Series = Mapping[str, tuple[Array, str]]
+SMALLEST_SPAN = 1e-3  # of a panel
+ERRORS = "error of {}"
+
+
+class Panel(NamedTuple):
+    """What one of the six panels is about: in plain text, as mathematics, its unit."""
+
+    name: str
+    symbol: str
+    unit: str
+
+
+def joint_quantity(symbol: str, unit: str) -> list[Panel]:
+    """Panels of a quantity that each joint has."""
+    return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in range(1, 7)]
+
+
+def cartesian_quantity(linear: tuple[str, str, str], angular: tuple[str, str, str]) -> list[Panel]:
+    """Panels of a quantity with x, y, z; linear, angular: name, symbol and unit."""
+    return [
+        Panel(f"{name}{axis}", f"{symbol}_{axis}", unit)
+        for name, symbol, unit in (linear, angular)
+        for axis in "xyz"
+    ]
+
+
+TORQUE = joint_quantity(r"\tau", "Nm")
+CURRENT = joint_quantity("i", "A")
+WRENCH = cartesian_quantity(("F", "F", "N"), ("n", "n", "Nm"))
+ACCELERATION = cartesian_quantity(("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\omega}", "rad/s²"))
+
+
+@dataclass(frozen=True)
+class Traces:
+    """What is drawn over time (N,) [s]; where time is NaN, there is a gap.
+
+    series, errors: by label, values (N, 6) and a style; errors get panels under the values'.
+    band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where no force can be
+    told.
+    """
+
+    time: Array
+    series: Series
+    errors: Series | None = None
+    band: tuple[Array, Array] | None = None
+    hidden: NDArray[np.bool_] | None = None
+
+
+def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
+    """A column of panels for joints 1, 3, 5 and 2, 4, 6, or for linear and angular quantities."""
+    if not traces.series:
+        return nothing_to_draw()
+    thin = _decimated(traces)
+    spans = [(*_gaps(traces.time), GAP, "gap")]
+    if traces.hidden is not None:
+        spans.append((*_stretches(traces.time, traces.hidden), SHADE, "near a singularity"))
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure, above, below = _grid(thin, panels)
+        for i, axis in enumerate(above):
+            _draw_panel(axis, thin, thin.series, i, thin.band)
+            axis.set_ylabel(f"${panels[i].symbol}$ [{panels[i].unit}]")
+            if below:
+                _draw_panel(below[i], thin, thin.errors or {}, i)
+                below[i].set_ylabel(f"$\\Delta$ [{panels[i].unit}]")
+        for starts, ends, style, _ in spans:
+            for axis in [*above, *below]:
+                _shade(axis, starts, ends, style)
+        _legend(figure, thin, [(style, name) for starts, _, style, name in spans if len(starts)])
+    return Drawing(figure, _data(thin, panels))
+
+
+def _decimated(traces: Traces) -> Traces:
+    """The same envelope with fewer samples."""
+    errors = traces.errors or {}
+    values = [values for values, _ in [*traces.series.values(), *errors.values()]]
+    time, thin = decimate(traces.time, np.hstack([*values, *(traces.band or ())]))
+    parts = iter(np.split(thin, thin.shape[1] // 6, axis=1))
+    series = {label: (next(parts), style) for label, (_, style) in traces.series.items()}
+    errors = {label: (next(parts), style) for label, (_, style) in errors.items()}
+    band = (next(parts), next(parts)) if traces.band else None
+    return replace(traces, time=time, series=series, errors=errors, band=band)
+
+
+def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
+    """A figure with axes of the values and of the errors, in the order of the panels."""
+    pairs = 2 if traces.errors else 1
+    height = 5.6 if traces.errors else 4.2
+    figure = Figure(figsize=(WIDTH, height))
+    # Margins of its own: a layout that looks for room takes a third of the drawing time.
+    figure.subplots_adjust(0.09, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.21, hspace=0.3)
+    ratios = [2, 1] * 3 if traces.errors else [1] * 3
+    axes = figure.subplots(3 * pairs, 2, sharex=True, height_ratios=ratios)
+    figure.align_ylabels(axes)
+    for axis in axes[-1]:
+        axis.set_xlabel("time [s]")
+    by_rows = panels[0].name.startswith("joint")  # 1 2, 3 4, 5 6; else linear left
+    places = [(i // 2, i % 2) if by_rows else (i % 3, i // 3) for i in range(6)]
+    above = [axes[pairs * row, column] for row, column in places]
+    below = [axes[pairs * row + 1, column] for row, column in places] if traces.errors else []
+    return figure, above, below
+
+
+def _draw_panel(
+    axis: Axes, traces: Traces, series: Series, i: int, band: tuple[Array, Array] | None = None
+) -> None:
+    if band:
+        axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND)
+    for values, style in series.values():
+        axis.plot(traces.time, values[:, i], **_style(style, i))
+    _widen(axis)
+
+
+def _style(name: str, i: int) -> dict[str, Any]:
+    style = STYLES[name]
+    return style | {"color": style["color"][i]} if style["color"] is JOINTS else style
+
+
+def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
+    """One for all panels; a style that has a colour for each joint shows them all."""
+    handles: dict[str, Any] = {}
+    for label, (_, style) in {**traces.series, **_unlike(traces)}.items():
+        lines = tuple(Line2D([], [], **_style(style, i)) for i in range(6))
+        handles[label] = lines if style.startswith("joint") else lines[0]
+    if traces.band:
+        handles["95 % band"] = Patch(**BAND)
+    handles |= {name: Patch(**style) for style, name in spans}
+    figure.legend(
+        handles.values(),
+        handles.keys(),
+        loc="upper center",
+        ncols=6,
+        frameon=False,
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
+        handlelength=2.5,
+    )
+
+
+def _unlike(traces: Traces) -> Series:
+    """Errors whose label says more than which series errs."""
+    return {k: v for k, v in (traces.errors or {}).items() if k not in traces.series}
+
+
+def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
+    """What is drawn, a column for each line."""
+    drawn = dict(_columns(traces.series, "{}", panels))
+    drawn |= _columns(traces.errors or {}, ERRORS, panels)
+    if traces.band:
+        edges = zip(("lower", "upper"), traces.band, strict=True)
+        drawn |= _columns({f"95 % band, {edge}": (v, "") for edge, v in edges}, "{}", panels)
+    return pd.DataFrame({"time [s]": traces.time, **drawn})
+
+
+def _columns(
+    series: Series, name: str, panels: Sequence[Panel]
+) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    for label, (values, _) in series.items():
+        for i, panel in enumerate(panels):
+            yield f"{name.format(label)}, {panel.name} [{panel.unit}]", values[:, i]
+
+
+def _gaps(time: Array) -> tuple[Array, Array]:
+    """Where gaps begin and end: the times around those that are NaN."""
+    inside = np.flatnonzero(np.isnan(time[1:-1])) + 1
+    return time[inside - 1], time[inside + 1]
+
+
+def _stretches(time: Array, where: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Where stretches begin and end."""
+    known = np.isfinite(time) & (where == 1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]])))
+    return time[edges[::2]], time[edges[1::2] - 1]
+
+
+def _shade(axis: Axes, starts: Array, ends: Array, style: Any) -> None:
+    for start, end in zip(starts, ends, strict=True):
+        axis.axvspan(start, end, **style)
+
+
+def _widen(axis: Axes) -> None:
+    """Keep rounding noise from filling a panel whose values hardly change."""
+    low, high = axis.get_ylim()
+    missing = SMALLEST_SPAN - (high - low)
+    if missing > 0:
+        axis.set_ylim(low - missing / 2, high + missing / 2)

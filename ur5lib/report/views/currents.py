@@ -1,0 +1,90 @@
+"""Friction and motor currents: constants, prediction, cross-validation, payload."""
+
+from ur5lib.report.cells import extremes, number
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results, shown
+
+MODELS = {
+    "fitted": "fitted",
+    "least_squares": "Coulomb + viscous",
+    "thesis": "thesis (6.2, 6.6)",
+    "thesis_without_friction": "thesis (6.3)",
+    "i_target": "target_current",
+}
+
+
+def predicted(results: Results) -> list[str]:
+    """Recordings to validate on, whose currents were predicted."""
+    rows = results.tables["current_rmse"]
+    known = {*rows.loc[rows["model"] == "fitted", "recording"]}
+    return shown([name for name in results.with_role("validate") if name in known])
+
+
+def constants(results: Results) -> Body:
+    """Torque constants, offsets and friction, beside the thesis's."""
+    body = [
+        [
+            Cell(row.robot),
+            Cell(str(row.joint)),
+            Cell(row.parameter.replace("_", " ")),
+            Cell(f"{row.value:.3f} ± {row.std_error:.3f}".replace("-", "−")),
+            Cell(f"{row.low:.2f} to {row.high:.2f}".replace("-", "−")),
+            Cell(f"{100 * row.prior_share:.0f} %"),
+            Cell(row.determined),
+            number(row.thesis, 2),
+        ]
+        for row in results.tables["friction"].itertuples()
+    ]
+    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "determined"]
+    return Body([*header, "thesis"], body)
+
+
+def prediction(results: Results, of: str) -> Body:
+    """RMSE on a recording that was not fitted on, each model beside the others."""
+    rows = results.rows("current_rmse", recording=of)
+    errors = rows.set_index(["joint", "model"])["rmse_2hz"]
+    models = [model for model in MODELS if model in {*rows["model"]}]
+    fitted = rows[rows["model"] == "fitted"].set_index("joint")
+    body = []
+    for joint in range(1, 7):
+        values = {model: errors[joint, model] for model in models}
+        marks = extremes(values)
+        body.append(
+            [
+                Cell(str(joint)),
+                *(number(values[model], 3, marks[model]) for model in models),
+                number(fitted.loc[joint, "r2"], 3),
+                number(100 * fitted.loc[joint, "coverage95"], 0),
+            ]
+        )
+    header = ["joint", *(MODELS[model] for model in models), "R² of fitted", "in 95 % band [%]"]
+    return Body(header, body)
+
+
+def cross_validation(results: Results, of: str) -> Body:
+    """Fitted on one recording of an arm, tested on each: mean over the joints."""
+    rows = results.rows("cross_validation", robot=of)
+    mean = rows.pivot_table("rmse_2hz", "fitted_on", "tested_on", aggfunc="mean", sort=False)
+    names = [*mean.index][:MOST_COMPARED]
+    body = [
+        [Cell(f"{i + 1} {name}")]
+        + [number(mean.loc[name].get(other, float("nan")), 2) for other in names]
+        for i, name in enumerate(names)
+    ]
+    return Body(["fitted on", *(str(i + 1) for i in range(len(names)))], body)
+
+
+MOST_COMPARED = 12  # columns that a page has room for
+
+
+def payloads(results: Results) -> Body:
+    """Mass on the flange beyond the arm's model."""
+    body = [
+        [
+            Cell(row.recording),
+            Cell(f"{row.mass:.3f} ± {row.std_error:.3f}".replace("-", "−")),
+            Cell(f"{row.low:.3f} to {row.high:.3f}".replace("-", "−")),
+        ]
+        for row in results.tables["payload"].itertuples()
+    ]
+    return Body(["recording", "mass [kg]", "95 % [kg]"], body)

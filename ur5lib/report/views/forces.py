@@ -1,0 +1,157 @@
+"""Contact forces against the force sensor, their bands, and detected contacts."""
+
+import pandas as pd
+
+from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results, shown
+
+PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
+NEW = {"Fmap": "F^map", "observer": "observer", "repeat": "repeat-aware"}
+ESTIMATES = PUBLISHED | NEW
+UNITS = {"F": "N", "n": "Nm"}
+BANDS = (50, 80, 95)  # %
+
+
+def compared(results: Results) -> list[str]:
+    """Recordings with a working force sensor: those with printed errors first."""
+    return shown([*printed(results), *results.tables["force_mae"]["recording"]])
+
+
+def printed(results: Results) -> list[str]:
+    """Recordings with printed errors."""
+    rows = results.tables["force_mae"]
+    return [*rows.loc[rows["printed_mae"].notna(), "recording"].unique()]
+
+
+def summary(results: Results) -> Body:
+    """Mean error over x, y, z of each estimate, a row a recording, beside no force."""
+    rows = results.rows("force_mae", kind="compensated")
+    forces = rows[rows["component"].str.startswith("F")]
+    known = _known(forces)
+    body = []
+    for recording, part in forces.groupby("recording", sort=False):
+        mean = part.groupby("estimate")["mae"].mean()
+        marks = extremes(dict(mean))
+        zero = part.drop_duplicates("component")["zero_mae"].mean()
+        values = [number(mean.get(name, float("nan")), 2, marks.get(name)) for name in known]
+        body.append([Cell(str(recording)), *values, number(zero, 2)])
+    return Body(["recording", *(ESTIMATES[name] for name in known), "zero"], body)
+
+
+def errors(results: Results, of: str) -> Body:
+    """Every estimate against the sensor less bias and tool weight."""
+    return _errors(results.rows("force_mae", recording=of, kind="compensated"), "mae")
+
+
+def errors_from_start(results: Results, of: str) -> Body:
+    """Every estimate against the sensor less its reading at the start."""
+    return _errors(results.rows("force_mae", recording=of, kind="corrected"), "mae")
+
+
+def largest_errors(results: Results, of: str) -> Body:
+    """The largest error of every estimate against the sensor less bias and tool weight."""
+    return _errors(results.rows("force_mae", recording=of, kind="compensated"), "max")
+
+
+def _errors(rows: pd.DataFrame, figure: str) -> Body:
+    known = _known(rows)
+    values = rows.set_index(["component", "estimate"])[[figure, f"zero_{figure}"]]
+    body = []
+    for component in rows["component"].unique():
+        errors = {name: values.loc[(component, name), figure] for name in known}
+        marks = extremes(errors)
+        line = [_component(component), *(number(errors[x], 2, marks[x]) for x in known)]
+        body.append([*line, number(values.loc[(component, known[0]), f"zero_{figure}"], 2)])
+    return Body(["component", *(ESTIMATES[name] for name in known), "zero"], body)
+
+
+def printed_errors(results: Results, of: str) -> Body:
+    """Table 6.1: mean errors, printed, rebuilt, their difference."""
+    return _printed(results.rows("force_mae", recording=of, kind="printed"), "mae")
+
+
+def printed_largest_errors(results: Results, of: str) -> Body:
+    """Table 6.2: largest errors, printed, rebuilt, their difference."""
+    return _printed(results.rows("force_mae", recording=of, kind="printed"), "max")
+
+
+def _printed(rows: pd.DataFrame, figure: str) -> Body:
+    rows = rows[rows[f"printed_{figure}"].notna()]
+    known = _known(rows)
+    header = ["component"]
+    header += [f"{ESTIMATES[x]} {what}" for x in known for what in ("printed", "rebuilt", "diff.")]
+    body = []
+    for component, group in rows.groupby("component", sort=False):
+        part = group.set_index("estimate")
+        line = [_component(component)]
+        marks = extremes(part[figure].to_dict())
+        for name in known:
+            printed, value = part.loc[name, [f"printed_{figure}", figure]]
+            line += [
+                number(printed, 2),
+                number(value, 2, marks[name]),
+                signed(100 * (value / printed - 1), 1, " %"),
+            ]
+        body.append([*line, number(group[f"zero_{figure}"].iloc[0], 2)])
+    return Body([*header, "zero"], body)
+
+
+def bands(results: Results, of: str) -> Body:
+    """The new estimates: skill, gain, correlation, and what their bands hold."""
+    rows = results.rows("force_mae", recording=of, kind="compensated")
+    body = [
+        [
+            Cell(ESTIMATES[row.estimate]),
+            _component(row.component),
+            *(number(getattr(row, name), 2) for name in ("skill", "correlation", "gain")),
+            *(number(100 * getattr(row, f"coverage{x}"), 0) for x in BANDS),
+        ]
+        for row in rows[rows["coverage95"].notna()].itertuples()
+    ]
+    header = ["estimate", "component", "skill", "correlation", "gain"]
+    return Body([*header, *(f"in {x} % band [%]" for x in BANDS)], body)
+
+
+def detections(results: Results) -> Body:
+    """Contacts of at least 15 N by the sensor: found, false alarms, delay."""
+    rows = results.tables["detection"]
+    body = [
+        [
+            Cell(row.recording),
+            Cell(ESTIMATES[row.estimate]),
+            Cell(f"{row.found:.0f} of {row.contacts:.0f}"),
+            number(row.precision, 2),
+            number(row.false_alarms_per_min, 1),
+            number(row.median_delay_s, 2),
+        ]
+        for row in rows[rows["contacts"].notna()].itertuples()
+    ]
+    header = ["recording", "estimate", "found", "precision", "false alarms [1/min]"]
+    return Body([*header, "median delay [s]"], body)
+
+
+def alarms(results: Results) -> Body:
+    """Alarms where no sensor tells of contacts, and the smallest push that is found."""
+    rows = results.tables["detection"]
+    body = [
+        [
+            Cell(row.recording),
+            Cell(results.roles()[row.recording]),
+            Cell(ESTIMATES[row.estimate]),
+            number(row.alarms_per_min, 1),
+            *(number(getattr(row, f"smallest_force_95_{axis}"), 0) for axis in "xyz"),
+        ]
+        for row in rows[rows["contacts"].isna()].itertuples()
+    ]
+    pushes = [f"found in {axis} [N]" for axis in "xyz"]
+    return Body(["recording", "role", "estimate", "alarms [1/min]", *pushes], body)
+
+
+def _known(rows: pd.DataFrame) -> list[str]:
+    """The estimates that were made, in the report's order."""
+    return [name for name in ESTIMATES if name in {*rows["estimate"]}]
+
+
+def _component(name: str) -> Cell:
+    return Cell(f"{name} [{UNITS[name[0]]}]")

@@ -1,0 +1,118 @@
+"""Link models: rotors, the identified model, and their torques against the controller's."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.document import Cell
+from ur5lib.report.results import NOTHING, Body, Results, shown
+
+
+def compared(results: Results) -> list[str]:
+    """Recordings whose torques have a table: with printed errors, and those to validate on."""
+    torque = results.tables["torque_mae"]
+    known = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
+    printed = [*torque.loc[torque["printed"].notna(), "recording"].unique()]
+    others = [name for name in results.with_role("validate") if name in known]
+    return shown([*printed, *others] or known[:1])
+
+
+def mean_errors(results: Results) -> Body:
+    """Mean over the recordings, a row a joint, each model at each motion."""
+    torque = results.tables["torque_mae"]
+    torque = torque[torque["mae"].notna() & (torque["motion"] != "closed_loop")]
+    if torque.empty:
+        return NOTHING
+    mean = torque.groupby(["joint", "motion", "model"], sort=False, as_index=False)[
+        ["mae", "zero_mae"]
+    ].mean()
+    return _errors(mean)
+
+
+def errors(results: Results, of: str) -> Body:
+    """Every model on a recording, at the target and at the measured motion."""
+    rows = results.rows("torque_mae", recording=of)
+    return _errors(rows[rows["mae"].notna() & (rows["motion"] != "closed_loop")])
+
+
+def _errors(rows: pd.DataFrame) -> Body:
+    motions, models = rows["motion"].unique(), rows["model"].unique()
+    errors = rows.set_index(["joint", "motion", "model"])["mae"]
+    header = ["joint", *(f"{model}, {motion}" for motion in motions for model in models), "zero"]
+    body = []
+    for joint, group in rows.groupby("joint"):
+        line = [Cell(str(joint))]
+        for motion in motions:
+            values = {model: errors[joint, motion, model] for model in models}
+            marks = extremes(values)
+            line += [number(values[model], 4, marks[model]) for model in models]
+        body.append([*line, number(group["zero_mae"].iloc[0], 4)])
+    return Body(header, body)
+
+
+def printed_errors(results: Results, of: str) -> Body:
+    """Table 5.6: printed, rebuilt, their difference."""
+    rows = results.rows("torque_mae", recording=of)
+    target = rows[(rows["motion"] == "closed_loop") & rows["mae"].notna() & rows["printed"].notna()]
+    others = rows[rows["mae"].isna()]  # printed, but not to be rebuilt
+    models, older = target["model"].unique(), others["model"].unique()
+    header = ["joint", *(f"{model} printed" for model in older)]
+    header += [f"{model} {what}" for model in models for what in ("printed", "rebuilt", "diff.")]
+    body = []
+    for joint, group in target.groupby("joint"):
+        line = [Cell(str(joint))]
+        line += [number(value, 4) for value in others.loc[others["joint"] == joint, "printed"]]
+        marks = extremes(dict(zip(group["model"], group["mae"], strict=True)))
+        for row in group.itertuples():
+            line += [
+                number(row.printed, 4),
+                number(row.mae, 4, marks[row.model]),
+                signed(row.mae - row.printed, 4),
+            ]
+        body.append([*line, number(group["zero_mae"].iloc[0], 4)])
+    return Body([*header, "zero"], body)
+
+
+def rotors(results: Results) -> Body:
+    """The fitted rotor inertias, and the terms that should be zero."""
+
+    def fitted(row: pd.Series, value: str, std: str) -> Cell:
+        return Cell(f"{row[value]:.4f} ± {row[std]:.4f}".replace("-", "−"))
+
+    terms = {"offset [Nm]": "offset", "Coulomb [Nm]": "coulomb", "viscous [Nm s/rad]": "viscous"}
+    body = [
+        [Cell(row["robot"]), Cell(str(row["joint"])), fitted(row, "value", "std_error")]
+        + [fitted(row, term, f"{term}_std_error") for term in terms.values()]
+        for _, row in results.tables["rotor_inertia"].iterrows()
+    ]
+    return Body(["arm", "joint", "inertia [kg m²]", *terms], body)
+
+
+def excitation(results: Results) -> Body:
+    """How well the recordings excite what is identified, a row an arm."""
+    groups = ["gravity", "inertia", "rotors", "all"]
+    body = [
+        [Cell(row["robot"]), Cell(str(row["combinations"])), Cell(str(row["undetermined"]))]
+        + [number(row[group], 1) for group in groups]
+        for _, row in results.tables["excitation"].iterrows()
+    ]
+    return Body(["arm", "combinations", "undetermined", *groups], body)
+
+
+def advice(results: Results) -> Iterator[str]:
+    """What to record so that more of an arm is determined."""
+    for row in results.tables["excitation"].dropna(subset="advice").itertuples():
+        yield f"To determine more of {row.robot}: {row.advice}."
+
+
+def identified(results: Results) -> Iterator[str]:
+    """How much of the arm the recordings determine."""
+    for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
+        determined = (parameters["determined"] == "yes").sum()
+        yield (
+            f"The model “identified” of {robot} was fitted to the controller's torques of the "
+            f"recordings for fitting: {determined} of its {len(parameters)} base parameters are "
+            f"determined by them. It lies, with every other model, in parameters/{robot}/arm.yaml "
+            "and as URDF beside it."
+        )

@@ -1,0 +1,81 @@
+"""Accelerations of the end effector against the IMU, its calibration, the smoother's tests."""
+
+from collections.abc import Iterator
+
+from ur5lib.report.cells import number, signed
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results, shown
+
+COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "rad/s²", "rz": "rad/s²"}
+
+
+def drawn(results: Results) -> list[str]:
+    """Recordings with an IMU whose acceleration is drawn: with printed errors, or the first."""
+    rows = results.tables["acceleration_mae"]
+    printed = rows.loc[rows["printed"].notna(), "recording"].unique()
+    return shown([*printed] or [*rows["recording"].unique()][:1])
+
+
+def errors(results: Results) -> Body:
+    """Every recording with a valid IMU: ours, with and without it, beside zero."""
+    rows = results.tables["acceleration_mae"]
+    body = []
+    for recording, part in rows[~rows["estimate"].str.startswith("euler")].groupby(
+        "recording", sort=False
+    ):
+        for estimate, values in part.groupby("estimate", sort=False):
+            body.append([Cell(recording), Cell(estimate), *(number(x, 4) for x in values["mae"])])
+        zero = [number(x, 4) for x in values["zero_mae"]]
+        body.append([Cell(recording), Cell("zero"), *zero])
+    header = [f"{name} [{unit}]" for name, unit in COMPONENTS.items()]
+    return Body(["recording", "estimate", *header], body)
+
+
+def printed_errors(results: Results, of: str) -> Body:
+    """Table 5.7: printed, rebuilt, their difference."""
+    rows = results.rows("acceleration_mae", recording=of)
+    body = [
+        [
+            Cell(f"{row.component} [{COMPONENTS[row.component]}]"),
+            number(row.printed, 4),
+            number(row.mae, 4),
+            signed(100 * (row.mae / row.printed - 1), 1, " %"),
+        ]
+        for row in rows[rows["printed"].notna()].itertuples()
+    ]
+    return Body(["component", "printed", "rebuilt", "diff."], body)
+
+
+def calibration(results: Results) -> Body:
+    """The IMU's mounting, the base's tilt and the gyroscope's bias."""
+    body = [
+        [
+            Cell(row.robot),
+            Cell(row.quantity.replace("_", " ")),
+            Cell(row.axis),
+            Cell(f"{row.value:.5f} ± {row.std_error:.5f}".replace("-", "−")),
+            Cell(row.unit),
+        ]
+        for row in results.tables["imu_calibration"].itertuples()
+    ]
+    return Body(["arm", "quantity", "axis", "value", "unit"], body)
+
+
+def innovations(results: Results) -> Iterator[str]:
+    """How many channels pass the tests: the smoother's bands hold no better than its noise."""
+    table = results.tables["innovations"]
+    parts = []
+    for estimate, rows in table.groupby("estimate", sort=False):
+        consistent, white = (int((rows[test] == "yes").sum()) for test in ("consistent", "white"))
+        parts.append(
+            f"{estimate}: {consistent} of {len(rows)} channels have innovations of the stated "
+            f"variance, {white} have white ones"
+        )
+    verdict = (
+        "Innovations that are not white mean that encoders err in ways that repeat; then the "
+        "stated standard deviations are too small."
+        if (table["white"] == "no").any()
+        else "The noise found explains the innovations."
+    )
+    if parts:
+        yield f"Normalised innovations were tested (95 %). {'; '.join(parts)}. {verdict}"

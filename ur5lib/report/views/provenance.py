@@ -1,0 +1,69 @@
+"""Where the results come from: code, versions, files, times, configuration."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+import yaml
+
+from ur5lib.report.cells import number
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results
+
+
+def commit(results: Results) -> Iterator[str]:
+    """Which code made the results."""
+    yield f"Made by commit {results.commit}."
+
+
+def versions(results: Results) -> Body:
+    """Versions of what the numbers depend on."""
+    rows = [[Cell(name), Cell(version)] for name, version in results.versions.items()]
+    return Body(["package", "version"], rows)
+
+
+def files(results: Results) -> Body:
+    """What each recording was read from."""
+    rows = [
+        [Cell(name), Cell(device), Cell(checksum[:16])]
+        for name, quality in results.qualities.items()
+        for device, checksum in quality["files"].items()
+    ]
+    return Body(["recording", "device", "SHA-256 begins"], rows)
+
+
+def run_times(results: Results) -> Body:
+    """How long each step took, and how much of that was start-up."""
+    times = results.tables["run_times"]
+    rows = [
+        [
+            Cell(step.step),
+            Cell(str(step.jobs)),
+            number(step.wall_s, 1),
+            number(step.start_up_s, 1),
+            number(step.cpu_s, 1),
+            Cell(step.first_end.replace("T", " ")),
+            Cell(step.last_end.replace("T", " ")),
+        ]
+        for step in times.itertuples()
+    ]
+    header = ["step", "jobs", "time [s]", "of it start-up [s]", "processor [s]"]
+    return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
+
+
+def total_time(results: Results) -> Iterator[str]:
+    """All jobs together."""
+    times: pd.DataFrame = results.tables["run_times"]
+    if len(times):
+        wall, start_up = times["wall_s"].sum(), times["start_up_s"].sum()
+        yield (
+            f"The {times['jobs'].sum()} jobs took {wall:.0f} s one after the other, "
+            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is "
+            "computed, torch."
+        )
+
+
+def configuration(results: Results) -> str:
+    """The study, with every default filled in."""
+    return yaml.safe_dump(
+        dict(results.study), sort_keys=False, allow_unicode=True, default_flow_style=None
+    )

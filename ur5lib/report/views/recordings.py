@@ -1,0 +1,91 @@
+"""The recordings, their defects and their clocks."""
+
+import pandas as pd
+
+from ur5lib.report.document import Cell
+from ur5lib.report.result_tables import group_findings
+from ur5lib.report.results import Body, Results
+
+MOST_NAMED = 4  # recordings of one finding
+LONGEST = 120  # characters of the places of one finding
+
+
+def files(results: Results) -> Body:
+    """A row a recording: role, length, frames, steps, devices."""
+    rows = []
+    for name, role in results.roles().items():
+        quality = results.qualities[name]
+        rows.append(
+            [
+                Cell(name),
+                Cell(role),
+                Cell(f"{quality['duration_s']:.1f}"),
+                Cell(str(quality["rows"])),
+                Cell(str(quality["frames"])),
+                Cell(f"{1000 * quality['longest_step_s']:.1f}"),
+                Cell(f"{1000 * quality['jitter_s']['99 %']:.2f}"),
+                Cell(", ".join(quality["devices"])),
+            ]
+        )
+    header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
+    return Body([*header, "jitter [ms]", "devices used"], rows)
+
+
+def findings(results: Results) -> Body:
+    """What is wrong with the files: a row for each finding and what it means, once."""
+    grouped = group_findings(results.tables["quality"])
+    kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
+    rows = [
+        [
+            Cell(severity),
+            Cell(device),
+            Cell(finding),
+            Cell(_named(part["recording"])),
+            Cell(str(part["count"].sum())),
+            Cell(_short(detail)),
+        ]
+        for (severity, device, finding, detail), part in kinds
+    ]
+    rows.sort(key=lambda row: ("error", "warning", "note").index(row[0].text))
+    return Body(["severity", "device", "finding", "recordings", "count", "what it means"], rows)
+
+
+def _named(recordings: pd.Series) -> str:
+    names = [*recordings]
+    rest = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return ", ".join(names[:MOST_NAMED]) + rest
+
+
+def _short(detail: str) -> str:
+    """What it means, without a list of places that goes on for ever."""
+    places, _, meaning = detail.rpartition(": ")
+    several = len(places) > LONGEST
+    return (
+        f"{places[:LONGEST].rpartition(';')[0]} and further places: {meaning}"
+        if several
+        else detail
+    )
+
+
+def clocks(results: Results) -> Body:
+    """A row a device: its clock's offset and drift against the robot's."""
+    rows = [
+        [
+            Cell(clock.recording),
+            Cell(clock.device),
+            Cell(f"{clock.offset_s:.3f} ± {clock.offset_std_s:.3f}".replace("-", "−")),
+            Cell(_drift(clock.drift_ppm, clock.drift_std_ppm)),
+            Cell(clock.method),
+        ]
+        for clock in results.tables["clocks"].itertuples()
+    ]
+    return Body(["recording", "device", "offset [s]", "drift [ppm]", "method"], rows)
+
+
+def _drift(drift: float, std: float) -> str:
+    return "not estimated" if pd.isna(drift) else f"{drift:.0f} ± {std:.0f}".replace("-", "−")
+
+
+def arms(results: Results) -> list[str]:
+    """The arms of the study."""
+    return results.robots()

@@ -1,0 +1,131 @@
+"""Estimates beside the truth, which simulated recordings have."""
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ur5lib.report.document import Cell
+from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.truth_table import COLUMNS
+
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+QUANTITIES = {
+    "clock_offset": "clock offset",
+    "clock_drift": "clock drift",
+    "rotor_inertia": "rotor inertia",
+    "base_parameter": "base parameter",
+    "imu_mounting": "IMU mounting",
+    "imu_tilt": "tilt of the base",
+    "imu_gyroscope_bias": "gyroscope bias",
+    "torque_constant": "torque constant",
+    "offset": "torque offset",
+    "coulomb": "Coulomb friction",
+    "viscous": "viscous friction",
+    "load": "load-dependent friction",
+    "periodic_1_cos": "periodic friction, cosine",
+    "periodic_1_sin": "periodic friction, sine",
+}
+
+
+def summary(results: Results) -> Body:
+    """How many stated intervals hold the truth, quantity by quantity."""
+    truth = _truth(results)
+    stated = truth[truth["within95"].notna()]
+    rows = [
+        [Cell(QUANTITIES[quantity]), Cell(str(len(part))), Cell(str((part == "yes").sum()))]
+        for quantity, part in stated.groupby("quantity", sort=False)["within95"]
+    ]
+    return Body(["quantity", "values", "inside"], rows)
+
+
+def fitted(results: Results) -> Body:
+    """What was fitted to several recordings."""
+    single = _truth(results, *QUANTITIES)
+    arms = single["recording"].isna() & (single["quantity"] != "base_parameter")
+    return _values(single[arms], "robot")
+
+
+def clocks(results: Results) -> Body:
+    """The devices' clocks."""
+    single = _truth(results, *QUANTITIES)
+    return _values(single[single["recording"].notna()], "recording")
+
+
+def _values(rows: pd.DataFrame, of: str) -> Body:
+    body = [
+        [
+            Cell(row[of]),
+            Cell(QUANTITIES[row["quantity"]]),
+            Cell(str(row["index"])),
+            Cell(row["unit"]),
+            _figure(row["truth"], 5),
+            _figure(row["estimate"], 5),
+            _figure(row["std_error"], 3),
+            Cell(row["within95"] if pd.notna(row["within95"]) else "–"),
+        ]
+        for _, row in rows.iterrows()
+    ]
+    header = [of, "quantity", "of", "unit", "truth", "estimate", "standard error", "inside"]
+    return Body(header, body)
+
+
+def joint_accelerations(results: Results) -> Body:
+    """RMSE of joint accelerations."""
+    return _series(results, "joint_acceleration_rmse", "joint")
+
+
+def joint_acceleration_bands(results: Results) -> Body:
+    """Share of joint accelerations inside two stated standard deviations."""
+    return _series(results, "joint_acceleration_inside_2_std", "joint")
+
+
+def end_effector_accelerations(results: Results) -> Body:
+    """RMSE of the end effector's acceleration."""
+    return _series(results, "end_effector_acceleration_rmse")
+
+
+def torques(results: Results) -> Body:
+    """RMSE of each model's torque at the true motion."""
+    return _series(results, "torque_rmse", "joint")
+
+
+def wrenches(results: Results) -> Body:
+    """Mean absolute error of the contact wrench."""
+    return _series(results, "wrench_mae")
+
+
+def wrench_bands(results: Results) -> Body:
+    """Share of the contact wrench inside the stated band."""
+    return _series(results, "wrench_coverage95")
+
+
+def _truth(results: Results, *quantities: str) -> pd.DataFrame:
+    """The table of truth; an empty one where no recording was simulated."""
+    truth = results.tables.get("truth", pd.DataFrame(columns=COLUMNS))
+    return truth[truth["quantity"].isin(quantities)] if quantities else truth
+
+
+def _series(results: Results, quantity: str, name: str = "") -> Body:
+    """A line for each recording and estimate."""
+    rows = _truth(results, quantity)
+    if rows.empty:
+        return NOTHING
+    header = ["recording", "estimate", *(f"{name} {i}".strip() for i in rows["index"].unique())]
+    groups = rows.groupby("recording", sort=False)
+    return Body(header, [line for key, part in groups for line in _lines(str(key), part)])
+
+
+def _lines(recording: str, rows: pd.DataFrame) -> Iterator[list[Cell]]:
+    for method, part in rows.groupby("method", sort=False):
+        yield [Cell(recording), Cell(str(method)), *map(_figure, part["estimate"])]
+    if part["zero"].notna().any():
+        yield [Cell(recording), Cell("zero"), *map(_figure, part["zero"])]
+
+
+def _figure(value: float, digits: int = 3) -> Cell:
+    """A number of any size to some digits, or a dash where there is none."""
+    if pd.isna(value):
+        return Cell("–")
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"·10{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
+    return Cell(mantissa.replace("-", "−") + power)

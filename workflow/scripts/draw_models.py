@@ -1,0 +1,34 @@
+"""Where each link model of an arm places mass, after Figures 5.7 and 5.8."""
+
+from typing import Any
+
+import numpy as np
+import torch
+
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.kinematics import link_frames
+from ur5lib.report.charts import MassModel, mass_panels
+from ur5lib.report.house_style import save
+from ur5lib.robots.description import load_robot
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.steps import run_step
+
+BENT = [0.0, -1.3, 1.1, -1.3, -1.5, 0.0]  # rad: no link hides another
+
+
+def draw_models(input: Any, output: Any, params: Any) -> None:
+    robot = load_robot(input.arm)
+    arm = build_arm(robot, robot.chosen_model)
+    frames = link_frames(arm, torch.tensor([BENT], dtype=torch.float64))
+    rotation, origin = (part[0].numpy() for part in frames)
+    models = {}
+    for name in robot.models:
+        bodies = rigid_bodies(robot, name)
+        centers = origin[1:] + np.einsum("kij,kj->ki", rotation[1:], bodies.center_of_mass)
+        inertias = rotation[1:] @ bodies.inertia @ rotation[1:].transpose(0, 2, 1)
+        models[name] = MassModel(bodies.mass, centers, inertias)
+    save(mass_panels(origin, models), output.models)
+
+
+if __name__ == "__main__":
+    run_step(draw_models, snakemake)  # type: ignore[name-defined]  # noqa: F821
