@@ -4,8 +4,11 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import yaml
 from pypdf import PdfReader
 
+from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
+from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow
 from ur5lib.tables import read_csv
 
@@ -111,3 +114,14 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
     assert f'<p class="notice" role="note">{NOTICE}' in html
     assert "<title>A UR5 on the virtual test stand (simulated)</title>" in html
     assert "Estimates against the truth" in html
+
+
+def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
+    check_structure(results / "report.html")
+    check_in_browser(results / "report.html", tmp_path)
+    check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])
+
+
+def test_the_summary_tells_the_numbers_of_the_tables(demo: Workflow, results: Path) -> None:
+    study = yaml.safe_load((demo.folder / "config.yaml").read_text())
+    check_summary(results / "report.html", study)

@@ -155,3 +155,47 @@ def imported_modules(path):
         file for module in modules for file in (module.with_suffix(".py"), module / "__init__.py")
     )
     return {str(file) for file in files if file.is_file()}
+
+
+def drawings(folder, names):
+    """Figures of a folder, each with its numbers beside it."""
+    figures = {
+        name: report(
+            f"{folder}/{name}.svg",
+            caption="../captions/figures.rst",
+            category="Figures",
+            subcategory=Path(folder).name.replace("figures", "study"),
+            labels={"figure": name.replace("_", " ")},
+        )
+        for name in names
+    }
+    return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
+
+
+def tables(names):
+    """Tables of results."""
+    return {
+        name: report(
+            f"{RESULTS}/tables/{name}.csv",
+            caption="../captions/tables.rst",
+            category="Tables",
+            labels={"table": name.replace("_", " ")},
+        )
+        for name in names
+    }
+
+
+def of_every_job(kind):
+    """The output, the log or the benchmark of every job of the rules so far."""
+    recordings = {"estimate_payload": VALIDATED}
+    files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
+    patterns = {
+        re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(pattern)): recordings.get(name, RECORDINGS)
+        for name, found in files.items()
+        for pattern in ([found] if isinstance(found, str) else found)
+    }
+    return [
+        path
+        for pattern, names in patterns.items()
+        for path in expand(pattern, recording=names, robot=ROBOTS)
+    ]

@@ -34,26 +34,6 @@ TABLES = [
 ]
 
 
-def drawings(folder, names):
-    """Figures of a folder, each with its numbers beside it."""
-    figures = {name: f"{folder}/{name}.svg" for name in names}
-    return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
-
-
-def of_every_job(kind):
-    """The log or the benchmark of every job of the rules so far."""
-    recordings = {"estimate_payload": VALIDATED}
-    patterns = {
-        step.name: re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(getattr(step, kind)))
-        for step in workflow.rules
-    }
-    return [
-        path
-        for name, pattern in patterns.items()
-        for path in expand(pattern, recording=recordings.get(name, RECORDINGS), robot=ROBOTS)
-    ]
-
-
 rule draw_figures:
     input:
         signals=result("signals.parquet"),
@@ -101,7 +81,7 @@ rule make_tables:
         payload=expand(rules.estimate_payload.output, recording=VALIDATED),
         code=code("make_tables"),
     output:
-        **{name: f"{RESULTS}/tables/{name}.csv" for name in TABLES},
+        **tables(TABLES),
     log:
         f"{RESULTS}/logs/make_tables.log",
     benchmark:
@@ -191,7 +171,7 @@ rule time_steps:
         logs=of_every_job("log"),
         code=code("time_steps"),
     output:
-        run_times=f"{RESULTS}/tables/run_times.csv",
+        **tables(["run_times"]),
     log:
         f"{RESULTS}/logs/time_steps.log",
     benchmark:
@@ -215,8 +195,8 @@ rule write_report:
         ],
         code=code("write_report"),
     output:
-        html=f"{RESULTS}/report.html",
-        pdf=f"{RESULTS}/report.pdf",
+        html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
+        pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
     log:
         f"{RESULTS}/logs/write_report.log",
     benchmark:

@@ -1,0 +1,103 @@
+"""What every report must be, as HTML in a browser and as PDF, whatever its study."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pypdfium2
+import pytest
+from pypdf import PdfReader
+
+WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
+MARGIN = {"html": 14, "pdf": 18}  # mm, left and right of the text on A4
+POINTS = 72 / 25.4  # in a millimetre
+SLACK = 6  # points: punctuation hangs out
+
+
+@contextmanager
+def browser() -> Iterator[Any]:
+    """Chromium, where it is installed."""
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    if program is None:
+        pytest.skip("Chromium is not installed: the report was not opened in a browser")
+    playwright = pytest.importorskip("playwright.sync_api")
+    flags = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=program, args=flags)
+        yield opened
+        opened.close()
+
+
+def check_in_browser(report: Path, folder: Path) -> None:
+    """It reads on wide and narrow screens, light and dark, and prints to A4."""
+    from axe_playwright_python.sync_playwright import Axe
+
+    with browser() as chromium:
+        for width, scheme in ((WIDE, "light"), (WIDE, "dark"), (NARROW, "light")):
+            page = chromium.new_page(
+                viewport={"width": width, "height": HEIGHT}, color_scheme=scheme
+            )
+            told: list[str] = []
+            page.on("console", lambda message: told.append(message.text))  # noqa: B023
+            page.on("request", lambda request: told.append(request.url))  # noqa: B023
+            page.goto(report.as_uri())
+            beyond = [line for line in told if not line.startswith(("data:", report.as_uri()))]
+            assert beyond == [], "messages, or requests beyond the file"
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+            violations = Axe().run(page).response["violations"]
+            assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []
+            if width == WIDE and scheme == "light":
+                page.pdf(path=str(folder / "print.pdf"), prefer_css_page_size=True)
+            page.close()
+    check_margins(folder / "print.pdf", MARGIN["html"])
+
+
+def check_structure(report: Path) -> None:
+    """One h1, headings in order, words for every image, headers for every table."""
+    text = report.read_text()
+    levels = [int(level) for level in re.findall(r"<h([1-6])", text)]
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+    images = re.findall(r"<img [^>]*>", text)
+    assert images
+    assert all(re.search(r' alt="[^"]{20,}"', image) for image in images)
+    for table in re.findall(r"<table>.*?</table>", text, re.DOTALL):
+        assert "<caption>" in table
+        assert '<th scope="col"' in table
+        assert '<th scope="row"' in table
+
+
+def check_pdf(report: Path, sections: list[str]) -> None:
+    """Contents, bookmarks, numbered and mentioned figures and tables, fonts, margins."""
+    reader = PdfReader(report)
+    texts = [page.extract_text() for page in reader.pages]
+    assert "Contents" in texts[0]
+    bookmarks = [entry.title for entry in reader.outline if not isinstance(entry, list)]
+    assert [title for title in sections if not any(title in known for known in bookmarks)] == []
+    whole = " ".join(" ".join(texts).split())
+    for kind in ("Table", "Figure"):
+        captions = {int(number) for number in re.findall(rf"{kind} (\d+): ", whole)}
+        assert captions == set(range(1, len(captions) + 1))
+        mentions = {int(number) for number in re.findall(rf"{kind} (\d+)(?!\d|: )", whole)}
+        assert captions - mentions == set(), f"{kind}s that no text mentions"
+    for page in reader.pages:
+        for font in page["/Resources"].get("/Font", {}).values():
+            embedded = font.get_object().get("/DescendantFonts", [font])[0].get_object()
+            described = embedded["/FontDescriptor"].get_object()
+            assert {"/FontFile", "/FontFile2", "/FontFile3"} & set(described)
+    check_margins(report, MARGIN["pdf"])
+
+
+def check_margins(document: Path, margin: float) -> None:
+    """No text stands out to the side of any page: no table is cut."""
+    for number, page in enumerate(pypdfium2.PdfDocument(document), start=1):
+        text = page.get_textpage()
+        right = page.get_width() - margin * POINTS
+        for i in range(text.count_rects()):
+            left, _, end, _ = text.get_rect(i)
+            assert left >= margin * POINTS - SLACK, f"page {number}"
+            assert end <= right + SLACK, f"page {number}"

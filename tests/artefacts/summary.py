@@ -1,0 +1,142 @@
+"""The numbers that a report's summary should tell, worked out from its tables in plain Python."""
+
+import csv
+import html
+import re
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import mean, median
+from typing import Any
+
+Row = dict[str, str]
+ESTIMATES = ("Fmap", "observer", "repeat")
+
+
+def check_summary(report: Path, study: dict[str, Any]) -> None:
+    """Every number of every sentence of the summary, in order."""
+    roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
+    tables = report.parent / "tables"
+    text = html.unescape(report.read_text())
+    (summary,) = re.findall(r"<ul>(?:(?!<ul>).)*?Findings about.*?</ul>", text, re.DOTALL)
+    told = [
+        re.findall(r"(?<![\w.])\d+(?:\.\d+)?", without_names(sentence, roles))
+        for sentence in re.findall(r"<li>(.*?)</li>", summary, re.DOTALL)
+    ]
+    assert told == [*expected(tables, roles)]
+
+
+def without_names(sentence: str, roles: dict[str, str]) -> str:
+    """A sentence without the digits of names, of what is fixed, and of bounds' signs."""
+    fixed = ["joints 1 to 6", "below 2 Hz", "95 % interval", "95 % bands", "probability of 95 %"]
+    for words in [*sorted(roles, key=len, reverse=True), *fixed]:
+        sentence = sentence.replace(words, "")
+    return sentence
+
+
+def expected(tables: Path, roles: dict[str, str]) -> Iterator[list[str]]:
+    """The numbers of each sentence."""
+    torque, force = read(tables / "torque_mae.csv"), read(tables / "force_mae.csv")
+    yield from best_model([row for row in torque if row["mae"]], roles)
+    printed = [row for row in torque if row["printed"] and row["mae"]]
+    if looped := [row for row in printed if row["motion"] == "closed_loop"]:
+        gap = {abs(float(row["mae"]) - float(row["printed"])): row["joint"] for row in looped}
+        yield [f"{max(gap):.3f}", gap[max(gap)]]
+    yield acceleration(read(tables / "acceleration_mae.csv"))
+    currents = read(tables / "current_rmse.csv")
+    judged = [row for row in currents if roles[row["recording"]] == "validate"]
+    yield [
+        f"{value:.2f}"
+        for model in ("fitted", "i_target")
+        for value in averages([r for r in judged if r["model"] == model], "joint", "rmse_2hz")
+    ]
+    for figure in ("mae", "max"):
+        if rows := [row for row in force if row[f"printed_{figure}"]]:
+            yield [widest(rows, estimate, figure) for estimate in ("Fu", "F", "F*")]
+    yield from forces(force, read(tables / "detection.csv"))
+    yield quality(read(tables / "quality.csv"))
+    if (tables / "truth.csv").exists() and (stated := [
+        row["within95"] for row in read(tables / "truth.csv") if row["within95"]
+    ]):  # fmt: skip
+        yield [str(len(stated)), str(stated.count("yes"))]
+
+
+def best_model(rows: list[Row], roles: dict[str, str]) -> Iterator[list[str]]:
+    rows = [row for row in rows if roles[row["recording"]] != "fit"] or rows
+    rows = [row for row in rows if row["motion"] == rows[0]["motion"]]
+    errors = {
+        model: averages([row for row in rows if row["model"] == model], "joint", "mae")
+        for model in sorted({row["model"] for row in rows})
+    }
+    joints = [*zip(*errors.values(), strict=True)]
+    differ = [values for values in joints if max(values) - min(values) > 5e-5]
+    wins = Counter([*errors][values.index(min(values))] for values in differ)
+    winner = wins.most_common(1)[0][0]
+    yield [str(wins[winner]), str(len(differ))]
+    order = [winner, *(model for model in errors if model != winner)]
+    zero = averages(rows, "joint", "zero_mae")
+    yield [shown(value) for model in order for value in errors[model]] + [*map(shown, zero)]
+
+
+def shown(value: float) -> str:
+    return "0.001" if 0 < value < 0.0005 else f"{value:.3f}"
+
+
+def acceleration(rows: list[Row]) -> list[str]:
+    rows = [row for row in rows if row["estimate"] == "encoders"]
+    linear = [row for row in rows if row["component"] in ("x", "y", "z")]
+    numbers = [f"{value:.3f}" for value in averages(linear, "component", "mae")]
+    numbers.append(str(len({row["recording"] for row in rows})))
+    return numbers + [f"{value:.3f}" for value in averages(linear, "component", "zero_mae")]
+
+
+def forces(force: list[Row], detection: list[Row]) -> Iterator[list[str]]:
+    rows = [r for r in force if r["kind"] == "compensated" and r["component"].startswith("F")]
+    beaten = []
+    for recording in dict.fromkeys(row["recording"] for row in rows):
+        here = [row for row in rows if row["recording"] == recording]
+        by_estimate = {
+            name: [row for row in here if row["estimate"] == name]
+            for name in dict.fromkeys(row["estimate"] for row in here)
+        }
+        best = min(by_estimate.values(), key=lambda part: mean(float(row["mae"]) for row in part))
+        beaten.append(all(float(row["mae"]) < float(row["zero_mae"]) for row in best))
+        if len(beaten) <= 4:
+            yield [f"{float(row[name]):.2f}" for name in ("mae", "zero_mae") for row in best]
+    if len(beaten) > 4:
+        yield [str(sum(beaten)), str(len(beaten))]
+    held = [
+        f"{100 * mean(values):.0f}"
+        for name in ESTIMATES
+        if (values := [float(r["coverage95"]) for r in rows if r["estimate"] == name])
+    ]
+    yield held
+    pushes = [row for row in detection if row["estimate"] == "Fmap"]
+    columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
+    yield [f"{median(float(row[c]) for row in pushes if row[c]):.0f}" for c in columns]
+
+
+def quality(rows: list[Row]) -> list[str]:
+    counts = Counter(row["severity"] for row in rows)
+    serious = Counter(row["finding"] for row in rows if row["severity"] != "note")
+    numbers = [str(counts[name]) for name in ("error", "warning", "note")]
+    return numbers + [str(count) for _, count in serious.most_common(4)]
+
+
+def widest(rows: list[Row], estimate: str, figure: str) -> str:
+    part = [row for row in rows if row["estimate"] == estimate]
+    gaps = [abs(float(row[figure]) / float(row[f"printed_{figure}"]) - 1) for row in part]
+    return f"{100 * max(gaps):.1f}"
+
+
+def averages(rows: list[Row], key: str, value: str) -> list[float]:
+    """Means by a key, in the order in which its values come."""
+    groups: dict[str, list[float]] = defaultdict(list)
+    for row in rows:
+        groups[row[key]].append(float(row[value]))
+    return [*map(mean, groups.values())]
+
+
+def read(path: Path) -> list[Row]:
+    with path.open(encoding="utf-8") as lines:
+        return [*csv.DictReader(lines)]
