@@ -4,7 +4,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from ur5lib.report.contents import (
     Contents,
@@ -59,6 +59,14 @@ VIEWS: dict[str, ModuleType] = {
     "truth": truth,
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
+SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
+
+
+class Draft(NamedTuple):
+    """A text, sentence by sentence; beside: the label of what it needs to be shown, if anything."""
+
+    sentences: list[list[str | Reference]]
+    beside: str
 
 
 def compose(contents: Contents, results: Results) -> Document:
@@ -90,26 +98,41 @@ def view(name: str) -> Callable[..., Any]:
 
 
 def _blocks(part: Part, results: Results) -> list[Block]:
-    """The blocks of a section, without texts on what is not there."""
+    """The blocks of a section, without sentences on what is not there."""
     drafts = [*_drafts(part, results)]
-    shown = {block.label for block, _ in drafts if isinstance(block, Table | Picture)}
-    return [block for block, beside in drafts if not beside or beside in shown]
+    shown = {block.label for block in drafts if isinstance(block, Table | Picture)}
+    blocks = [_said(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
+    return [block for block in blocks if block]
 
 
-def _drafts(part: Part, results: Results) -> Iterator[tuple[Block, str]]:
-    """Blocks, each with the label of what it needs beside it, if anything."""
+def _said(draft: Draft, shown: set[str]) -> Paragraph | None:
+    """The sentences of a text that mention nothing but what is shown, if it is to be shown."""
+    kept = [
+        sentence
+        for sentence in draft.sentences
+        if all(span.label in shown for span in sentence if isinstance(span, Reference))
+    ]
+    if not kept or (draft.beside and draft.beside not in shown):
+        return None
+    return Paragraph(
+        [span for i, sentence in enumerate(kept) for span in [" "] * (i > 0) + sentence]
+    )
+
+
+def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
+    """Blocks, and texts that depend on what else is shown."""
     for wanted in part.blocks:
         if not isinstance(wanted, Repeated):
             yield from _single(wanted, results)
             continue
         for of in view(wanted.each)(results):
             drafts = [draft for block in wanted.blocks for draft in _single(block, results, of)]
-            if wanted.heading and any(_is_evidence(block) for block, _ in drafts):
-                yield Heading(wanted.heading.format(of=of)), ""
+            if wanted.heading and any(map(_is_evidence, drafts)):
+                yield Heading(wanted.heading.format(of=of))
             yield from drafts
 
 
-def _single(wanted: Single, results: Results, of: str = "") -> Iterator[tuple[Block, str]]:
+def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | Draft]:
     given = (results, of) if of else (results,)
 
     def label(name: str) -> str:
@@ -117,30 +140,33 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[tuple[Bl
 
     match wanted:
         case Text():
-            spans: list[str | Reference] = [
-                Reference(label(span)) if i % 2 else span.replace("{of}", of)
-                for i, span in enumerate(MENTION.split(wanted.text.strip()))
+            sentences = [
+                [
+                    Reference(label(span)) if i % 2 else span.replace("{of}", of)
+                    for i, span in enumerate(MENTION.split(sentence))
+                ]
+                for sentence in SENTENCE_END.split(wanted.text.strip())
             ]
-            yield Paragraph(spans), wanted.beside and label(wanted.beside)
+            yield Draft(sentences, wanted.beside and label(wanted.beside))
         case Sentences():
-            yield from ((Paragraph([text]), "") for text in view(wanted.sentences)(*given))
+            yield from (Paragraph([text]) for text in view(wanted.sentences)(*given))
         case List():
             items = [*view(wanted.items)(*given)]
             if items:
-                yield Items(items, wanted.numbered), ""
+                yield Items(items, wanted.numbered)
         case Tabular():
             header, rows = view(wanted.table)(*given)
             caption = wanted.caption.replace("{of}", of)
             if rows:
-                yield Table(caption, header, rows, label(wanted.table), wanted.source), ""
+                yield Table(caption, header, rows, label(wanted.table), wanted.source)
         case Figure():
             path = results.figures / of / f"{wanted.figure}.svg"
             if _shows_something(path):
-                yield _picture(wanted, results, path, label(wanted.figure), of), ""
+                yield _picture(wanted, results, path, label(wanted.figure), of)
         case Formula():
-            yield Equation(wanted.equation, wanted.alternative), ""
+            yield Equation(wanted.equation, wanted.alternative)
         case Listing():
-            yield Code(view(wanted.listing)(*given)), ""
+            yield Code(view(wanted.listing)(*given))
 
 
 def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -> Picture:
@@ -160,9 +186,9 @@ def _shows_something(path: Any) -> bool:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 
-def _is_evidence(block: Block) -> bool:
+def _is_evidence(block: Block | Draft) -> bool:
     """Whether a block is more than words that stand in every report."""
-    return not isinstance(block, Paragraph | Heading)
+    return not isinstance(block, Paragraph | Heading | Draft)
 
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:

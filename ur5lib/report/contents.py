@@ -16,7 +16,10 @@ from ur5lib.strict import Strict
 
 
 class Text(Strict):
-    """A paragraph; `beside`: shown only where the table or figure of this name is."""
+    """A paragraph; `beside`: shown only where the table or figure of this name is.
+
+    Sentences that mention what is not shown are left out.
+    """
 
     text: str
     beside: str = ""

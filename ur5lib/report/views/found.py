@@ -28,13 +28,21 @@ def findings(results: Results) -> list[str]:
 
 
 def left_out(results: Results) -> list[str]:
-    """The sections that this study's data do not allow, and why."""
-    return [*results.left_out]
+    """What this study's data do not allow, and why."""
+    return [*results.left_out, *_not_compared(results)]
 
 
 def left_out_heading(results: Results) -> list[str]:
     """Opens the list of these, if there are any."""
-    return ["Left out, as this study's data do not allow it:"] if results.left_out else []
+    return ["Left out, as this study's data do not allow it:"] if left_out(results) else []
+
+
+def _not_compared(results: Results) -> Iterator[str]:
+    """What is estimated but stands beside nothing."""
+    if len(results.tables["friction"]) and not results.with_role("validate"):
+        yield "Prediction of currents on recordings not fitted on: none has the role validate."
+    if len(results.tables["detection"]) and results.tables["force_mae"].empty:
+        yield "Errors of force estimates: no recording has a working force sensor."
 
 
 def _best_model(torque: pd.DataFrame, fitted: list[str]) -> Iterator[str]:
