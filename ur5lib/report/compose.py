@@ -32,7 +32,7 @@ from ur5lib.report.document import (
     Section,
     Table,
 )
-from ur5lib.report.results import Results
+from ur5lib.report.results import MOST_ROWS, Body, Results
 from ur5lib.report.views import (
     closed_loop,
     currents,
@@ -155,10 +155,9 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | 
             if items:
                 yield Items(items, wanted.numbered)
         case Tabular():
-            header, rows = view(wanted.table)(*given)
-            caption = wanted.caption.replace("{of}", of)
-            if rows:
-                yield Table(caption, header, rows, label(wanted.table), wanted.source)
+            body = view(wanted.table)(*given)
+            if body.rows:
+                yield _table(wanted, body, label(wanted.table), of)
         case Figure():
             path = results.figures / of / f"{wanted.figure}.svg"
             if _shows_something(path):
@@ -167,6 +166,13 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | 
             yield Equation(wanted.equation, wanted.alternative)
         case Listing():
             yield Code(view(wanted.listing)(*given))
+
+
+def _table(wanted: Tabular, body: Body, label: str, of: str) -> Table:
+    caption, rows = wanted.caption.replace("{of}", of), body.rows
+    if len(rows) > MOST_ROWS:
+        caption += f" The first {MOST_ROWS} of {len(rows)} rows."
+    return Table(caption, body.header, rows[:MOST_ROWS], label, wanted.source)
 
 
 def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -> Picture:

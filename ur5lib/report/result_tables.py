@@ -15,6 +15,23 @@ Row = dict[str, object]
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 
 
+def recording_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
+    """How long recordings are and how regular their frames, from their quality.json."""
+    rows = [
+        {
+            "recording": recording,
+            "duration_s": quality["duration_s"],
+            "rows_read": quality["rows"],
+            "frames": quality["frames"],
+            "longest_step_s": quality["longest_step_s"],
+            "jitter_s": quality["jitter_s"]["99 %"],
+            "devices": " ".join(quality["devices"]),
+        }
+        for recording, quality in qualities.items()
+    ]
+    return pd.DataFrame(rows)
+
+
 def quality_table(qualities: Mapping[str, Any], clocks: Mapping[str, Any]) -> pd.DataFrame:
     """Findings of every recording, from its quality.json and its clocks.json."""
     columns = ["recording", "device", "finding", "severity", "count", "detail"]

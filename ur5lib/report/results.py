@@ -11,6 +11,7 @@ from ur5lib.report.document import Cell
 from ur5lib.report.reference import Erratum
 
 MOST_SHOWN = 4  # recordings that get tables and figures of their own; the others' lie in files
+MOST_ROWS = 60  # of a table; the file it was made from has all
 
 
 class Body(NamedTuple):

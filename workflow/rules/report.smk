@@ -13,6 +13,7 @@ FIGURES = [
 ]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
 TABLES = [
+    "recordings",
     "quality",
     "clocks",
     "torque_mae",

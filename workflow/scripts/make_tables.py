@@ -22,7 +22,13 @@ from ur5lib.report.identification_tables import (
 )
 from ur5lib.report.motion_tables import acceleration_errors, calibration_rows, innovation_rows
 from ur5lib.report.reference import Printed, read_reference
-from ur5lib.report.result_tables import clock_table, force_errors, quality_table, torque_errors
+from ur5lib.report.result_tables import (
+    clock_table,
+    force_errors,
+    quality_table,
+    recording_table,
+    torque_errors,
+)
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_csv
@@ -58,6 +64,7 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     printed = read_reference(input.get("reference")).printed
     clocks = dict(zip(params.recordings, map(read_json, input.clocks), strict=True))
     qualities = dict(zip(params.recordings, map(read_json, input.quality), strict=True))
+    write_csv(recording_table(qualities), output.recordings)
     write_csv(quality_table(qualities, clocks), output.quality)
     write_csv(clock_table(clocks), output.clocks)
     rows = recording_rows(input, params.recordings, printed) | arm_rows(input, params.robots)

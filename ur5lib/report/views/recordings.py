@@ -12,21 +12,20 @@ LONGEST = 120  # characters of the places of one finding
 
 def files(results: Results) -> Body:
     """A row a recording: role, length, frames, steps, devices."""
-    rows = []
-    for name, role in results.roles().items():
-        quality = results.qualities[name]
-        rows.append(
-            [
-                Cell(name),
-                Cell(role),
-                Cell(f"{quality['duration_s']:.1f}"),
-                Cell(str(quality["rows"])),
-                Cell(str(quality["frames"])),
-                Cell(f"{1000 * quality['longest_step_s']:.1f}"),
-                Cell(f"{1000 * quality['jitter_s']['99 %']:.2f}"),
-                Cell(", ".join(quality["devices"])),
-            ]
-        )
+    roles = results.roles()
+    rows = [
+        [
+            Cell(row.recording),
+            Cell(roles[row.recording]),
+            Cell(f"{row.duration_s:.1f}"),
+            Cell(str(row.rows_read)),
+            Cell(str(row.frames)),
+            Cell(f"{1000 * row.longest_step_s:.1f}"),
+            Cell(f"{1000 * row.jitter_s:.2f}"),
+            Cell(row.devices.replace(" ", ", ")),
+        ]
+        for row in results.tables["recordings"].itertuples()
+    ]
     header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
     return Body([*header, "jitter [ms]", "devices used"], rows)
 

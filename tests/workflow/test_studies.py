@@ -1,0 +1,124 @@
+"""Studies of other sizes than the usual: their reports make sense too."""
+
+import html
+import os
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+from pypdf import PdfReader
+
+from tests.artefacts.documents import check_pdf, check_structure
+from tests.conftest import Workflow, copy_project
+from ur5lib.report.compose import compose
+from ur5lib.report.contents import contents
+from ur5lib.report.render import write_html, write_pdf
+from ur5lib.report.results import Results
+from ur5lib.study import parse_study
+from ur5lib.tables import read_csv, read_json
+
+STUDY = """\
+study: alone
+title: One short recording
+recordings:
+  - name: only
+    robot: ur5
+    format: rtde-csv
+    role: fit
+    simulate: {seconds: 10, trajectory: {kind: fourier, draw: 3}, seed: 1}
+"""
+MANY = 200
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A study of one recording of 10 s, without a sensor."""
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("alone") / "project"))
+    (workflow.folder / "config.yaml").write_text(STUDY)
+    workflow.build()
+    return workflow
+
+
+def sentences(report: Path) -> str:
+    return html.unescape(report.read_text())
+
+
+def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
+    folder = alone.folder / "results" / "alone"
+    check_structure(folder / "report.html")
+    check_pdf(folder / "report.pdf", ["What was found", "Friction and currents", "Provenance"])
+    text = sentences(folder / "report.html")
+    for left_out in (
+        "Accelerations: no recording has an IMU whose clock its motion tells.",
+        "Prediction of currents on recordings not fitted on: none has the role validate.",
+        "Errors of force estimates: no recording has a working force sensor.",
+    ):
+        assert f"<li>{left_out}</li>" in text
+    assert not re.search(r"\b(nan|None)\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL))
+
+
+def results_of(workflow: Workflow) -> Results:
+    """What the workflow wrote the report from."""
+    config = yaml.safe_load((workflow.folder / "config.yaml").read_text())
+    study = parse_study(config, "config.yaml").model_dump(exclude_none=True)
+    folder = workflow.folder / "results" / study["study"]
+    return Results(
+        study=study,
+        tables={path.stem: read_csv(path) for path in (folder / "tables").glob("*.csv")},
+        qualities={
+            recording["name"]: read_json(folder / "recordings" / recording["name"] / "quality.json")
+            for recording in study["recordings"]
+        },
+        figures=folder / "figures",
+        versions={"Python": "3"},
+    )
+
+
+def multiplied(results: Results, count: int, figures: Path) -> Results:
+    """The same study with its only recording many times over, half of them to validate on."""
+    names = [f"recording_{i:03}" for i in range(count)]
+    (recording,) = results.study["recordings"]
+    for name in names:
+        (figures / name).symlink_to(results.figures / recording["name"])
+    for path in results.figures.iterdir():
+        if path.name != recording["name"]:
+            (figures / path.name).symlink_to(path)
+    entries = [
+        recording | {"name": name, "role": ("fit", "validate")[i % 2]}
+        for i, name in enumerate(names)
+    ]
+
+    def each(table: pd.DataFrame) -> pd.DataFrame:
+        if "recording" not in table:
+            return table
+        return pd.concat(
+            [table.replace({"recording": {recording["name"]: name}}) for name in names]
+        )
+
+    study: dict[str, Any] = {**results.study, "recordings": entries}
+    tables = {name: each(table) for name, table in results.tables.items()}
+    qualities = dict.fromkeys(names, results.qualities[recording["name"]])
+    return replace(results, study=study, tables=tables, qualities=qualities, figures=figures)
+
+
+def test_two_hundred_recordings_are_a_report(alone: Workflow, tmp_path: Path) -> None:
+    (tmp_path / "figures").mkdir()
+    results = multiplied(results_of(alone), MANY, tmp_path / "figures")
+    document = compose(contents(), results)
+    write_html(document, tmp_path / "report.html")
+    write_pdf(document, tmp_path / "report.pdf")
+    assert os.path.getsize(tmp_path / "report.html") < 25e6
+    check_structure(tmp_path / "report.html")
+    check_pdf(tmp_path / "report.pdf", ["What was found"])
+    reader = PdfReader(tmp_path / "report.pdf")
+    first, second = (
+        reader.get_destination_page_number(entry)
+        for entry in [entry for entry in reader.outline if not isinstance(entry, list)][:2]
+    )
+    assert second is not None
+    assert first is not None
+    assert second - first < 2, "the summary is longer than two pages"
