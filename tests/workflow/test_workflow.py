@@ -80,6 +80,19 @@ def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
             assert (folder / "benchmarks" / step / f"{recording}.tsv").stat().st_size > 0
 
 
+def test_snakemake_makes_its_own_report(built_workflow: Workflow, tmp_path: Path) -> None:
+    done = built_workflow.run("--report", str(tmp_path / "report.html"))
+    assert done.returncode == 0, done.stdout
+    report = (tmp_path / "report.html").read_text()
+    assert "Recording pushed, drawn by rule draw_figures" in report
+    assert all(f'"{category}"' in report for category in ("Figures", "Tables", "Report"))
+
+
+def test_the_report_says_what_the_study_lacks(built_workflow: Workflow) -> None:
+    report = (built_workflow.folder / "results" / "small" / "report.html").read_text()
+    assert "<li>Accelerations: no recording has an IMU whose clock its motion tells.</li>" in report
+
+
 def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     assert not [*(built_workflow.folder / "results").rglob("*.part")]
 

@@ -23,35 +23,36 @@ for recording in SIMULATED:
             "../scripts/simulate_recording.py"
 
 
-rule compare_with_truth:
-    input:
-        truth=[f"{RESULTS}/truth/{name}.parquet" for name in SIMULATED],
-        truth_summary=[f"{RESULTS}/truth/{name}.json" for name in SIMULATED],
-        clocks=results("clocks.json", SIMULATED),
-        motion=results("motion.parquet", SIMULATED),
-        accelerations=results("accelerations.parquet", SIMULATED),
-        forces=results("forces.parquet", SIMULATED),
-        described=[f"ur5lib/robots/{robot}.yaml" for robot in ROBOTS],
-        fitted=parameters("arm.yaml"),
-        rotors=parameters("rotor_inertia.json"),
-        identification=parameters("identification.json"),
-        calibration=parameters("imu.json"),
-        friction=parameters("friction.json"),
-        code=code("compare_with_truth"),
-    output:
-        truth=f"{RESULTS}/tables/truth.csv",
-    log:
-        f"{RESULTS}/logs/compare_with_truth.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/compare_with_truth.tsv"
-    params:
-        recordings=SIMULATED,
-        robots=ROBOTS,
-        order=SETTINGS.compare_accelerations.order,
-        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
-    script:
-        "../scripts/compare_with_truth.py"
+if SIMULATED:
+
+    rule compare_with_truth:
+        input:
+            truth=[f"{RESULTS}/truth/{name}.parquet" for name in SIMULATED],
+            truth_summary=[f"{RESULTS}/truth/{name}.json" for name in SIMULATED],
+            clocks=results("clocks.json", SIMULATED),
+            motion=results("motion.parquet", SIMULATED),
+            accelerations=results("accelerations.parquet", SIMULATED),
+            forces=results("forces.parquet", SIMULATED),
+            described=[f"ur5lib/robots/{robot}.yaml" for robot in ROBOTS],
+            fitted=parameters("arm.yaml"),
+            rotors=parameters("rotor_inertia.json"),
+            identification=parameters("identification.json"),
+            calibration=parameters("imu.json"),
+            friction=parameters("friction.json"),
+            code=code("compare_with_truth"),
+        output:
+            truth=f"{RESULTS}/tables/truth.csv",
+        log:
+            f"{RESULTS}/logs/compare_with_truth.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/compare_with_truth.tsv"
+        params:
+            recordings=SIMULATED,
+            robots=ROBOTS,
+            order=SETTINGS.compare_accelerations.order,
+            cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+        script:
+            "../scripts/compare_with_truth.py"
 
 
-SIMULATED_FILES = [raw_files(name) for name in SIMULATED]
 TRUTH = rules.compare_with_truth.output if SIMULATED else []
