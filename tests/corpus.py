@@ -754,9 +754,9 @@ def corpus(folder: Path, thesis: Path) -> list[Case]:
 ROWS_OUT = ["a time of 1e300", "a time of -1e300", "a time 5 s late", "a time 5 s early"]
 ROWS_OUT += ["a time a day away", "a last time a day away"]
 NOT_TEXT = ["UTF-16", "UTF-16 without mark", "binary", "zeros only"]
-NO_ROWS = ["cut after the first byte", "cut inside the first row", "cut after the head", "empty"]
-NO_ROWS += ["blanks only", "decimal commas, commas", "a cell lost in all rows"]
-NO_ROWS += ["a cell too many in all rows"]
+EMPTY = ["cut after the first byte", "cut inside the first row", "cut after the head", "empty"]
+EMPTY += ["blanks only"]
+OTHER_ROWS = ["decimal commas, commas", "a cell lost in all rows", "a cell too many in all rows"]
 TORN = [*[kind for kind in TRUNCATED if "number" in kind or "separator" in kind]]
 TORN += ["cut in the middle of the file", "zeros at the end"]
 DAMAGED = ["zeros inside a row", "zeros over rows", "letters that are none", "text", "comments"]
@@ -789,9 +789,10 @@ ROBOT: list[tuple[list[str], Expected]] = [
     *SHARED,
     (NOT_TEXT, Expected("refused", "is not text; save it as plain CSV")),
     (["gzip, truncated", "gzip, garbled"], Expected("refused", "is a damaged gzip file; get a")),
-    (NO_ROWS, Expected("refused", "line 1: (holds no complete row|has no column timestamp)")),
+    (EMPTY, Expected("refused", "line 1: (holds no complete row|has no column timestamp)")),
+    (OTHER_ROWS, Expected("refused", r"line [12]: holds no complete row .*\d+ cells")),
     (["cut inside the head", "no time at all"], Expected("refused", "line 1: holds no complete")),
-    (["a separator behind each row"], Expected("refused", "line 1: .*; ")),
+    (["a separator behind each row"], Expected("refused", "line [12]: .*; ")),
     (["cut after the first row"], Expected("refused", "holds 1 whole frames; record")),
     (["a cell too many in most rows"], Expected("refused", r"line [23]: is not \d+ numbers")),
     (["all times equal"], Expected("refused", "frames are 0 s apart .*; give the time in seconds")),
@@ -849,7 +850,8 @@ SENSOR: list[tuple[list[str], Expected]] = [
         ["cut after the first row", "no time at all", "an empty column"],
         Expected("repaired", "no sensor"),
     ),
-    ([*NO_ROWS, "a separator behind each row"], Expected("repaired", "no sensor")),
+    (EMPTY, Expected("repaired", "no sensor")),
+    ([*OTHER_ROWS, "a separator behind each row"], Expected("repaired", "unusable sensor")),
     (["zeros of no sensor", "no values recorded"], Expected("repaired", "no sensor")),
     (["a file missing", "a folder for a file"], Expected("repaired", "no sensor")),
     ([*NOT_TEXT, "gzip, truncated", "gzip, garbled"], Expected("repaired", "unusable sensor")),

@@ -4,12 +4,14 @@ import gzip
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pydantic import TypeAdapter
 
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
 from ur5lib.intake import Intake, take_in
+from ur5lib.recordings.checks import check_force_sensor
 from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.formats import READERS, read_recording
 from ur5lib.recordings.quality import Finding
@@ -246,6 +248,84 @@ def test_sensors_of_a_table_have_their_own_clock(tmp_path: Path) -> None:
     record, start = place_sensors(raw, [])["force"]
     assert start.seconds == pytest.approx(0.3, abs=1e-3)
     assert record.table["ft_fx"].eq(1.5).all()
+
+
+# What users do to files before they get here
+
+SPREADSHEETS = {  # a number, and what a spreadsheet program may have made of it
+    "thousands": "1.801.822",
+    "a date": "01. Feb",
+    "another date": "Feb 17",
+    "a time": "10:04.5",
+    "a date with a time": "01.02.2024 10:04:05",
+    "a narrow column": "#######",
+}
+
+
+def write_rtde(folder: Path, row: str = "{t};{q}", rows: int = 500, head: str = "") -> dict:
+    """A recording at rest as a spreadsheet program saves it, and its entry in a study."""
+    names = ";".join(["timestamp", *(f"actual_q_{j}" for j in range(6))])
+    lines = [row.format(t=f"{9 + 0.002 * k:.4f}", q=";".join(["0.1"] * 6)) for k in range(rows)]
+    (folder / "robot.csv").write_text(head + "\n".join([names, *lines]) + "\n")
+    return {"format": "rtde-csv", "folder": str(folder), "file": "robot.csv"}
+
+
+def test_the_separator_that_a_spreadsheet_program_names_is_skipped(tmp_path: Path) -> None:
+    raw = read_recording(write_rtde(tmp_path, head="sep=;\n"))
+    assert len(raw.robot.table) == 500
+
+
+@pytest.mark.parametrize("cell", SPREADSHEETS.values(), ids=SPREADSHEETS)
+def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> None:
+    entry = write_rtde(tmp_path, row="{t};0.1;" + cell + ";0.1;0.1;0.1;0.1")
+    sentence = (
+        r"line 2: holds no .*is no number, a spreadsheet program may have .*; record it again"
+    )
+    with pytest.raises(InputError, match=sentence):
+        read_recording(entry)
+
+
+def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "robot.csv"
+    entry = write_rtde(tmp_path)
+    path.write_text(path.read_text().replace("0.1", "01. Jan", 1))
+    detail = found(read_recording(entry).findings, "damaged lines").detail
+    assert "line 2 ('01. Jan' is no number, a spreadsheet program may have" in detail
+
+
+def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
+    entry = write_rtde(tmp_path, row="{t};90;90;90;90;90;90")
+    with pytest.raises(
+        InputError, match=r"beyond 12.57 rad, as degrees are .*`columns` and `units`"
+    ):
+        take_in(entry, ur5, 0.1)
+
+
+def test_times_without_their_last_digits_are_told(tmp_path: Path, ur5: Robot) -> None:
+    entry = write_rtde(tmp_path, row="1.7E+09;{q}")
+    with pytest.raises(InputError, match=r"are 0 s apart .*; give the time .* with all its digits"):
+        take_in(entry, ur5, 0.1)
+
+
+def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
+    """As where the file of another device is named."""
+    sensor = {"file": "robot.csv", "columns": ["time", "imu_a"], "units": {}, "time": "relative_s"}
+    entry = write_rtde(tmp_path) | {"imu": sensor | {"start_file": None, "start": "epoch_s"}}
+    raw = read_recording(entry)
+    assert "imu" not in raw.sensors
+    told = found(raw.findings, "unusable sensor")
+    assert told.severity == "error"
+    assert "(7 cells)" in told.detail
+
+
+def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
+    angle = np.linspace(0, 2 * np.pi, 400)
+    turning = 9.81 * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * np.sin(3 * angle)])
+    names = ["ft_fx", "ft_fy", "ft_fz"]
+    table = pd.DataFrame(turning, columns=names).assign(time=angle)
+    assert found(check_force_sensor(table), "size of gravity").severity == "warning"
+    assert check_force_sensor(table.assign(ft_fx=table["ft_fx"] + 5)) == []
+    assert check_force_sensor(table.iloc[:20]) == []  # a tool's weight on an arm at rest
 
 
 # RTDE

@@ -30,6 +30,7 @@ SWAPPED = 0.3  # of what two joints lie apart from their targets is left when th
 LEVEL = 0.5  # A, Nm; below it, friction and noise are all there is
 STUCK = 10  # samples at the very same extreme value
 UPRIGHT = (8.0, 12.0)  # m/s², of an IMU's specific force in the middle
+TURNED = 3.0  # m/s², that a component of gravity changes by where an IMU turns
 
 
 def check_robot(
@@ -50,16 +51,35 @@ def check_robot(
 
 
 def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
-    """Saturation. table: `time` and ft_* as read."""
+    """Saturation, and an IMU's file in its place. table: `time` and ft_* as read."""
+    return [*_saturation(table), *_looks_like_imu(table)]
+
+
+def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
     channels = table.drop(columns="time")
     stuck = {
         name: int((column.abs() == column.abs().max()).sum()) for name, column in channels.items()
     }
     saturated = {name: count for name, count in stuck.items() if count >= STUCK}
-    if not saturated:
-        return []
-    detail = f"{', '.join(saturated)} stay at their largest value; forces beyond it are not seen"
-    return [Finding("force", "saturation", "warning", max(saturated.values()), detail)]
+    if saturated:
+        detail = (
+            f"{', '.join(saturated)} stay at their largest value; forces beyond it are not seen"
+        )
+        yield Finding("force", "saturation", "warning", max(saturated.values()), detail)
+
+
+def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
+    """A force that turns but keeps the size of gravity: an acceleration, or a tool of 1 kg."""
+    if "ft_fx" not in table:
+        return
+    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
+    low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
+    if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
+        detail = (
+            f"the force turns and stays at {(low + high) / 2:.3g} N, as an IMU's acceleration or "
+            "the weight of 1 kg; check which file is named"
+        )
+        yield Finding("force", "size of gravity", "warning", len(table), detail)
 
 
 def check_imu(table: pd.DataFrame) -> list[Finding]:
@@ -70,7 +90,8 @@ def check_imu(table: pd.DataFrame) -> list[Finding]:
     if UPRIGHT[0] <= norm <= UPRIGHT[1]:
         return []
     detail = (
-        f"the specific force is {norm:.3g} in the middle, not 9.8 m/s²; check columns and units"
+        f"the specific force is {norm:.3g} in the middle, not 9.8 m/s²; check which file is "
+        "named, its columns and units"
     )
     return [Finding("imu", "no gravity", "warning", len(table), detail)]
 

@@ -15,7 +15,9 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Device, Finding
 
 NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"]
-PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*)?\n)*")  # blank lines and comments on top
+PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blanks, comments, Excel's "sep=;"
+# What spreadsheet programs make of numbers: dates, times, thousands, cells that are too narrow.
+SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
 BLOCK = 1 << 16  # bytes; where a line is damaged, blocks of this size are read line by line
 TAIL = 20  # lines that tell how the last one must look
 
@@ -28,7 +30,7 @@ def read_numbers(
     names: of the columns, in order; None takes them from the header line. Comma, semicolon, tab or
     blank separate; after a semicolon, a comma is a decimal point. Returns float64, NaN where a
     cell says so or is empty. Raises InputError when the file cannot be read, is not text, has no
-    header where one is needed, or hardly a line that fits.
+    header where one is needed, or fewer lines that fit than others.
     """
     data = _read_text(path, device, findings)
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
@@ -46,7 +48,10 @@ def read_numbers(
     tables, damaged = _parse(data, top, end, names, delimiter)
     table = pa.concat_tables(tables).to_pandas()
     if damaged:
-        _tell_damaged(path, data, damaged, table, device, findings)
+        first = data[damaged[0] : _end_of_line(data, damaged[0])].strip()
+        fault = _fault(first.split(delimiter), len(names))
+        lines = [_line(data, place) for place in damaged[:5]]
+        _tell_damaged(path, lines, len(damaged), fault, table, device, findings)
     return table
 
 
@@ -140,11 +145,17 @@ def _number(cell: bytes) -> float:
     return math.nan if text in NOT_A_NUMBER else float(text)
 
 
-def _is_number(cell: bytes) -> bool:
+def _is_cell(cell: bytes) -> bool:
+    """Whether a cell may stand in a row: a number, or none."""
     try:
-        return math.isfinite(_number(cell))
+        _number(cell)
     except ValueError:
         return False
+    return True
+
+
+def _is_number(cell: bytes) -> bool:
+    return _is_cell(cell) and math.isfinite(_number(cell))
 
 
 def _is_header(line: bytes, delimiter: bytes, count: int) -> bool:
@@ -217,22 +228,40 @@ def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
     return pa.table([pa.array(column, pa.float64()) for column in rows.T], names=names)
 
 
+def _fault(cells: list[bytes], width: int) -> str:
+    """Why a line is damaged."""
+    if len(cells) != width:
+        return f"{len(cells)} cells"
+    wrong = next(cell for cell in cells if not _is_cell(cell)).strip().decode(errors="replace")
+    who = ", a spreadsheet program may have changed it" if SPREADSHEET.search(wrong) else ""
+    return f"{wrong[:20]!r} is no number{who}"
+
+
 def _tell_damaged(
     path: Path,
-    data: bytes,
-    damaged: list[int],
+    lines: list[int],
+    count: int,
+    fault: str,
     table: pd.DataFrame,
     device: Device,
     findings: list[Finding],
 ) -> None:
-    """Raises InputError when most lines are damaged: then the columns are others, not the file."""
+    """Tell which lines are damaged, and what is wrong with the first. lines: the first five.
+
+    Raises InputError when most lines are damaged: then the columns are others, not the file.
+    """
     width = len(table.columns)
-    if 0 < len(table) < len(damaged):
+    if table.empty:
         raise InputError(
-            f"{path}, line {_line(data, damaged[0])}: is not {width} numbers, nor are "
-            f"{len(damaged)} of {len(table) + len(damaged)} lines; correct the file or its columns"
+            f"{path}, line {lines[0]}: holds no complete row of {width} numbers ({fault}), nor "
+            "does any other line; record it again, or name its columns (format table-csv)"
         )
-    lines = ", ".join(str(_line(data, place)) for place in damaged[:5])
-    more = f" and {len(damaged) - 5} more" if len(damaged) > 5 else ""
-    detail = f"{path.name}, line {lines}{more}: not {width} numbers, left out"
-    findings.append(Finding(device, "damaged lines", "warning", len(damaged), detail))
+    if len(table) < count:
+        raise InputError(
+            f"{path}, line {lines[0]}: is not {width} numbers ({fault}), nor are "
+            f"{count} of {len(table) + count} lines; correct the file or its columns"
+        )
+    more = f" and {count - 5} more" if count > 5 else ""
+    where = f"{path.name}, line {', '.join(map(str, lines))}{more} ({fault})"
+    detail = f"{where}: not {width} numbers, left out"
+    findings.append(Finding(device, "damaged lines", "warning", count, detail))

@@ -105,7 +105,8 @@ def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
     if median > period / 2 or np.median(steps) < period / 2:
         raise InputError(
             f"{source}: the steps between stamps, {np.median(steps):.3g} s in the middle, keep to "
-            f"no cycle of {period:g} s; check which column is the time, and its unit"
+            f"no cycle of {period:g} s; check which column is the time, "
+            "its unit, and whether it has all its digits"
         )
     return Timing(period, regular, float(steps.max()), float(median), float(high))
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.quality import Device, Finding
+from ur5lib.tables import unit
 
 Array = NDArray[np.float64]
 
@@ -64,10 +65,15 @@ def _beyond(channels: pd.DataFrame, bound: float, source: str) -> NDArray[np.boo
         middle = size[channel].where(size[channel] > bound).median()
         raise InputError(
             f"{source}: {channel} is {middle:.4g} in the middle of {beyond.mean():.0%} of the "
-            f"rows, beyond {bound:.4g} (SI units); correct the file, or name its columns and "
-            "units in the study"
+            f"rows, beyond {bound:.4g} {_si_unit(str(channel))} (SI units); correct the file, or "
+            "name its `columns` and `units` in the study (format table-csv)"
         )
     return beyond
+
+
+def _si_unit(channel: str) -> str:
+    """The unit that a channel must have, and the one that it often has instead."""
+    return unit(channel) + (", as degrees are" if unit(channel).startswith("rad") else "")
 
 
 def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> None:
@@ -77,7 +83,8 @@ def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> Non
     if not shortest <= step <= LONGEST_STEP:
         raise InputError(
             f"{source}: frames are {step:.4g} s apart in the middle; "
-            "give the time in seconds in the column of the time, or name its unit in the study"
+            "give the time in seconds, with all its digits, in the column of the time, or name "
+            "its unit in the study (format table-csv)"
         )
 
 
