@@ -37,11 +37,13 @@ help: ## list these commands
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-7s %s\n", $$1, $$2}' Makefile
 
 .venv/ready: requirements.lock pyproject.toml
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo \
 		"Python 3.11 or newer is needed; name one: make PYTHON=python3.11"; exit 1; }
 	@echo "setting up .venv; this takes a minute or two"
-	@$(PYTHON) -m venv .venv
-	@$(PIP) install --requirement requirements.lock
+	@$(PYTHON) -m venv .venv || { echo \
+		"$(PYTHON) cannot make .venv; install its venv module, free the disk, or name another: make PYTHON=..."; exit 1; }
+	@$(PIP) install --requirement requirements.lock || { echo \
+		"the packages of requirements.lock cannot be installed; check the network and the disk, or name another Python: make PYTHON=python3.11"; exit 1; }
 	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 

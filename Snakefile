@@ -1,7 +1,13 @@
 # The study, the rules, and what a run makes.
+from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 min_version("9.0")
+
+# Paths in rules and studies are relative to this folder.
+project = Path(workflow.main_snakefile).resolve().parent
+if Path.cwd() != project:
+    raise WorkflowError(f"this is {Path.cwd()}; run snakemake in {project}")
 
 # A study given by --configfile stands alone: it inherits nothing from config.yaml.
 if not workflow.overwrite_configfiles:

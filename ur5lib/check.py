@@ -15,19 +15,24 @@ from ur5lib.errors import InputError
 from ur5lib.intake import Intake, take_in
 from ur5lib.report.result_tables import clock_table, group_findings, quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.study import Recording, Study, parse_study
+from ur5lib.study import Recording, Study, arms_without_fit, parse_study
 from ur5lib.tables import channel
 
 COLOURS = {"error": "bold red", "warning": "yellow", "note": ""}
 
 
 def print_findings(path: Path) -> int:
-    """Print the findings of a study's recordings; returns how many cannot be used.
+    """Print the findings of a study's recordings; returns how many devices cannot be used.
 
     Raises InputError when the study itself is wrong.
     """
     study = read_study(path)
     console = Console()
+    for arm in arms_without_fit(study):
+        console.print(
+            f"no recording of {arm} has the role `fit`: its friction and the forces on it are not "
+            "estimated; give this role to one in which nothing touches the arm"
+        )
     there = [recording for recording in study.recordings if is_there(recording)]
     unmade = [recording.name for recording in study.recordings if recording not in there]
     if unmade:
@@ -38,9 +43,11 @@ def print_findings(path: Path) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = {name: clock for name, (_, clock) in results.items()}
-    console.print(_findings(quality_table(qualities, clocks), list(results)))
-    console.print(_clocks(clock_table(clocks)))
-    return sum(not quality["devices"] for quality in qualities.values())
+    quality = quality_table(qualities, clocks)
+    console.print(_findings(quality, list(results)))
+    if any(clocks.values()):
+        console.print(_clocks(clock_table(clocks)))
+    return int((quality["severity"] == "error").sum())
 
 
 def is_there(recording: Recording) -> bool:
@@ -53,8 +60,13 @@ def read_study(path: Path) -> Study:
     """A study from its YAML file."""
     try:
         raw = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read as YAML: {error}") from error
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be read ({error.strerror}); correct the name, or go to its folder"
+        ) from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        told = " ".join(str(error).split())
+        raise InputError(f"{path} cannot be read as YAML: {told}; correct it there") from error
     if not isinstance(raw, dict):
         raise InputError(f"{path} is no study; it must hold `study`, `title` and `recordings`")
     return parse_study(raw, str(path))

@@ -259,7 +259,12 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     raw: the configuration as plain data; source: the file it came from, for the messages.
     Raises InputError with one line for each error found.
     """
-    problems = [*_missing_folders(raw), *_files_of_simulated(raw), *_repeated_names(raw)]
+    problems = [
+        *_missing_folders(raw),
+        *_files_of_simulated(raw),
+        *_repeated_names(raw),
+        *_repeated_files(raw),
+    ]
     try:
         study = Study.model_validate(_with_simulated_files(raw))
     except ValidationError as error:
@@ -287,8 +292,8 @@ def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
         folder = entry.get("folder")
         if "simulate" not in entry and isinstance(folder, str) and not Path(folder).is_dir():
             yield (
-                f"`{place}.folder` is {_shown(folder)}; give an existing folder; fetch it "
-                "(`ur5 fetch thesis`) or correct the path"
+                f"`{place}.folder` is {_shown(folder)}, which is not in {Path.cwd()}; run in the "
+                "project's folder, correct the path, or fetch it (`ur5 fetch thesis`)"
             )
 
 
@@ -320,6 +325,23 @@ def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
     names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
     for name in sorted({str(name) for name in names if names.count(name) > 1}):
         yield f"recordings: two are named {name!r}; give each its own name"
+
+
+def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
+    """Recordings of the same file: what is validated on what it was fitted on proves nothing."""
+    real = [entry for _, entry in _entries(raw) if isinstance(entry.get("folder"), str)]
+    paths = [str(Path(entry["folder"], str(entry.get("file", "")))) for entry in real]
+    for path in sorted({path for path in paths if paths.count(path) > 1}):
+        names = [
+            str(entry.get("name")) for entry, its in zip(real, paths, strict=True) if its == path
+        ]
+        yield f"recordings: {' and '.join(names)} are both {path}; give each its own file"
+
+
+def arms_without_fit(study: Study) -> list[str]:
+    """Arms that no recording of role `fit` is of: their friction, hence forces, stay unknown."""
+    fitted = {recording.robot for recording in study.recordings if recording.role == "fit"}
+    return sorted({recording.robot for recording in study.recordings} - fitted)
 
 
 def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:

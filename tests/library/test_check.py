@@ -64,6 +64,23 @@ def test_a_recording_that_is_not_simulated_yet_is_told(
     assert "good" in text
 
 
+def test_an_arm_without_a_recording_to_fit_on_is_told(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    study.write_text(study.read_text().replace("role: fit", "role: contact"))
+    assert run(monkeypatch, "check", study) == 0
+    assert "no recording of ur5 has the role `fit`" in capsys.readouterr().out
+
+
+def test_an_unusable_sensor_is_an_error(
+    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    force = study.parent / "raw/good/csv_files/log_force_sensor.csv"
+    force.write_text(force.read_text().replace("\n", ", 0\n"))
+    assert run(monkeypatch, "check", study) == 1
+    assert "force: unusable sensor (error)" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [

@@ -8,7 +8,7 @@ import yaml
 
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
-from ur5lib.study import Study, parse_study, schema_text
+from ur5lib.study import Study, arms_without_fit, parse_study, schema_text
 
 
 @pytest.fixture
@@ -76,8 +76,8 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(folder="raw/nowhere"),
-            "`recordings[0].folder` is 'raw/nowhere'; give an existing folder; fetch it "
-            "(`ur5 fetch thesis`) or correct the path",
+            f"`recordings[0].folder` is 'raw/nowhere', which is not in {Path.cwd()}; run in the "
+            "project's folder, correct the path, or fetch it (`ur5 fetch thesis`)",
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known: name, robot, folder, role, format, simulate"),
@@ -94,8 +94,11 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
          "`recordings[0].role` is missing; give one of fit, validate, contact"),
         (lambda raw: raw.update(recordings=[]),
          "`recordings` is []; give a list with entries, at least 1"),
-        (lambda raw: raw.update(recordings=raw["recordings"] * 2),
+        (lambda raw: raw.update(recordings=[{**raw["recordings"][0], "folder": f} for f in "/."]),
          "recordings: two are named 'run'; give each its own name"),
+        (lambda raw: raw.update(recordings=[{**raw["recordings"][0], "name": n, "folder": "/"}
+                                            for n in "ab"]),
+         "recordings: a and b are both /; give each its own file"),
         (lambda raw: raw.update(settings=3), "`settings` is 3; give a mapping"),
     ],
 )  # fmt: skip
@@ -178,7 +181,13 @@ def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:
     raw["recordings"][0] |= {"role": "x", "name": "a b"}
     raw["recordings"] *= 2
     raw["settings"]["repair_frames"] = {"max_gap_s": 9}
-    assert len(complaints(raw)) == 8
+    assert len(complaints(raw)) == 9
+
+
+def test_an_arm_without_a_recording_to_fit_on_is_known(raw: dict[str, Any]) -> None:
+    other = {"name": "other", "robot": "ur10e", "folder": "/", "role": "contact"}
+    raw["recordings"].append(raw["recordings"][0] | other)
+    assert arms_without_fit(parse_study(raw, "config.yaml")) == ["ur10e"]
 
 
 @pytest.mark.parametrize("name", [".", "..", ".hidden", "a/b", "", "ä", "a b"])

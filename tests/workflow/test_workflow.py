@@ -274,7 +274,7 @@ def test_a_misspelt_key(workflow: Workflow) -> None:
 
 def test_a_missing_folder(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "raw" / "still")
-    fails_with(workflow, "`recordings[0].folder` is 'raw/still'; give an existing folder")
+    fails_with(workflow, "`recordings[0].folder` is 'raw/still', which is not in ")
 
 
 def test_a_missing_file(workflow: Workflow) -> None:
@@ -296,6 +296,12 @@ def test_a_study_that_is_no_study(workflow: Workflow) -> None:
     done = workflow.run("--configfile", "letter.yaml")
     assert done.returncode == 1
     assert "Config file must be given as JSON or YAML with keys at top level" in done.stdout
+
+
+def test_another_folder(workflow: Workflow) -> None:
+    done = workflow.run("--directory", "raw")
+    assert done.returncode == 1
+    assert f"/raw; run snakemake in {workflow.folder}" in done.stdout
 
 
 def test_unwritable_results(workflow: Workflow) -> None:
