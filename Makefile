@@ -22,8 +22,9 @@ lint: .venv/ready ## check style and types
 bench: .venv/ready ## measure speed side by side
 	for benchmark in benchmarks/*.py; do echo "$$benchmark"; python $$benchmark || exit 1; done
 
-schema: .venv/ready ## write the JSON schema of a study anew
+schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
+	ur5 settings > docs/settings.md
 
 lock: ## pin the newest versions that pyproject.toml allows
 	rm -rf .venv && $(PYTHON) -m venv .venv

@@ -126,6 +126,14 @@ def schema() -> None:
     typer.echo(schema_text(), nl=False)
 
 
+@app.command()
+def settings() -> None:
+    """Print every setting of a study with its default (docs/settings.md)."""
+    from ur5lib.settings_table import settings_text
+
+    typer.echo(settings_text(), nl=False)
+
+
 def main() -> None:
     """Run the command; a wrong input is told in one sentence and ends with status 1."""
     try:

@@ -89,8 +89,8 @@ class Sensor(DeviceTable):
 class Sensors(Strict):
     """The sensors that were recorded besides the robot."""
 
-    force_sensor: Sensor | None = None
-    imu: Sensor | None = None
+    force_sensor: Sensor | None = Field(None, description="where there is one")
+    imu: Sensor | None = Field(None, description="where there is one")
 
 
 def _or_simulated(schema: dict[str, Any]) -> None:
@@ -150,6 +150,10 @@ Recording = Annotated[
 ]
 
 
+ORDER = "of the Butterworth filter, which runs forwards and backwards"
+CUTOFF = "where a signal loses half its amplitude (-6 dB)"
+
+
 class RepairFrames(Strict):
     """Putting frames back on the controller's grid."""
 
@@ -161,15 +165,15 @@ class RepairFrames(Strict):
 class FilterSignals(Strict):
     """Zero-phase Butterworth low-pass of the measured signals."""
 
-    order: int = Field(4, ge=1, le=12)
-    cutoff_hz: float = Field(10.0, gt=0, lt=62.5)
+    order: int = Field(4, ge=1, le=12, description=ORDER)
+    cutoff_hz: float = Field(10.0, gt=0, lt=62.5, description=CUTOFF)
 
 
 class CompareAccelerations(Strict):
     """Zero-phase Butterworth low-pass of joints and IMU where they are compared."""
 
-    order: int = Field(4, ge=1, le=12)
-    cutoff_hz: float = Field(2.0, gt=0, lt=62.5)
+    order: int = Field(4, ge=1, le=12, description=ORDER)
+    cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
 
 
 FrictionTerm = Literal[
@@ -180,7 +184,7 @@ FrictionTerm = Literal[
 class FitFriction(Strict):
     """Torque constants and friction, from currents and motion low-passed without delay."""
 
-    order: int = Field(4, ge=1, le=12)
+    order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
         2.0, gt=0, lt=62.5, description="above it, a measured current is noise"
     )
@@ -195,7 +199,7 @@ class RebuildForces(Strict):
     """The thesis's estimates of a contact force."""
 
     order: int = Field(5, ge=1, le=12, description="of the low-pass on the external torque")
-    cutoff_hz: float = Field(1.454, gt=0, lt=62.5)
+    cutoff_hz: float = Field(1.454, gt=0, lt=62.5, description="the thesis's (erratum 4)")
     min_singular_value: float = Field(
         0.01, gt=0, le=1, description="of the Jacobian; below it the torques tell no force"
     )
@@ -245,12 +249,12 @@ class Study(Strict):
     """What `snakemake` analyses; results lie in `results/<study>/`."""
 
     study: Name
-    title: str
-    recordings: list[Recording] = Field(min_length=1)
+    title: str = Field(description="of the report")
+    recordings: list[Recording] = Field(min_length=1, description="what was recorded")
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file of published values and errata to show beside the results"
     )
-    settings: Settings = Settings()
+    settings: Settings = Field(Settings(), description="of the steps")
 
 
 def parse_study(raw: Mapping[str, Any], source: str) -> Study:
@@ -352,22 +356,22 @@ def _explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
         known = _descend(schema, error["loc"][:-1])[1]["properties"]
         return f"unknown key `{key}`{_near(location[-1], known)}; known: {', '.join(known)}"
     if kind.startswith("union_tag"):
-        return _explain_tag(error, key, list(_branches(node)))
+        return _explain_tag(error, key, list(branches(node)))
     if kind == "missing":
-        return f"`{key}` is missing; give {_allowed(node)}"
+        return f"`{key}` is missing; give {allowed(node)}"
     near = _near(error["input"], _choices(node))
-    allowed = error["ctx"]["error"] if kind == "value_error" else _allowed(node)
-    return f"`{key}` is {_shown(error['input'])}{near}; give {allowed}"
+    told = error["ctx"]["error"] if kind == "value_error" else allowed(node)
+    return f"`{key}` is {_shown(error['input'])}{near}; give {told}"
 
 
 def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
     """Of a part that comes in several kinds, told apart by its `format` or `kind`."""
     key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
-    allowed = f"give one of {', '.join(tags)}"
+    known = f"give one of {', '.join(tags)}"
     if error["type"] == "union_tag_not_found":
-        return f"`{key}` is missing; {allowed}"
+        return f"`{key}` is missing; {known}"
     value = error["ctx"]["tag"]
-    return f"`{key}` is {value!r}{_near(value, tags)}; {allowed}"
+    return f"`{key}` is {value!r}{_near(value, tags)}; {known}"
 
 
 def _key(location: Iterable[str | int]) -> str:
@@ -381,9 +385,9 @@ def _descend(
     """The keys of a location, less the tags of its kinds, and what a JSON schema says there."""
     node, keys = schema, list[str | int]()
     for part in location:
-        branches = _branches(node)
-        if part in branches:
-            node = branches[str(part)]
+        kinds = branches(node)
+        if part in kinds:
+            node = kinds[str(part)]
         else:
             keys.append(part)
             node = _child(node, part)
@@ -393,7 +397,7 @@ def _descend(
     return keys, node
 
 
-def _branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """The kinds of a part by their tags; where values of two types are allowed, these."""
     tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
     options = {tags.get(o.get("$ref"), o.get("type")): o for o in node.get("oneOf", [])}
@@ -422,7 +426,8 @@ def _choices(node: dict[str, Any]) -> list[str]:
     return node.get("enum", [node["const"]] if "const" in node else [])
 
 
-def _allowed(node: dict[str, Any]) -> str:
+def allowed(node: dict[str, Any]) -> str:
+    """What a node of a JSON schema allows, in words: "a number above 0 and below 62.5"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
     bounds = {
@@ -433,6 +438,8 @@ def _allowed(node: dict[str, Any]) -> str:
         "minItems": "with entries, at least",
     }
     limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
+    if "maxItems" in node:
+        limits = [f"of {node['maxItems']}"]
     type_ = "object" if "discriminator" in node else node.get("type", "value")
     kind = {"array": "a list", "object": "a mapping"}.get(type_, f"a {type_}")
     if "pattern" in node:

@@ -8,6 +8,7 @@ import yaml
 
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
+from ur5lib.settings_table import settings_text
 from ur5lib.study import Study, arms_without_fit, parse_study, schema_text
 
 
@@ -201,11 +202,23 @@ def test_the_committed_schema_is_the_models() -> None:
     assert committed.read_text() == schema_text(), "run `make schema`"
 
 
+def test_the_committed_table_of_settings_is_the_models() -> None:
+    committed = PROJECT / "docs" / "settings.md"
+    assert committed.read_text() == settings_text(), "run `make schema`"
+
+
+def test_the_table_of_settings_has_every_key() -> None:
+    parts = [Study.model_json_schema(), *Study.model_json_schema()["$defs"].values()]
+    for key in {key for part in parts for key in part["properties"]}:
+        assert f"\n| `{key}` | " in settings_text()
+
+
 def test_every_setting_is_documented_and_used() -> None:
-    """Each field of each step has a description or a name that tells it, and a rule passes it."""
+    """Each field of each step has a description, and a rule passes it."""
     rules = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
     for step, field in Study.model_fields["settings"].annotation.model_fields.items():
-        for name in field.annotation.model_fields:
+        for name, setting in field.annotation.model_fields.items():
+            assert setting.description
             assert f"{name}=SETTINGS.{step}.{name}" in rules
 
 
