@@ -65,8 +65,10 @@ def read_study(path: Path) -> Study:
             f"{path} cannot be read ({error.strerror}); correct the name, or go to its folder"
         ) from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        told = " ".join(str(error).split())
-        raise InputError(f"{path} cannot be read as YAML: {told}; correct it there") from error
+        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+        place = f"{path}, line {mark.line + 1}" if mark else str(path)
+        told = problem or str(error)
+        raise InputError(f"{place}: cannot be read as YAML ({told}); correct it there") from error
     if not isinstance(raw, dict):
         raise InputError(f"{path} is no study; it must hold `study`, `title` and `recordings`")
     return parse_study(raw, str(path))

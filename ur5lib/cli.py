@@ -81,12 +81,15 @@ def singularities(
     least: Annotated[float, typer.Option(help="singular below this singular value", min=0)] = 0.01,
 ) -> None:
     """Print how much of some joint ranges is near a shoulder, elbow or wrist singularity."""
+    from rich.console import Console
+
     from ur5lib.dynamics.flange import flange_kinematics
     from ur5lib.force.singularities import map_singularities, sample_joints
 
     arm = _load(robot)
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
-    found = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
+    with Console(stderr=True).status(f"trying {count} positions"):
+        found = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
     for kind, share in found.share.items():
         typer.echo(f"{kind}: {100 * share:.2f} % of {count} positions are singular")
     worst = found.sigma_min.argmin()

@@ -84,9 +84,10 @@ def test_an_unusable_sensor_is_an_error(
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ("study: [", "cannot be read as YAML"),
+        ("study: mine\ntitle: [", "study.yaml, line 2: cannot be read as YAML (expected"),
         ("a letter", "is no study"),
         ("study: mine", "`title` is missing"),
+        ("study: \udcff", "cannot be read as YAML ('utf-8' codec"),
         (None, "No such file"),
     ],
 )
@@ -100,7 +101,7 @@ def test_a_wrong_study_is_told(
     if content is None:
         study.unlink()
     else:
-        study.write_text(content)
+        study.write_text(content, errors="surrogateescape")
     assert run(monkeypatch, "check", study) == 1
     assert sentence in capsys.readouterr().err
 
