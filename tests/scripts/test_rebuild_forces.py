@@ -113,6 +113,7 @@ def test_the_sensor_is_put_right(results: tuple) -> None:
     np.testing.assert_allclose(offset["bias"], BIAS, atol=1e-3)
     np.testing.assert_allclose(wrench_of(results[0], "corrected"), truth()[3], atol=1e-9)
     np.testing.assert_allclose(wrench_of(results[0], "compensated"), truth()[3], atol=1e-2)
+    assert results[1]["mounting_doubt"] is None
 
 
 def test_the_printed_kind_keeps_the_bias_and_the_delay(results: tuple) -> None:

@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.force.sensor import bias, fit_offset, move_to_frame_6, wrench_of_environment
+from ur5lib.force.mounting import mounting_doubt, opposite_axes
+from ur5lib.force.sensor import (
+    SensorOffset,
+    bias,
+    fit_offset,
+    move_to_frame_6,
+    wrench_of_environment,
+)
 from ur5lib.metrics import (
     Array,
     correlation,
@@ -46,7 +53,8 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
     if "ft_fx" in signals:
         rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
         references, offset = sensor_wrenches(signals, rotation, load_robot(input.arm), params)
-        summary["offset"] = offset
+        summary["offset"] = account(offset, signals, params)
+        summary["mounting_doubt"] = doubt(references["compensated"], forces, rotation, offset)
         for kind, reference in references.items():
             columns |= labelled(reference, kind, WRENCH)
             summary["errors"][kind] = {
@@ -59,22 +67,42 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
 
 def sensor_wrenches(
     signals: pd.DataFrame, rotation: Array, robot: Robot, params: Any
-) -> tuple[dict[str, Array], dict[str, Any]]:
-    """What the sensor says, the environment acting on the arm, and what was taken off it.
+) -> tuple[dict[str, Array], SensorOffset]:
+    """What the sensor says, the environment acting on the arm, and what it says without contact.
 
     printed: the raw reading; corrected: less its mean at the start; compensated: less bias and
     tool weight, from all samples free of contact. The last two at the origin of frame 6.
     """
-    reading, time = signals[SENSOR].to_numpy(), signals["time"].to_numpy()
+    reading = signals[SENSOR].to_numpy()
     offset = fit_offset(reading, rotation, period(signals))
-    start = bias(reading, time, params.bias_window_s)
+    start = start_bias(signals, params)
     position = np.array(robot.mounting.force_sensor)
     references = {"printed": wrench_of_environment(reading, rotation)}
     for kind, removed in (("corrected", start), ("compensated", offset.reading(rotation))):
         wrench = wrench_of_environment(reading - removed, rotation)
         references[kind] = move_to_frame_6(wrench, rotation, position)
-    account = asdict(offset) | {"free": float(offset.free.mean()), "start_bias": start}
-    return references, account
+    return references, offset
+
+
+def account(offset: SensorOffset, signals: pd.DataFrame, params: Any) -> dict[str, Any]:
+    """What was taken off the reading: of kind compensated, and of kind corrected (start_bias)."""
+    return asdict(offset) | {
+        "free": float(offset.free.mean()),
+        "start_bias": start_bias(signals, params),
+    }
+
+
+def start_bias(signals: pd.DataFrame, params: Any) -> Array:
+    return bias(signals[SENSOR].to_numpy(), signals["time"].to_numpy(), params.bias_window_s)
+
+
+def doubt(sensor: Array, forces: pd.DataFrame, rotation: Array, offset: SensorOffset) -> str | None:
+    """Whether the sensor contradicts the estimate from currents, or the weight of its tool."""
+    opposite = []
+    if "Fmap_Fx" in forces:
+        estimate = labelled_channel(forces, "Fmap", WRENCH)
+        opposite = opposite_axes(sensor[:, :3], estimate[:, :3], rotation)
+    return mounting_doubt(offset, opposite)
 
 
 def estimates(

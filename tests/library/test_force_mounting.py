@@ -1,0 +1,44 @@
+"""A force sensor that is mounted otherwise than its readings are read."""
+
+import numpy as np
+import pytest
+
+from tests.library.test_force_sensor import PERIOD, orientations, pushed
+from ur5lib.force.mounting import mounting_doubt, opposite_axes
+from ur5lib.force.sensor import fit_offset, wrench_of_environment
+
+ROTATION = orientations(60, turning=0.8)
+TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1, -1]}
+
+
+def told(signs: list[int]) -> tuple[list[str], str | None]:
+    """Of a sensor whose axes have these signs, beside an estimate that errs."""
+    reading, wrench = pushed(ROTATION, seed=0)
+    offset = fit_offset(reading * [*signs, *signs], ROTATION, PERIOD)
+    free = reading * [*signs, *signs] - offset.reading(ROTATION)
+    sensor = wrench_of_environment(free, ROTATION)[:, :3]
+    estimate = 0.7 * wrench[:, :3] + np.random.default_rng(1).normal(0, 2, (len(wrench), 3))
+    opposite = opposite_axes(sensor, estimate, ROTATION)
+    return opposite, mounting_doubt(offset, opposite)
+
+
+def test_a_sensor_as_mounted_is_not_doubted() -> None:
+    assert told([1, 1, 1]) == ([], None)
+
+
+@pytest.mark.parametrize("signs", TURNED.values(), ids=TURNED)
+def test_a_sensor_upside_down_is_doubted(signs: list[int]) -> None:
+    opposite, doubt = told(signs)
+    assert opposite == [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
+    assert doubt is not None
+    assert f"along {', '.join(opposite)} of frame 6 it says the opposite" in doubt
+
+
+def test_a_tool_that_pulls_upwards_is_told() -> None:
+    assert "its tool pulls upwards (-0.3 ±" in str(told(TURNED["sign"])[1])
+
+
+def test_without_contact_nothing_is_said() -> None:
+    noise = np.random.default_rng(0).normal(0, 0.3, (2, len(ROTATION), 3))
+    assert opposite_axes(noise[0], -noise[0], ROTATION) == []
+    assert opposite_axes(noise[0], np.full_like(noise[0], np.nan), ROTATION) == []
