@@ -5,13 +5,11 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 
 all: .venv/ready ## set up, simulate and build the default study, name its report
-	snakemake --quiet rules host reason
-	@echo "report: results/demo/report.html, results/demo/report.pdf"
+	snakemake
 
 thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), build its study
 	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
-	snakemake --quiet rules host reason --configfile workflow/studies/thesis.yaml
-	@echo "report: results/thesis/report.html, results/thesis/report.pdf"
+	snakemake --configfile workflow/studies/thesis.yaml
 
 test: lint ## run every check
 	pytest

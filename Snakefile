@@ -29,6 +29,10 @@ include: "workflow/rules/force.smk"
 include: "workflow/rules/report.smk"
 
 
+onsuccess:
+    print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
+
+
 # Intermediate tables are results too: what is deleted is made again.
 rule all:
     input:

@@ -239,7 +239,7 @@ def _objection(clock: Clock, stamps: Clock, explained: float) -> str | None:
     if explained < EXPLAINED:
         return (
             f"the joints explain only {max(explained, 0):.0%} of what the gyroscope's readings "
-            "vary: the arm hardly turned, or they are of another run"
+            "vary: the arm hardly turned, or the IMU is turned or of another run"
         )
     if abs(apart) > TRUST * stamps.offset_std or abs(drift) > MAX_DRIFT:
         return (
