@@ -58,12 +58,21 @@ def _section(path: str, kind: str, part: Schema) -> str:
 
 
 def _row(key: str, node: Schema, part: Schema) -> str:
+    cells = [f"`{key}`", _allowed(node), _default(key, node, part), node.get("description", "")]
+    return f"| {' | '.join(cells)} |"
+
+
+def _default(key: str, node: Schema, part: Schema) -> str:
+    """A key's default, or that it must be given, where need be unless others are."""
     if key in part.get("required", []):
-        default = "required"
-    else:
-        default = "" if any(_named(node)) else f"`{json.dumps(node.get('default'))}`"
-    cells = [f"`{key}`", _allowed(node), default.replace("`null`", ""), node.get("description", "")]
-    return f"| {' | '.join(cell.replace('|', ', ') for cell in cells)} |"
+        return "required"
+    choices = [option["required"] for option in part.get("oneOf", [])]
+    if any(key in choice for choice in choices):
+        others = [f"`{other}`" for choice in choices if key not in choice for other in choice]
+        return f"required, or {' and '.join(others)}"
+    if any(_named(node)) or node.get("default") is None:
+        return ""
+    return f"`{json.dumps(node['default'])}`"
 
 
 def _allowed(node: Schema) -> str:

@@ -1,5 +1,8 @@
 """Tables: units, provenance of names, and never half a file."""
 
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +80,30 @@ def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
     (tmp_path / "results").write_text("a file where a folder should be")
     with pytest.raises(InputError, match=r"report.html cannot be written \(File exists\); free"):
         write_text("text", tmp_path / "results" / "report.html")
+
+
+@pytest.mark.parametrize("write", [write_table, write_csv, write_json, write_text])
+def test_a_full_disk_leaves_the_old_file_and_no_half_one(
+    tmp_path: Path, write: Callable[[object, Path], None]
+) -> None:
+    path, old = tmp_path / "file", b"what was there before"
+    path.write_bytes(old)
+    long = {write_json: [0.1] * 9000, write_text: "long " * 9000}
+    table = pd.DataFrame({"time": np.random.default_rng(0).random(9000)})
+    with full_disk(), pytest.raises(InputError, match=r"file cannot be written .*; free .*disk"):
+        write(long.get(write, table), path)
+    assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("file", old)]
+
+
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """As if only 20 kB were left on any disk."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
 def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:
