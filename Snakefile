@@ -30,7 +30,8 @@ include: "workflow/rules/report.smk"
 
 
 onsuccess:
-    print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
+    if Path(f"{RESULTS}/report.html").exists():
+        print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
 
 
 # Intermediate tables are results too: what is deleted is made again.
