@@ -293,6 +293,16 @@ def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> No
     assert "line 2 ('01. Jan' is no number, a spreadsheet program may have" in detail
 
 
+@pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
+def test_whatever_ends_a_line_its_fault_is_told(tmp_path: Path, row: str) -> None:
+    entry = write_rtde(tmp_path, rows=20)
+    text = (tmp_path / "robot.csv").read_text()
+    for mark in (";", "\t", " ", ","):
+        lines = [row.format(t=9.5, q=";".join(["0.1"] * 6)).replace(";", mark)] * 3
+        (tmp_path / "robot.csv").write_text(text.replace(";", mark) + "\n".join(lines) + "\n")
+        read_recording(entry)
+
+
 def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
     entry = write_rtde(tmp_path, row="{t};90;90;90;90;90;90")
     with pytest.raises(

@@ -48,7 +48,7 @@ def read_numbers(
     tables, damaged = _parse(data, top, end, names, delimiter)
     table = pa.concat_tables(tables).to_pandas()
     if damaged:
-        first = data[damaged[0] : _end_of_line(data, damaged[0])].strip()
+        first = data[damaged[0] : _end_of_line(data, damaged[0])].rstrip(b"\n")
         fault = _fault(first.split(delimiter), len(names))
         lines = [_line(data, place) for place in damaged[:5]]
         _tell_damaged(path, lines, len(damaged), fault, table, device, findings)
@@ -254,7 +254,7 @@ def _tell_damaged(
     if table.empty:
         raise InputError(
             f"{path}, line {lines[0]}: holds no complete row of {width} numbers ({fault}), nor "
-            "does any other line; record it again, or name its columns (format table-csv)"
+            "does any other line; record it again, or name its `columns` in the study"
         )
     if len(table) < count:
         raise InputError(

@@ -66,7 +66,7 @@ def _beyond(channels: pd.DataFrame, bound: float, source: str) -> NDArray[np.boo
         raise InputError(
             f"{source}: {channel} is {middle:.4g} in the middle of {beyond.mean():.0%} of the "
             f"rows, beyond {bound:.4g} {_si_unit(str(channel))} (SI units); correct the file, or "
-            "name its `columns` and `units` in the study (format table-csv)"
+            "name its `columns` and `units` in the study (raw/README.md)"
         )
     return beyond
 
@@ -84,7 +84,7 @@ def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> Non
         raise InputError(
             f"{source}: frames are {step:.4g} s apart in the middle; "
             "give the time in seconds, with all its digits, in the column of the time, or name "
-            "its unit in the study (format table-csv)"
+            "its unit in the study (raw/README.md)"
         )
 
 
