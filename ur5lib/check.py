@@ -43,7 +43,7 @@ def print_findings(path: Path) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = {name: clock for name, (_, clock) in results.items()}
-    quality = quality_table(qualities, clocks)
+    quality = quality_table(qualities, clocks, {})
     console.print(_findings(quality, list(results)))
     if any(clocks.values()):
         console.print(_clocks(clock_table(clocks)))

@@ -434,13 +434,10 @@ def test_the_readme_tells_the_numbers_of_the_tables(
     assert f"| {euler['printed']:.2f} | {ours['mae']:.3f} | |" in readme
     row = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C'").iloc[1]
     assert f"| {row['printed']:.3f} | {row['mae']:.3f} | |" in readme
-    rotors = torque.query("recording == @TABLE_5_6 and motion == 'target' and model == 'C+rotors'")
-    assert f"| | {rotors['mae'].iloc[1]:.3f} | |" in readme
     along_x = force.query("estimate == 'F*' and component == 'Fx'").set_index("kind")
-    printed, corrected = along_x.loc["printed"], along_x.loc["corrected"]
+    printed = along_x.loc["printed"]
     values = (printed["printed_mae"], printed["mae"], printed["zero_mae"])
     assert "| {:.2f} | {:.2f} | {:.2f} |".format(*values) in readme
-    assert f"| | {corrected['mae']:.2f} | {corrected['zero_mae']:.2f} |" in readme
     repeat = force.query("estimate == 'repeat' and component == 'Fx' and kind == 'corrected'")
     best = repeat.iloc[0]
     assert f"| | {best['mae']:.2f} | {best['zero_mae']:.2f} |" in readme

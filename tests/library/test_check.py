@@ -112,9 +112,12 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
     clocks = {"one": {"imu": {"warning": "the arm rests", "offset_std": 0.1}}}
-    table = group_findings(quality_table({"one": quality, "two": stale}, clocks))
+    forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
+    table = group_findings(quality_table({"one": quality, "two": stale}, clocks, forces))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
     assert told["one", "same file"] == "byte for byte that of two; used here"
     assert told["two", "same file"] == "byte for byte that of one; not used here"
+    assert told["two", "mounting"] == "upside down"
+    assert ("one", "mounting") not in told
     assert told["one", "clock by stamps alone"] == "the arm rests; good to 0.1 s at best"

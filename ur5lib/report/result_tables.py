@@ -32,8 +32,10 @@ def recording_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def quality_table(qualities: Mapping[str, Any], clocks: Mapping[str, Any]) -> pd.DataFrame:
-    """Findings of every recording, from its quality.json and its clocks.json."""
+def quality_table(
+    qualities: Mapping[str, Any], clocks: Mapping[str, Any], forces: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Findings of every recording, from its quality.json, clocks.json and forces.json."""
     columns = ["recording", "device", "finding", "severity", "count", "detail"]
     rows = [
         {"recording": recording, **finding}
@@ -42,6 +44,7 @@ def quality_table(qualities: Mapping[str, Any], clocks: Mapping[str, Any]) -> pd
             *quality["findings"],
             *_copies(recording, qualities),
             *_poor_clocks(clocks.get(recording, {})),
+            *_doubted_mounting(forces.get(recording, {})),
         ]
     ]
     return pd.DataFrame(rows, columns=columns)
@@ -58,6 +61,18 @@ def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
                 "count": 1,
                 "detail": f"{clock['warning']}; good to {clock['offset_std']:.2g} s at best",
             }
+
+
+def _doubted_mounting(forces: Mapping[str, Any]) -> Iterator[Row]:
+    """A force sensor that contradicts the motor currents or its tool's weight."""
+    if forces.get("mounting_doubt"):
+        yield {
+            "device": "force",
+            "finding": "mounting",
+            "severity": "warning",
+            "count": 1,
+            "detail": forces["mounting_doubt"],
+        }
 
 
 def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:
