@@ -11,9 +11,13 @@ COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "
 
 def drawn(results: Results) -> list[str]:
     """Recordings with an IMU whose acceleration is drawn: with printed errors, or the first."""
+    return shown(printed(results) or [*results.tables["acceleration_mae"]["recording"]][:1])
+
+
+def printed(results: Results) -> list[str]:
+    """Recordings with printed errors."""
     rows = results.tables["acceleration_mae"]
-    printed = rows.loc[rows["printed"].notna(), "recording"].unique()
-    return shown([*printed] or [*rows["recording"].unique()][:1])
+    return [*rows.loc[rows["printed"].notna(), "recording"].unique()]
 
 
 def errors(results: Results) -> Body:
