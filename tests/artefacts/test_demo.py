@@ -111,7 +111,7 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
     assert len(pages) > 5
     assert all(NOTICE in page for page in pages)
     html = (results / "report.html").read_text()
-    assert f'<p class="notice" role="note">{NOTICE}' in html
+    assert f'<aside class="notice" aria-label="notice">{NOTICE}' in html
     assert "<title>A UR5 on the virtual test stand (simulated)</title>" in html
     assert "Estimates against the truth" in html
 
