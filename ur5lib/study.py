@@ -176,9 +176,7 @@ class CompareAccelerations(Strict):
     cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
 
 
-FrictionTerm = Literal[
-    "load", "stribeck", "saturating", "quadratic", "cubic", "asymmetric", "periodic"
-]
+FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric"]
 
 
 class FitFriction(Strict):
@@ -190,8 +188,8 @@ class FitFriction(Strict):
     )
     terms: list[FrictionTerm] = Field(
         [*get_args(FrictionTerm)],
-        description="to choose from besides Coulomb and viscous friction; those that predict "
-        "recordings left out are taken",
+        description="to choose from besides Coulomb, viscous and load-dependent friction and what "
+        "comes once a turn; those that predict recordings left out are taken",
     )
 
 

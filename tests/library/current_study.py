@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 from scipy import signal
 
-from ur5lib.identification.estimation import Prior
-from ur5lib.identification.friction import BASE, Term
+from ur5lib.identification.friction import Term
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, design
 from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
@@ -16,7 +16,9 @@ from ur5lib.tables import Array
 PERIOD = 0.02
 CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])
 LOAD = np.array([8.0, 50.0, 20.0, 2.0, 2.0, 0.0])  # Nm; joint 6 carries nothing
-TERMS = [BASE, (*BASE, Term("load")), (*BASE, Term("stribeck", 0.3)), BASE, BASE, BASE]
+PRESLIDING = 3e-4  # rad
+PLAIN = (Term("coulomb"), Term("viscous"))
+TERMS = [PLAIN, (*PLAIN, Term("load")), (*PLAIN, Term("stribeck", 0.3)), PLAIN, PLAIN, PLAIN]
 FRICTION = [(6.4, 7.2), (5.7, 9.3, 0.08), (8.8, 4.9, -3.1), (1.5, 1.3), (1.6, 1.2), (1.6, 0.8)]
 OFFSET = np.array([0.1, 0.4, 0.0, 0.3, 0.2, 0.3])  # Nm
 NOISE = np.array([0.08, 0.1, 0.1, 0.03, 0.025, 0.025])  # A, of the slow residual
@@ -49,7 +51,7 @@ def make_record(seed: int, seconds: float = 24.0) -> Record:
     q = np.cumsum(qd, axis=0) * PERIOD + phase[1]
     torque = LOAD * np.sin(q + 0.3 * np.roll(q, 1, axis=1))
     record = Record(f"made_up_{seed}", PERIOD, np.zeros(len(q), int), q, qd, torque, 0 * q)
-    exact = [design(record, j, TERMS[j]) @ coefficients(j) for j in range(6)]
+    exact = [design(record, j, TERMS[j], PRESLIDING)[0] @ coefficients(j) for j in range(6)]
     return replace(record, current=np.stack(exact, axis=1))
 
 

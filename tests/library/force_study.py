@@ -22,7 +22,7 @@ from ur5lib.force.sensor import SensorOffset, fit_offset, move_to_frame_6, wrenc
 from ur5lib.force.template import Run, repeat_aware
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench
 from ur5lib.identification.currents import CurrentFit, fit_currents, predict
-from ur5lib.identification.estimation import Prior
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.intake import take_in

@@ -12,9 +12,9 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification.currents import CurrentFit, band, fit_currents, parameters, predict
-from ur5lib.identification.estimation import Prior
 from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import estimate_payload
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, smoothed_moving
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.identification.validation import (

@@ -9,13 +9,15 @@ from ur5lib.identification.friction import (
     MOVING,
     JointMotion,
     Term,
+    friction_direction,
     is_dissipative,
-    locked_friction,
+    resting,
 )
 
 RANDOM = np.random.default_rng(0)
-MOTION = JointMotion(*(RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]))
-BACK = JointMotion(MOTION.q, -MOTION.qd, MOTION.torque)
+Q, QD, TORQUE = RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]
+MOTION = JointMotion(Q, QD, TORQUE, np.sign(QD))
+BACK = JointMotion(Q, -QD, TORQUE, -np.sign(QD))
 
 
 @pytest.mark.parametrize("term", [*BASE, *FAMILY])
@@ -42,13 +44,12 @@ def test_names_tell_terms_apart() -> None:
 
 
 def creep(steps: list[float], segment: list[int] | None = None) -> np.ndarray:
-    """Locked friction of a joint that creeps by these steps, 1e-4 rad being all it can."""
-    q = np.cumsum([0.0, *steps])[:, None]
-    labels = np.array(segment or [0] * len(q))
-    return locked_friction(q, np.zeros_like(q), labels, 1e-4)[:, 0]
+    """Direction of the friction of a joint that creeps by these steps, over 1e-4 rad."""
+    q = np.cumsum([0.0, *steps])
+    return friction_direction(q, np.array(segment or [0] * len(q)), 1e-4)
 
 
-def test_friction_stays_locked_in_after_a_move() -> None:
+def test_friction_keeps_its_direction_after_a_move() -> None:
     held = creep([1e-3, 0, 0, 0])
     np.testing.assert_allclose(held[1:], 1.0, atol=1e-4)
     assert creep([-1e-3])[-1] == pytest.approx(-1.0, abs=1e-4)
@@ -59,15 +60,19 @@ def test_creep_is_elastic_at_first_and_never_more_than_all() -> None:
     assert np.abs(creep(list(RANDOM.normal(size=300) * 1e-4))).max() <= 1
 
 
+def test_friction_turns_over_a_distance_however_finely_it_is_sampled() -> None:
+    coarse, fine = creep([1e-3, -5e-5]), creep([1e-3, *[-5e-7] * 100])
+    assert coarse[-1] == pytest.approx(2 * np.exp(-0.5) - 1, abs=1e-4)
+    assert fine[-1] == pytest.approx(coarse[-1])
+
+
 def test_nothing_is_known_of_friction_where_a_segment_begins() -> None:
     np.testing.assert_array_equal(creep([1e-3, 0, 0], [0, 0, 1, 1])[2:], 0.0)
 
 
-def test_in_motion_coulomb_friction_takes_over() -> None:
-    q = np.linspace(0, 1, 100)[:, None]
-    assert (
-        np.abs(locked_friction(q, np.full_like(q, 5 * MOVING), np.zeros(100, int), 1e-4)).max()
-        < 1e-3
+def test_a_joint_rests_within_the_dead_zone() -> None:
+    np.testing.assert_allclose(
+        resting(np.array([0.0, 5 * MOVING, -5 * MOVING])), [1, 0, 0], atol=1e-3
     )
 
 

@@ -7,7 +7,6 @@ import pytest
 
 from tests.library.current_study import make_record, prior, smooth, with_noise
 from ur5lib.identification.currents import CurrentFit, fit_currents, predict
-from ur5lib.identification.friction import Term
 from ur5lib.identification.payload import estimate_payload
 from ur5lib.identification.samples import Record
 
@@ -17,7 +16,7 @@ CARRIED = np.array([2.8, 0.1, -0.3])
 @pytest.fixture(scope="module")
 def fitted() -> CurrentFit:
     records = [with_noise(make_record(seed), seed) for seed in range(6)]
-    return fit_currents(records, smooth, prior(), (Term("load"),))
+    return fit_currents(records, smooth, prior(), ())
 
 
 def regressor(record: Record) -> np.ndarray:

@@ -69,11 +69,18 @@ def test_clocks_without_drift_have_no_row_of_it() -> None:
 
 
 def test_friction_that_the_stand_lacks_has_no_truth() -> None:
-    row = {"value": 8.1, "std_error": 0.1, "joint": 2}
+    row = {"value": 8.1, "std_error": 0.1, "interval": (7.9, 8.3), "joint": 2}
     names = ["coulomb", "stribeck_0.1", "periodic_1_sin", "torque_constant"]
     friction = {"parameters": [row | {"name": name} for name in names]}
     found = {r["quantity"]: r["truth"] for r in friction_rows(friction, TRUTH)}
     assert found == {"coulomb": 8.0, "periodic_1_sin": -0.4, "torque_constant": 10.0}
+
+
+@pytest.mark.parametrize(("half", "told"), [(0.5, "yes"), (0.3, "no")])
+def test_friction_is_held_against_the_interval_that_is_stated(half: float, told: str) -> None:
+    row = {"name": "coulomb", "joint": 1, "value": 8.4, "std_error": 0.19}
+    friction = {"parameters": [row | {"interval": (8.4 - half, 8.4 + half)}]}
+    assert [r["within95"] for r in friction_rows(friction, TRUTH)] == [told]
 
 
 def test_an_imu_s_mounting_is_told_in_radians() -> None:

@@ -2,7 +2,7 @@
 
 The current is what is predicted, for it carries the noise: i = (τ + τ_friction - b) / k is linear
 in 1/k, b/k and the friction coefficients over k. These come from samples in motion; at rest,
-friction is whatever holds the joint up to breakaway, and only what pre-sliding tells is predicted.
+friction is whatever holds the joint up to breakaway: what it was before the stop, in some part.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,9 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.identification import bootstrap
-from ur5lib.identification.estimation import Estimate, Prior, estimate_together, physical
-from ur5lib.identification.friction import FAMILY, PRESLIDING, Term, locked_friction
-from ur5lib.identification.regression import Normal
+from ur5lib.identification.estimation import (
+    Estimate,
+    beside_fuller,
+    estimate_together,
+    physical,
+)
+from ur5lib.identification.friction import CONSIDERED, FAMILY, PRESLIDING, Term
+from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.samples import (
     FEW,
     Labels,
@@ -30,8 +35,8 @@ from ur5lib.identification.selection import (
     FEWEST,
     choose_presliding,
     choose_terms,
+    held_current,
     left_out_residuals,
-    locked_current,
 )
 
 Array = NDArray[np.float64]
@@ -45,15 +50,16 @@ COVERED = 0.95
 class JointFit:
     """One joint's map from motion to current.
 
-    presliding: [rad], or None where none helps; locked: [A], of Coulomb friction locked in at rest;
-    band_moving, band_rest: half of the 95 % band [A] around the low-passed current of a recording
-    left out; remarks: what could not be fitted, one sentence each.
+    presliding: [rad], over which friction turns; held: [A], by which it is more at rest than in
+    motion, negative for less; band_moving, band_rest: half of the 95 % band [A] around the
+    low-passed current of a recording left out; remarks: what could not be fitted, one sentence
+    each.
     """
 
     terms: tuple[Term, ...]
     estimate: Estimate
-    presliding: float | None
-    locked: float
+    presliding: float
+    held: float
     band_moving: float
     band_rest: float
     remarks: tuple[str, ...]
@@ -100,10 +106,15 @@ def fit_currents(
 
     smooth: a zero-phase low-pass, at 2 Hz say: above, the measured current is noise.
     """
-    samples = joint_samples(records, smooth, family)
     alone = [prior.of_joint(joint) for joint in range(6)]
+    tried = [joint_samples(records, smooth, family, [way] * 6) for way in PRESLIDING]
+    samples = [
+        choose_presliding(*pair) for pair in zip(zip(*tried, strict=True), alone, strict=True)
+    ]
     terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
     estimates, units = estimate_together(samples, terms, prior, seed)
+    fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
+    estimates = [*map(beside_fuller, estimates, estimate_together(samples, fuller, prior, seed)[0])]
     joints = zip(samples, terms, alone, estimates, strict=True)
     return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
 
@@ -112,12 +123,8 @@ def predict(fit: CurrentFit, record: Record) -> Array:
     """Motor current (N, 6) [A] of a motion without contact; the record's current is not used."""
     currents = []
     for joint, model in enumerate(fit.joints):
-        current = design(record, joint, model.terms) @ model.estimate.coefficients
-        if model.presliding is not None:
-            q, qd = record.q[:, [joint]], record.qd[:, [joint]]
-            held = locked_friction(q, qd, record.segment, model.presliding)
-            current += model.locked * held[:, 0]
-        currents.append(current)
+        columns, held = design(record, joint, model.terms, model.presliding)
+        currents.append(columns @ model.estimate.coefficients + model.held * held)
     return np.stack(currents, axis=1)
 
 
@@ -155,27 +162,25 @@ def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
         terms=tuple(Term(**term) for term in data["terms"]),
         estimate=Estimate(**numbers),
         presliding=data["presliding"],
-        locked=data["locked"],
+        held=data["held"],
         remarks=tuple(data["remarks"]),
         **bands,
     )
 
 
 def _joint_fit(
-    samples: Samples, terms: tuple[Term, ...], prior: Normal, estimate: Estimate
+    samples: Samples, terms: tuple[Term, ...], prior: JointPrior, estimate: Estimate
 ) -> JointFit:
     """What stands beside the estimate of a joint: friction at rest, bands, remarks."""
     coefficients = estimate.coefficients
-    index = choose_presliding(samples, terms, prior)
-    locked = 0.0 if index is None else locked_current(samples, terms, coefficients, index)
-    residual = left_out_residuals(samples, terms, prior, index)
+    residual = left_out_residuals(samples, terms, prior)
     if not np.isfinite(residual).any():  # the only recording: of the fit itself, then
         residual = samples.current - samples.design(terms) @ coefficients
     return JointFit(
         terms,
         estimate,
-        None if index is None else PRESLIDING[index],
-        locked,
+        samples.presliding,
+        held_current(samples, terms, coefficients),
         _band(residual[samples.moving], samples.record[samples.moving]),
         _band(residual[~samples.moving], samples.record[~samples.moving]),
         _remarks(samples, estimate, prior),
@@ -191,7 +196,7 @@ def _band(residual: Array, record: Labels) -> float:
     return max((float(np.quantile(e, COVERED)) for e in each if len(e) >= FEWEST), default=np.nan)
 
 
-def _remarks(samples: Samples, estimate: Estimate, prior: Normal) -> tuple[str, ...]:
+def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[str, ...]:
     moved = len(np.unique(samples.record[samples.moving]))
     remarks = []
     if moved == 0:
@@ -200,7 +205,7 @@ def _remarks(samples: Samples, estimate: Estimate, prior: Normal) -> tuple[str, 
         remarks.append("moves in one recording only: no term is chosen, the band is of the fit")
     elif moved < FEW:
         remarks.append(f"moves in {moved} recordings: how far recordings differ is hardly known")
-    away = (estimate.coefficients[0] - prior.mean[0]) * np.sqrt(prior.precision[0, 0])
+    away = (estimate.coefficients[0] - prior.inverse) / prior.std
     if abs(away) > CONFLICT:
         remarks.append(f"torque constant {abs(away):.1f} standard deviations off what was known")
     return tuple(remarks)

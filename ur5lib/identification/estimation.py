@@ -4,35 +4,19 @@ Joints are related through what is known of their torque constants; the rest is 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.identification import bootstrap
 from ur5lib.identification.friction import Term
+from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import Normal, posterior_mean
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Prior:
-    """inverse_constant: of 1/k of the six joints [A/Nm]; torque_max: (6,) [Nm], which bounds each
-    friction torque and offset: its standard deviation beforehand.
-    """
-
-    inverse_constant: Normal
-    torque_max: Array
-
-    def of_joint(self, joint: int) -> Normal:
-        """Of the torque's, the offset's and any term's coefficient, regardless of other joints."""
-        inverse = self.inverse_constant.mean[joint]
-        variance = np.linalg.inv(self.inverse_constant.precision)[joint, joint]
-        wide = (self.torque_max[joint] * inverse) ** -2.0
-        return Normal(np.array([inverse, 0.0, 0.0]), np.diag([1 / variance, wide, wide]))
 
 
 @dataclass(frozen=True)
@@ -53,20 +37,31 @@ def estimate_together(
     """Estimates of the six joints, and how many recordings (or stretches) they rest on."""
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
     sums = [_normal_equations(samples[j], terms[j], prior.of_joint(j), count) for j in range(6)]
-    sizes = [joint.shape[1] for joint in sums]
-    whole, generator = _whole_prior(prior, sizes), np.random.default_rng(seed)
+    whole, generator = prior.over(terms), np.random.default_rng(seed)
     unit = _unit_of_block(samples, count)
     units = len(np.unique(unit[unit >= 0]))
     solution, share = _solve(sums, np.ones((1, count)), whole)
     told = Normal(_draw_means(whole, generator), whole.precision)
     by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), told)
     by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), told)
-    estimates, ends = [], np.cumsum(sizes)
-    for own in map(slice, ends - sizes, ends):
+    estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
+    for own in map(slice, [0, *ends[:-1]], ends):
         drawn = physical(by_unit[:, own]), physical(by_block[:, own])
         error = bootstrap.standard_error(*drawn, units)
         estimates.append(Estimate(solution[0, own], share[own], by_unit[:, own], error))
     return estimates, units
+
+
+def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
+    """An estimate whose standard errors hold what further terms would change.
+
+    fuller: the estimate with these terms after the others; its standard errors and the distance
+    from it, added in quadrature.
+    """
+    value, other = physical(estimate.coefficients), physical(fuller.coefficients)
+    size = len(value)
+    error = np.hypot(fuller.std_error[:size], other[:size] - value)
+    return replace(estimate, std_error=error)
 
 
 def physical(coefficients: Array) -> Array:
@@ -77,7 +72,9 @@ def physical(coefficients: Array) -> Array:
     )
 
 
-def _normal_equations(samples: Samples, terms: Sequence[Term], prior: Normal, count: int) -> Array:
+def _normal_equations(
+    samples: Samples, terms: Sequence[Term], prior: JointPrior, count: int
+) -> Array:
     """`bootstrap.block_sums` of one Newton step of Huber's estimate from where it ended.
 
     Samples beyond his limit pull with constant force and have no curvature. Both are in units of
@@ -104,18 +101,6 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
         start = here.stop
     share = np.diag(np.linalg.solve(information[0] + prior.precision, prior.precision))
     return posterior_mean(information, right, prior), share
-
-
-def _whole_prior(prior: Prior, sizes: Sequence[int]) -> Normal:
-    """Of all joints' coefficients one after the other, their torque constants related."""
-    mean, precision = np.zeros(sum(sizes)), np.zeros((sum(sizes), sum(sizes)))
-    starts = np.cumsum([0, *sizes[:-1]])
-    for joint, (start, size) in enumerate(zip(starts, sizes, strict=True)):
-        wide = prior.of_joint(joint).precision[2, 2]
-        precision[range(start, start + size), range(start, start + size)] = wide
-    precision[np.ix_(starts, starts)] = prior.inverse_constant.precision
-    mean[starts] = prior.inverse_constant.mean
-    return Normal(mean, precision)
 
 
 def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:

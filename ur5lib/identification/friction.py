@@ -9,28 +9,50 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_banded
 
 Array = NDArray[np.float64]
 
 MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is stiction
+# Slip before sliding [rad]: Coulomb torque over this is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
+# shorter ones drown in the encoder's steps. The first stands where recordings cannot tell.
+PRESLIDING = (3e-4, 1e-3, 1e-4)
 
 
 @dataclass(frozen=True)
 class JointMotion:
-    """One joint: q [rad], qd [rad/s], torque of the rigid-body model [Nm]; (N,) each."""
+    """One joint: q [rad], qd [rad/s], torque of the rigid-body model [Nm], and the direction of its
+    dry friction, -1 to 1, as `friction_direction`; (N,) each.
+    """
 
     q: Array
     qd: Array
     torque: Array
+    direction: Array
 
 
-def direction(qd: Array) -> Array:
-    """Sign of the velocity, smooth within the dead zone (Equations 3.15, 6.4)."""
-    return np.tanh(qd / MOVING)
+def friction_direction(q: Array, segment: NDArray[np.int64], distance: float) -> Array:
+    """Direction of a joint's dry friction (N,), -1 to 1: it turns over a distance, not at once.
+
+    dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample; at
+    rest it stays. q: (N,) [rad]; distance: [rad]. Zero at the start of a segment, where nothing is
+    known of it.
+    """
+    fresh = np.diff(segment, prepend=segment[0] - 1) != 0
+    step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
+    kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
+    bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
+    turned: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
+    return turned
+
+
+def resting(qd: Array) -> Array:
+    """How much a joint rests, 0 to 1, (N,): one within the dead zone of Equation 6.4."""
+    return 1 - np.abs(np.tanh(qd / MOVING))
 
 
 def _coulomb(motion: JointMotion, _: float) -> list[Array]:
-    return [direction(motion.qd)]  # Equation 3.13
+    return [motion.direction]  # Equation 3.13
 
 
 def _viscous(motion: JointMotion, _: float) -> list[Array]:
@@ -39,11 +61,11 @@ def _viscous(motion: JointMotion, _: float) -> list[Array]:
 
 def _load(motion: JointMotion, _: float) -> list[Array]:
     """Coulomb friction that grows with the transmitted torque."""
-    return [np.abs(motion.torque) * direction(motion.qd)]
+    return [np.abs(motion.torque) * motion.direction]
 
 
 def _stribeck(motion: JointMotion, velocity: float) -> list[Array]:
-    return [np.exp(-((motion.qd / velocity) ** 2)) * direction(motion.qd)]
+    return [np.exp(-((motion.qd / velocity) ** 2)) * motion.direction]
 
 
 def _saturating(motion: JointMotion, velocity: float) -> list[Array]:
@@ -81,6 +103,10 @@ KINDS: dict[str, Callable[[JointMotion, float], list[Array]]] = {
 }
 
 
+LOAD = 0.1  # Nm/Nm
+PERIODIC = 0.005  # of a motor's largest torque
+
+
 @dataclass(frozen=True)
 class Term:
     """One term: a kind of KINDS, and its shape parameter where it has one [rad/s or 1/turn]."""
@@ -92,44 +118,30 @@ class Term:
         """(N, M), with M = 1 but for periodic terms."""
         return np.stack(KINDS[self.kind](motion, self.shape), axis=1)
 
+    def expected(self, torque_max: float) -> list[float]:
+        """Standard deviation of each coefficient before any motion, in its unit.
+
+        torque_max: of the motor [Nm]. Gears lose some per cent of the load; what comes and goes
+        over a turn is a tenth of Coulomb friction, itself a twentieth of the largest torque.
+        """
+        sizes = {"load": LOAD, "periodic": PERIODIC * torque_max}
+        return [sizes.get(self.kind, torque_max)] * len(self.names())
+
     def names(self) -> list[str]:
         """Of its coefficients: the kind, its shape, and sin or cos."""
         name = f"{self.kind}_{self.shape:g}" if self.shape else self.kind
         return [f"{name}_sin", f"{name}_cos"] if self.kind == "periodic" else [name]
 
 
-BASE = (Term("coulomb"), Term("viscous"))
+BASE = (Term("coulomb"), Term("viscous"), Term("load"))
+CONSIDERED = (Term("periodic", 1),)
 FAMILY = (
-    Term("load"),
     *(Term("stribeck", velocity) for velocity in (0.05, 0.1, 0.2, 0.3, 0.5)),
     *(Term("saturating", velocity) for velocity in (0.1, 0.3, 1.0)),
     Term("quadratic"),
     Term("cubic"),
     Term("asymmetric"),
-    Term("periodic", 1),
-    Term("periodic", 2),
 )
-# Slip before sliding [rad]: Coulomb torque over this is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
-# shorter ones drown in the encoder's steps.
-PRESLIDING = (1e-3, 3e-4, 1e-4)
-
-
-def locked_friction(q: Array, qd: Array, segment: NDArray[np.int64], distance: float) -> Array:
-    """Share of Coulomb friction, -1 to 1, that holds a joint at rest (Dahl, 1968).
-
-    dz = (|dq| / distance) (sign(dq) - z): after a move it keeps the sign, and follows creep.
-    q, qd: (N, M) [rad, rad/s]; distance: [rad]. Zero at the start of a segment, where nothing is
-    known of it; faded out by 1 - |direction(qd)|, so that it adds to a Coulomb term. (N, M).
-    """
-    step = np.diff(q, axis=0, prepend=q[:1])
-    step[1:][np.diff(segment) != 0] = 0.0
-    kept = np.exp(-np.abs(step) / distance)
-    state, states = np.zeros(q.shape[1]), np.empty_like(q)
-    new = np.diff(segment, prepend=segment[:1]) != 0
-    for row, (keep, sign) in enumerate(zip(kept, np.sign(step), strict=True)):
-        state = keep * state * (not new[row]) + (1 - keep) * sign
-        states[row] = state
-    return states * (1 - np.abs(direction(qd)))
 
 
 def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torque: Array) -> bool:
@@ -139,7 +151,7 @@ def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torq
     """
     even = [term.kind in ("asymmetric", "periodic") for term in terms]
     speed, load = (grid.ravel() for grid in np.meshgrid(qd, torque))
-    motion = JointMotion(np.zeros_like(speed), speed, load)
+    motion = JointMotion(np.zeros_like(speed), speed, load, np.sign(speed))
     friction, start = np.zeros_like(speed), 0
     for term, skip in zip(terms, even, strict=True):
         columns = term.columns(motion)

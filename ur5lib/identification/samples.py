@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from ur5lib.identification.friction import (
     BASE,
+    CONSIDERED,
     MOVING,
-    PRESLIDING,
     JointMotion,
     Term,
-    locked_friction,
+    friction_direction,
+    resting,
 )
 
 Array = NDArray[np.float64]
@@ -46,9 +47,10 @@ class Record:
     torque: Array
     current: Array
 
-    def joint(self, joint: int) -> JointMotion:
-        """The motion of joint 0 to 5."""
-        return JointMotion(self.q[:, joint], self.qd[:, joint], self.torque[:, joint])
+    def joint(self, joint: int, presliding: float) -> JointMotion:
+        """The motion of joint 0 to 5, whose friction turns over a distance [rad]."""
+        q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
+        return JointMotion(q, qd, torque, friction_direction(q, self.segment, presliding))
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.
@@ -59,16 +61,18 @@ Smooth = Callable[[Array, Record], Array]
 class Samples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), one below the other those of the torque, of an offset, and of `terms`;
-    locked: (n, L) as `friction.locked_friction`, per distance of PRESLIDING; current: (n,) [A];
-    moving: (n,), false at rest and while starting or stopping; block, record: (n,) labels;
+    columns: (n, P), one below the other those of the torque, of an offset, and of `terms`, under
+    a distance of presliding [rad]; held: (n,), direction of the friction that holds a joint at
+    rest; current: (n,) [A]; moving: (n,), false at rest and while starting or stopping; block,
+    record: (n,) labels;
     unit: (n,) labels of what a result's certainty is judged over: recordings, or among few of them
     stretches of 10 s.
     """
 
     terms: tuple[Term, ...]
+    presliding: float
     columns: Array
-    locked: Array
+    held: Array
     current: Array
     moving: Mask
     block: Labels
@@ -89,38 +93,47 @@ class Samples:
 
     def where(self, rows: Mask) -> "Samples":
         """Some of the samples."""
-        names = ("columns", "locked", "current", "moving", "block", "record", "unit")
+        names = ("columns", "held", "current", "moving", "block", "record", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
 def joint_samples(
-    records: Sequence[Record], smooth: Smooth, family: Sequence[Term]
+    records: Sequence[Record], smooth: Smooth, family: Sequence[Term], presliding: Sequence[float]
 ) -> list[Samples]:
-    """Samples of joints 1 to 6, with the columns of BASE and of a family of terms."""
-    terms = (*BASE, *family)
+    """Samples of joints 1 to 6, with the columns of BASE, CONSIDERED and a family of terms.
+
+    presliding: of each joint [rad].
+    """
+    terms = (*BASE, *CONSIDERED, *family)
     labels = [blocks(record) for record in records]
     firsts = np.cumsum([0, *(_whole(own[-1] + 1) for own in labels[:-1])])
     parts = [
-        _record_samples(record, smooth, terms, first + own)
+        _record_samples(record, smooth, terms, presliding, first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
     ]
     joints = []
     for joint in range(6):
         rows = [part[joint] for part in parts]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
-        columns, locked, current, moving, block = (
+        columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         unit = record if len(records) >= FEW else block // STRETCH
-        joints.append(Samples(terms, columns, locked, current, moving, block, record, unit))
+        rest = held, current, moving, block, record, unit
+        joints.append(Samples(terms, presliding[joint], columns, *rest))
     return joints
 
 
-def design(record: Record, joint: int, terms: Sequence[Term]) -> Array:
-    """(N, P): the torque of joint 0 to 5, an offset, and the columns of these terms."""
-    motion = record.joint(joint)
+def design(
+    record: Record, joint: int, terms: Sequence[Term], presliding: float
+) -> tuple[Array, Array]:
+    """(N, P): the torque of joint 0 to 5, an offset, and the columns of these terms; and (N,): the
+    direction of the friction that holds the joint at rest.
+    """
+    motion = record.joint(joint, presliding)
     ones = np.ones_like(motion.torque)
-    return np.column_stack([motion.torque, ones, *(term.columns(motion) for term in terms)])
+    columns = np.column_stack([motion.torque, ones, *(term.columns(motion) for term in terms)])
+    return columns, motion.direction * resting(motion.qd)
 
 
 def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
@@ -131,19 +144,21 @@ def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
 
 
 def _record_samples(
-    record: Record, smooth: Smooth, terms: Sequence[Term], block: Labels
+    record: Record,
+    smooth: Smooth,
+    terms: Sequence[Term],
+    presliding: Sequence[float],
+    block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     every = max(1, round(STEP / record.period))
     moving = smoothed_moving(record, smooth)[::every]
-    locked = [locked_friction(record.q, record.qd, record.segment, d) for d in PRESLIDING]
     joints = []
     for joint in range(6):
-        explained = design(record, joint, terms)
-        sources = [explained, *(held[:, [joint]] for held in locked), record.current[:, [joint]]]
+        sources = (*design(record, joint, terms, presliding[joint]), record.current[:, joint])
         smoothed = smooth(np.column_stack(sources), record)[::every]
         kept = np.isfinite(smoothed).all(axis=1)
-        columns, held, current = np.split(smoothed[kept], [explained.shape[1], -1], axis=1)
-        joints.append((columns, held, current[:, 0], moving[kept, joint], block[::every][kept]))
+        columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
+        joints.append((columns, held, current, moving[kept, joint], block[::every][kept]))
     return joints
 
 

@@ -1,12 +1,14 @@
 """Which friction terms a joint needs, judged on recordings that were left out."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.identification.friction import BASE, PRESLIDING, Term, is_dissipative
-from ur5lib.identification.regression import ROUNDS, Normal, Regression, huber_weight, regress
+from ur5lib.identification.friction import BASE, Term, is_dissipative
+from ur5lib.identification.prior import JointPrior
+from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
 from ur5lib.identification.samples import Samples
 
 Array = NDArray[np.float64]
@@ -19,22 +21,34 @@ LOOSE = 10.0  # times the prior's spread: no term is to make up for a torque con
 FEWEST = 20  # samples (2 s) of a recording or stretch that say how good a model is
 
 
-def choose_terms(samples: Samples, prior: Normal) -> tuple[Term, ...]:
+def choose_presliding(candidates: Sequence[Samples], prior: JointPrior) -> Samples:
+    """Of a joint's samples under several distances of presliding, those that tell most.
+
+    They leave the least error on recordings left out; the first, where none can be.
+    """
+
+    def error(samples: Samples) -> float:
+        errors = left_out_errors(samples, BASE, prior)
+        return float(np.log(errors).mean()) if len(errors) else 0.0
+
+    return min(candidates, key=error)
+
+
+def choose_terms(samples: Samples, prior: JointPrior) -> tuple[Term, ...]:
     """BASE and the terms that a joint needs besides, one of a kind, in the order they were taken.
 
-    prior: of the torque's and the offset's coefficient, and (third) of any friction term's.
     Forward selection: the term that lowers the error on recordings left out the most, among those
     that lower it for certain and leave friction dissipative; and so on until there is none.
     """
     moving = samples.where(samples.moving)
-    prior = Normal(prior.mean, prior.precision / LOOSE**2)
+    prior = replace(prior, std=LOOSE * prior.std)
     chosen: tuple[Term, ...] = BASE
     errors = left_out_errors(moving, chosen, prior)
     while len(errors) > 1:
-        kinds = {term.kind for term in chosen}
+        kinds = {term.kind for term in chosen[len(BASE) :]}
         tried = {
             term: left_out_errors(moving, (*chosen, term), prior)
-            for term in samples.terms
+            for term in samples.terms[len(BASE) :]
             if term.kind not in kinds
         }
         better = [
@@ -49,20 +63,6 @@ def choose_terms(samples: Samples, prior: Normal) -> tuple[Term, ...]:
     return chosen
 
 
-def choose_presliding(samples: Samples, terms: Sequence[Term], prior: Normal) -> int | None:
-    """Index into PRESLIDING of the friction that holds a joint at rest; None where none helps."""
-    rest = ~samples.moving
-
-    def errors(index: int | None) -> Array:
-        residual = left_out_residuals(samples, terms, prior, index)
-        return _errors(residual[rest], samples.where(rest))
-
-    nothing = errors(None)
-    tried = {index: errors(index) for index in range(len(PRESLIDING))} if len(nothing) > 1 else {}
-    helping = [index for index, error in tried.items() if is_better(error, nothing)]
-    return min(helping, key=lambda index: np.log(tried[index]).mean(), default=None)
-
-
 def is_better(error: Array, reference: Array) -> bool:
     """Whether errors (U,) on left-out units are smaller than others for certain."""
     gain = np.log(reference / error)
@@ -70,17 +70,15 @@ def is_better(error: Array, reference: Array) -> bool:
     return bool(gain.mean() > max(GAIN, STANDARD_ERRORS * uncertainty))
 
 
-def left_out_errors(samples: Samples, terms: Sequence[Term], prior: Normal) -> Array:
+def left_out_errors(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
     """RMSE [A] on each unit with enough samples, of a fit on the other recordings."""
     return _errors(left_out_residuals(samples, terms, prior), samples)
 
 
-def left_out_residuals(
-    samples: Samples, terms: Sequence[Term], prior: Normal, presliding: int | None = None
-) -> Array:
+def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
     """Measured minus predicted current (n,) [A], each recording predicted from the others.
 
-    presliding: index into PRESLIDING. NaN where there is no other recording.
+    NaN where there is no other recording.
     """
     residual = np.full(len(samples.current), np.nan)
     present = np.unique(samples.record)
@@ -88,35 +86,28 @@ def left_out_residuals(
         test = samples.record == one
         others, here = samples.where(~test), samples.where(test)
         coefficients = regress_samples(others, terms, prior).coefficients
-        residual[test] = here.current - here.design(terms) @ coefficients
-        if presliding is not None:
-            locked = locked_current(others, terms, coefficients, presliding)
-            residual[test] -= locked * here.locked[:, presliding]
+        held = held_current(others, terms, coefficients)
+        residual[test] = here.current - here.design(terms) @ coefficients - held * here.held
     return residual
 
 
-def regress_samples(samples: Samples, terms: Sequence[Term], prior: Normal) -> Regression:
+def regress_samples(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Regression:
     """The regression on the torque, an offset and these terms, of the samples in motion."""
     moving = samples.where(samples.moving)
-    design = moving.design(terms)
-    places = np.minimum(np.arange(design.shape[1]), 2)
-    each = Normal(prior.mean[places], np.diag(np.diag(prior.precision)[places]))
-    return regress(design, moving.current, moving.block, each)
+    return regress(moving.design(terms), moving.current, moving.block, prior.over(terms))
 
 
-def locked_current(
-    samples: Samples, terms: Sequence[Term], coefficients: Array, presliding: int
-) -> float:
-    """Current [A] that holds a joint at rest once all its Coulomb friction is locked in, >= 0.
+def held_current(samples: Samples, terms: Sequence[Term], coefficients: Array) -> float:
+    """By how much more current [A] friction holds a joint at rest than one that slides; or less.
 
     Huber's slope, without offset, of what the samples at rest leave unexplained.
     """
     rest = samples.where(~samples.moving)
     residual = rest.current - rest.design(terms) @ coefficients
-    locked, slope, weight = rest.locked[:, presliding], 0.0, np.ones(len(residual))
-    for _ in range(ROUNDS if locked.any() else 0):
-        slope = max(0.0, float((weight * locked) @ residual / (weight @ locked**2)))
-        weight = huber_weight(residual - slope * locked)
+    slope, weight = 0.0, np.ones(len(residual))
+    for _ in range(ROUNDS if rest.held.any() else 0):
+        slope = float((weight * rest.held) @ residual / (weight @ rest.held**2))
+        weight = huber_weight(residual - slope * rest.held)
     return slope
 
 
@@ -126,7 +117,7 @@ def _errors(residual: Array, samples: Samples) -> Array:
     return np.array([np.sqrt(np.mean(rows**2)) for rows in units if len(rows) >= FEWEST])
 
 
-def _brakes(samples: Samples, terms: tuple[Term, ...], prior: Normal) -> bool:
+def _brakes(samples: Samples, terms: tuple[Term, ...], prior: JointPrior) -> bool:
     coefficients = regress_samples(samples, terms, prior).coefficients
     torque, speed = (np.abs(samples.columns[:, column]) for column in (0, 3))
     speeds = np.linspace(-1, 1, 42) * speed.max()

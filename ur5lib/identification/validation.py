@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.identification.estimation import Prior
-from ur5lib.identification.friction import MOVING, Term
+from ur5lib.identification.friction import BASE, MOVING, Term
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Mask, Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
 
@@ -70,15 +70,19 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
 
 
 def fitted_on_tested_on(
-    records: Sequence[Record], smooth: Smooth, prior: Prior, terms: Sequence[tuple[Term, ...]]
+    records: Sequence[Record],
+    smooth: Smooth,
+    prior: Prior,
+    terms: Sequence[tuple[Term, ...]],
+    presliding: Sequence[float],
 ) -> Array:
     """RMSE [A] in motion, (R, R, 6), of a fit on one recording alone, tested on each.
 
-    terms: (6) of `JointFit.terms`. NaN where a joint does not move in both.
+    terms, presliding: (6) of `JointFit`'s. NaN where a joint does not move in both.
     """
     table = np.full((len(records), len(records), 6), np.nan)
-    family = list(dict.fromkeys(term for joint in terms for term in joint[2:]))
-    for joint, samples in enumerate(joint_samples(records, smooth, family)):
+    family = list(dict.fromkeys(term for joint in terms for term in joint[len(BASE) :]))
+    for joint, samples in enumerate(joint_samples(records, smooth, family, presliding)):
         moving = samples.where(samples.moving)
         for fitted in np.unique(moving.record):
             own = moving.where(moving.record == fitted)

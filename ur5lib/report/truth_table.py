@@ -168,7 +168,8 @@ def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[
 def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
     """Torque constants and friction, from friction.json's "parameters" and truth.json.
 
-    Of fitted terms that the stand's friction does not have, there is no truth.
+    Inside or not is told of the stated intervals, which are wider than normal ones for few
+    recordings. Of fitted terms that the stand's friction does not have, there is no truth.
     """
     drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}
     known = {
@@ -183,8 +184,11 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
     for row in friction.get("parameters", []):
         if row["name"] in known:
             unit, of_joints = known[row["name"]]
-            told = [of_joints[row["joint"] - 1]], [row["value"]], [row["std_error"]]
-            yield from values(row["name"], [row["joint"]], unit, *told)
+            true, (low, high) = of_joints[row["joint"] - 1], row["interval"]
+            told = [true], [row["value"]], [row["std_error"]]
+            inside = "yes" if low <= true <= high else "no"
+            for each in values(row["name"], [row["joint"]], unit, *told):
+                yield each | {"within95": inside}
 
 
 def _rms(array: Array) -> Array:

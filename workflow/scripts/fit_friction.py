@@ -8,8 +8,8 @@ import pandas as pd
 
 from ur5lib.current_record import current_record, smoother
 from ur5lib.identification.currents import fit_currents, parameters
-from ur5lib.identification.estimation import Prior
 from ur5lib.identification.friction import FAMILY
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients
@@ -66,13 +66,13 @@ def fitted(records: list[Record], prior: Prior, params: Any) -> dict[str, Any]:
     smooth = smoother(params.order, params.cutoff_hz)
     family = [term for term in FAMILY if term.kind in params.terms]
     fit = fit_currents(records, smooth, prior, family)
-    terms = [joint.terms for joint in fit.joints]
+    shapes = [joint.terms for joint in fit.joints], [joint.presliding for joint in fit.joints]
     return {
         "from": [record.name for record in records],
         "fit": asdict(fit),
         "parameters": list(map(asdict, parameters(fit))),
         "least_squares": least_squares_coefficients(records),
-        "cross_validation": fitted_on_tested_on(records, smooth, prior, terms),
+        "cross_validation": fitted_on_tested_on(records, smooth, prior, *shapes),
     }
 
 
