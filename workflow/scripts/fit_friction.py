@@ -3,23 +3,16 @@
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-import pandas as pd
-
+from ur5lib.current_prior import controllers_ratio, prior_of
 from ur5lib.current_record import current_record, smoother
 from ur5lib.identification.currents import fit_currents, parameters
 from ur5lib.identification.friction import FAMILY
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record
-from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients
-from ur5lib.metrics import Array
-from ur5lib.robots.description import Robot, load_robot
+from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, read_table, write_json
-
-# Relative: of the maker's constants, among joints with motors of one size, of the controller's.
-WIDTHS = (0.3, 0.1, 0.1)
+from ur5lib.tables import read_table, write_json
 
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
@@ -40,25 +33,6 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     except ValueError as error:
         summary["refused"] = str(error)
     write_json(summary, output.friction)
-
-
-def controllers_ratio(signals: pd.DataFrame, qd: Array) -> Array:
-    """The controller's own torque constants (6,) [Nm/A], as far as a recording shows them."""
-    if "target_moment_0" not in signals or "target_current_0" not in signals:
-        return np.full(6, np.nan)
-    moment, current = channel(signals, "target_moment"), channel(signals, "target_current")
-    return standstill_ratio(moment, current, qd)
-
-
-def prior_of(robot: Robot, ratios: list[Array]) -> Prior:
-    """What is known before the fit. Raises ValueError where that is too little, or no recording."""
-    if not ratios:
-        raise ValueError("no recording with role `fit` has motor currents")
-    columns = [column[np.isfinite(column)] for column in np.array(ratios).T]
-    controller = np.array([np.median(column) if len(column) else np.nan for column in columns])
-    maker = np.array(robot.maker_torque_constants())
-    torque_max = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
-    return Prior(torque_constant_prior(maker, controller, robot.joints, WIDTHS), torque_max)
 
 
 def fitted(records: list[Record], prior: Prior, params: Any) -> dict[str, Any]:

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.current_record import current_record, smoother
-from ur5lib.force.external_torque import external_torque, without_edges
+from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
+from ur5lib.force_run import edge, left_over
 from ur5lib.identification.currents import CurrentFit, band, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
@@ -35,7 +36,9 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         summary["scores"] = scores(record, currents, smooth, half)
         constant = np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
         columns = named(currents["fitted"], "predicted_current") | named(half, "current_band")
-        columns |= named(left_over(record, currents["fitted"], constant, smooth, params), "tau_ext")
+        columns |= named(
+            left_over(record, currents["fitted"], constant, smooth, params.cutoff_hz), "tau_ext"
+        )
         observed = observer_torque(record, torques, currents["fitted"], constant, params)
         columns |= named(observed, "tau_observer")
     write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.currents)
@@ -73,15 +76,6 @@ def scores(
     return figures
 
 
-def left_over(
-    record: Record, predicted: Array, constant: Array, smooth: Smooth, params: Any
-) -> Array:
-    """External torque (N, 6) [Nm], the environment acting on the arm, low-passed."""
-    currents = (smooth(current, record) for current in (record.current, predicted))
-    torque = external_torque(constant, *currents)
-    return without_edges(torque, record.segment, edge(record, params))
-
-
 def observer_torque(
     record: Record, torques: pd.DataFrame, predicted: Array, constant: Array, params: Any
 ) -> Array:
@@ -94,12 +88,7 @@ def observer_torque(
     )
     momentum = channel(torques, "momentum")
     torque = observe(momentum, rate, record.segment, record.period, params.cutoff_hz)
-    return without_edges(torque, record.segment, edge(record, params))
-
-
-def edge(record: Record, params: Any) -> int:
-    """Samples at the ends of a stretch in which the low-pass knows one side only."""
-    return round(0.5 / params.cutoff_hz / record.period)
+    return without_edges(torque, record.segment, edge(record, params.cutoff_hz))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,36 @@
+"""What is known of an arm's torque constants before its currents are fitted."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
+from ur5lib.robots.description import Robot
+from ur5lib.tables import Array, channel
+
+# Relative: of the maker's constants, among joints with motors of one size, of the controller's.
+WIDTHS = (0.3, 0.1, 0.1)
+
+
+def controllers_ratio(signals: pd.DataFrame, qd: Array) -> Array:
+    """The controller's own torque constants (6,) [Nm/A], as far as a recording shows them."""
+    if "target_moment_0" not in signals or "target_current_0" not in signals:
+        return np.full(6, np.nan)
+    moment, current = channel(signals, "target_moment"), channel(signals, "target_current")
+    return standstill_ratio(moment, current, qd)
+
+
+def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
+    """What the maker and the controller's ratios of recordings (6,) [Nm/A], NaN where none, tell.
+
+    Raises ValueError where that is too little, or no recording.
+    """
+    if not ratios:
+        raise ValueError("no recording with role `fit` has motor currents")
+    columns = [column[np.isfinite(column)] for column in np.array(ratios).T]
+    controller = np.array([np.median(column) if len(column) else np.nan for column in columns])
+    maker = np.array(robot.maker_torque_constants())
+    torque_max = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
+    return Prior(torque_constant_prior(maker, controller, robot.joints, WIDTHS), torque_max)
