@@ -19,7 +19,12 @@ from tests.library.current_study import (
 )
 from ur5lib.identification import bootstrap, friction
 from ur5lib.identification.currents import CurrentFit, band, fit_currents, parameters, predict
-from ur5lib.identification.estimation import estimate_together, physical
+from ur5lib.identification.estimation import (
+    Estimate,
+    beside_fuller,
+    estimate_together,
+    physical,
+)
 from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
@@ -122,6 +127,16 @@ def test_intervals_hold_what_they_promise() -> None:
     assert coverage.mean() == pytest.approx(0.95, abs=0.02)
     assert coverage.min() >= 0.90
     assert coverage.max() <= 0.99
+
+
+def test_standard_errors_hold_what_a_further_term_changes() -> None:
+    """k = 10 Nm/A under both; the offset, -2 Nm, would be -5 Nm with the term."""
+    nothing = np.empty(0)
+    own = Estimate(np.array([0.1, 0.2]), nothing, nothing, np.array([1.0, 1.0]))
+    fuller = Estimate(np.array([0.1, 0.5, 0.3]), nothing, nothing, np.array([3.0, 4.0, 9.0]))
+    wider = beside_fuller(own, fuller)
+    np.testing.assert_allclose(wider.std_error, [3.0, 5.0])
+    np.testing.assert_array_equal(wider.coefficients, own.coefficients)
 
 
 # Choosing

@@ -5,6 +5,7 @@ import pytest
 
 from ur5lib.identification.friction import (
     BASE,
+    CONSIDERED,
     FAMILY,
     MOVING,
     JointMotion,
@@ -74,6 +75,12 @@ def test_a_joint_rests_within_the_dead_zone() -> None:
     np.testing.assert_allclose(
         resting(np.array([0.0, 5 * MOVING, -5 * MOVING])), [1, 0, 0], atol=1e-3
     )
+
+
+def test_what_is_expected_of_a_term_has_a_number_for_each_coefficient() -> None:
+    for term in (*BASE, *CONSIDERED, *FAMILY):
+        assert len(term.expected(torque_max=150.0)) == len(term.names())
+    assert CONSIDERED[0].expected(150.0) == [0.75, 0.75]
 
 
 def test_friction_that_drives_is_told() -> None:
