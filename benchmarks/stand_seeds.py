@@ -29,11 +29,11 @@ from ur5lib.force.external_torque import joint_states, unbroken
 from ur5lib.force.hypotheses import ContactPrior
 from ur5lib.force.residual_model import fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.force_run import left_over
 from ur5lib.identification.currents import CurrentFit, fit_currents, parameters, predict
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
 from ur5lib.intake import take_in
+from ur5lib.left_over import left_over
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path

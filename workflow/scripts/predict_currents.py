@@ -9,10 +9,10 @@ import pandas as pd
 from ur5lib.current_record import current_record, smoother
 from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
-from ur5lib.force_run import edge, left_over
 from ur5lib.identification.currents import CurrentFit, band, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
+from ur5lib.left_over import edge, left_over
 from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step

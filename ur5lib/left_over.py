@@ -1,0 +1,23 @@
+"""The torque that a current without contact leaves for a contact."""
+
+from ur5lib.force.external_torque import external_torque, without_edges
+from ur5lib.identification.samples import Record, Smooth
+from ur5lib.tables import Array
+
+
+def left_over(
+    record: Record, predicted: Array, constant: Array, smooth: Smooth, cutoff: float
+) -> Array:
+    """External torque (N, 6) [Nm], the environment acting on the arm, low-passed.
+
+    predicted: current without contact (N, 6) [A]; constant: torque constants (6,) [Nm/A]; cutoff:
+    of `smooth` [Hz].
+    """
+    currents = (smooth(current, record) for current in (record.current, predicted))
+    torque = external_torque(constant, *currents)
+    return without_edges(torque, record.segment, edge(record, cutoff))
+
+
+def edge(record: Record, cutoff: float) -> int:
+    """Samples at the ends of a stretch in which a low-pass [Hz] knows one side only."""
+    return round(0.5 / cutoff / record.period)
