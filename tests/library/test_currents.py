@@ -41,7 +41,6 @@ from ur5lib.identification.validation import (
     coefficients_of_constants,
     fitted_on_tested_on,
     least_squares_coefficients,
-    residual_spread,
     score,
 )
 from ur5lib.tables import Array
@@ -296,31 +295,6 @@ def test_fitted_on_tested_on_has_its_own_recording_on_the_diagonal(study: list[R
     assert table.shape == (3, 3, 6)
     diagonal = np.stack([table[k, k] for k in range(3)])
     assert (diagonal.mean(axis=0) < table.mean(axis=(0, 1))).all()
-
-
-def test_the_residual_spread_comes_back() -> None:
-    random = np.random.default_rng(0)
-    moving = [random.random((5000, 6)) < 0.5 for _ in range(4)]
-    mixed = random.standard_normal((4, 5000, 6))
-    mixed[..., 1] = 0.8 * mixed[..., 0] + 0.6 * mixed[..., 1]
-    residuals = [x * np.where(rows, 2.0, 5.0) for x, rows in zip(mixed, moving, strict=True)]
-    spread = residual_spread(residuals, moving, [0.008] * 4)
-    np.testing.assert_allclose(spread.moving, 2.0, rtol=0.05)
-    np.testing.assert_allclose(spread.rest, 5.0, rtol=0.05)
-    assert spread.correlation[0, 1] == pytest.approx(0.8, abs=0.03)
-    covariance = spread.covariance(moving[0][:10])
-    np.testing.assert_allclose(covariance, covariance.mT)
-    assert (np.linalg.eigvalsh(covariance) > 0).all()
-
-
-def test_the_correlation_time_is_that_of_the_residual() -> None:
-    random = np.random.default_rng(0)
-    slow = np.stack([make_noise(random, 20000, 0.01) for _ in range(2)])
-    spread = residual_spread(
-        list(slow - slow.mean(axis=1, keepdims=True)), [slow[0] > -9] * 2, [0.01] * 2
-    )
-    np.testing.assert_allclose(spread.correlation_time, 0.5, rtol=0.3)
-    assert np.isnan(spread.rest).all()
 
 
 def test_hubers_regression_with_a_prior_is_ridge_regression_without_outliers() -> None:

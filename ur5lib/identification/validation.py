@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ur5lib.identification.friction import BASE, MOVING, Term
 from ur5lib.identification.prior import Prior
-from ur5lib.identification.samples import Mask, Record, Smooth, joint_samples
+from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
 
 Array = NDArray[np.float64]
@@ -93,45 +93,6 @@ def fitted_on_tested_on(
     return table
 
 
-@dataclass(frozen=True)
-class ResidualSpread:
-    """What is left of torque when nothing touches the arm, for a force estimate's uncertainty.
-
-    moving, rest: (6,) standard deviations [Nm], NaN where a joint never was; correlation: (6, 6)
-    between joints; correlation_time: (6,) [s], after which residuals are no longer alike (1/e).
-    """
-
-    moving: Array
-    rest: Array
-    correlation: Array
-    correlation_time: Array
-
-    def covariance(self, moving: Mask) -> Array:
-        """(N, 6, 6) [Nm²] for joints that move or rest, (N, 6)."""
-        spread = np.where(moving, self.moving, self.rest)
-        return spread[:, :, None] * self.correlation * spread[:, None, :]
-
-
-def residual_spread(
-    residuals: Sequence[Array], moving: Sequence[Mask], periods: Sequence[float]
-) -> ResidualSpread:
-    """Spread of residual torques (N, 6) [Nm] of contact-free recordings, about zero.
-
-    A constant error of a recording counts as spread: on the next one its sign is not known.
-    """
-    every, motion = np.concatenate(residuals), np.concatenate(moving)
-    in_motion, at_rest = (
-        _root_mean_square(np.where(rows, every, np.nan)) for rows in (motion, ~motion)
-    )
-    scaled = np.nan_to_num(every / np.where(motion, in_motion, at_rest))
-    times = [_correlation_time(*pair) for pair in zip(residuals, periods, strict=True)]
-    product = scaled.T @ scaled
-    size = np.sqrt(np.diag(product))
-    return ResidualSpread(
-        in_motion, at_rest, product / np.outer(size, size), np.median(times, axis=0)
-    )
-
-
 def _baseline_columns(record: Record) -> Array:
     """(N, 6, 4): torque, one, direction, velocity."""
     direction = np.where(np.abs(record.qd) > MOVING, np.sign(record.qd), 0.0)
@@ -142,11 +103,3 @@ def _root_mean_square(error: Array) -> Array:
     known = np.isfinite(error)
     count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
     return np.sqrt((np.where(known, error, 0.0) ** 2).sum(axis=0) / count)
-
-
-def _correlation_time(residual: Array, period: float) -> Array:
-    """First lag (6,) [s] at which the autocorrelation is below 1/e."""
-    centred = np.nan_to_num(residual - np.nanmean(residual, axis=0))
-    spectrum = np.abs(np.fft.rfft(centred, 2 * len(centred), axis=0)) ** 2
-    correlation = np.fft.irfft(spectrum, axis=0)[: len(centred)]
-    return np.argmax(correlation < correlation[0] / np.e, axis=0) * period
