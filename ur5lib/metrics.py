@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import norm
+from scipy.special import ndtri
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ def gain(estimate: Array, reference: Array) -> Array:
 
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
     """Share of each column's references inside the band that states to hold `stated` of them."""
-    band = norm.ppf(0.5 + stated / 2) * std
+    band = ndtri(0.5 + stated / 2) * std
     both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
     inside = both & (np.abs(reference - estimate) <= band)
     return inside.sum(axis=0) / both.sum(axis=0)

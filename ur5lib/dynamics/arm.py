@@ -2,10 +2,8 @@
 
 import math
 from dataclasses import dataclass
-from xml.etree import ElementTree
 
 import numpy as np
-import pytorch_kinematics as pk
 import torch
 from torch import Tensor
 
@@ -19,7 +17,7 @@ from ur5lib.robots.urdf import link_tail, urdf
 class Arm:
     """What the equations of motion need; frame k is the Denavit-Hartenberg frame of link k.
 
-    links: kinematic chains from the base to frame k, k = 1 to 6;
+    urdf: the arm as URDF, for `chains`;
     mass: (6,) [kg]; center_of_mass: (6, 3) [m] in frame k;
     inertia: (6, 3, 3) [kg m²] about the centre of mass, axes of frame k;
     rotor_inertia: (6,) [kg m²], seen through the gear;
@@ -28,7 +26,7 @@ class Arm:
     geometry: the lengths and twists, the same for all models; fused: see `build_arm`.
     """
 
-    links: tuple[pk.SerialChain, ...]
+    urdf: str
     mass: Tensor
     center_of_mass: Tensor
     inertia: Tensor
@@ -54,15 +52,12 @@ def build_arm(
     on. Where there is no compiler, a warning, and what would run without.
     """
     bodies = rigid_bodies(robot, model)
-    chain = read_urdf(urdf(robot, bodies), dtype)
 
     def tensor(values: object) -> Tensor:
         return torch.as_tensor(values, dtype=dtype, device=device)
 
     return Arm(
-        links=tuple(
-            pk.SerialChain(chain, f"frame_{k}", dtype=dtype).to(device=device) for k in range(1, 7)
-        ),
+        urdf=urdf(robot, bodies),
         mass=tensor(bodies.mass),
         center_of_mass=tensor(bodies.center_of_mass),
         inertia=tensor(bodies.inertia),
@@ -103,29 +98,3 @@ def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
         upper = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
         links.append([mass, *(mass * center), *upper])
     return np.append(np.ravel(links), bodies.rotor_inertia)
-
-
-def read_urdf(text: str, dtype: torch.dtype) -> pk.Chain:
-    """A kinematic chain from URDF, with the origins of its joints in full precision.
-
-    pytorch-kinematics reads rotations in single precision, which misplaces the UR5's flange by
-    16 nm; the exact origins are put back here. The chain is a template for `pk.SerialChain`.
-    """
-    chain = pk.build_chain_from_urdf(text.encode())
-    for name in chain.get_frame_names(exclude_fixed=False):
-        chain.find_frame(name).link.offset = None  # places the link's drawing, in single precision
-    for joint in ElementTree.fromstring(text).iter("joint"):
-        child, origin = (joint.findall(name)[0].attrib for name in ("child", "origin"))
-        frame = chain.find_frame(child["link"])
-        frame.joint.offset = _transform(origin["xyz"], origin["rpy"], dtype)
-    return chain
-
-
-def _transform(xyz: str, rpy: str, dtype: torch.dtype) -> pk.Transform3d:
-    position, angles = (
-        torch.tensor([float(value) for value in text.split()], dtype=torch.float64)
-        for text in (xyz, rpy)
-    )
-    # About fixed axes: R = R_z(yaw) R_y(pitch) R_x(roll).
-    rotation = pk.euler_angles_to_matrix(angles.flip(0), "ZYX")
-    return pk.Transform3d(rot=rotation.to(dtype), pos=position.to(dtype), dtype=dtype)

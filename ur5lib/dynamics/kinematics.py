@@ -4,11 +4,13 @@ A point is (3,) [m] in the frame of a link, 1 to 6; its origin if None. Six-vect
 then angular, base frame, unless said otherwise.
 """
 
+import pytorch_kinematics as pk
 import torch
 from torch import Tensor
 from torch.linalg import cross
 
 from ur5lib.dynamics.arm import Arm
+from ur5lib.dynamics.chains import serial_chain
 from ur5lib.dynamics.orientation import zyz_angles, zyz_rates_to_angular_velocity
 
 
@@ -17,8 +19,7 @@ def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
 
     q: (N, 6) [rad]. Returns rotations R_k (N, 7, 3, 3) and origins o_k (N, 7, 3) [m].
     """
-    chain = arm.links[-1]
-    poses = chain.forward_kinematics(q, end_only=False)
+    poses = _chain(arm, 6).forward_kinematics(q, end_only=False)
     matrices = torch.stack([poses[f"frame_{k}"].get_matrix() for k in range(7)], dim=1)
     return matrices[..., :3, :3], matrices[..., :3, 3]
 
@@ -28,7 +29,7 @@ def jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) ->
 
     q: (N, 6) [rad]. Returns (N, 6, 6); columns of joints beyond the link are zero.
     """
-    columns = arm.links[link - 1].jacobian(q[:, :link], locations=point)
+    columns = _chain(arm, link).jacobian(q[:, :link], locations=point)
     return torch.nn.functional.pad(columns, (0, 6 - link))
 
 
@@ -77,6 +78,10 @@ def velocity_product_acceleration(
         lever = (end if k + 1 == link else origin[:, k + 1]) - origin[:, k]
         linear = linear + cross(alpha, lever) + cross(omega, cross(omega, lever))
     return torch.cat([linear, alpha], dim=1)
+
+
+def _chain(arm: Arm, link: int) -> pk.SerialChain:
+    return serial_chain(arm.urdf, link, arm.gravity.dtype, arm.gravity.device)
 
 
 def _apply(matrix: Tensor, vector: Tensor) -> Tensor:
