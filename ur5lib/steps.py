@@ -1,6 +1,7 @@
 """What every workflow script has in common: its log, and how it fails."""
 
 import contextlib
+import os
 import re
 import sys
 import time
@@ -22,7 +23,7 @@ def run_step(step: Step, snakemake: Any) -> None:
 
     What it prints goes to the job's log, after the time that Python and its packages took to
     start, the traceback of an unexpected error too; the terminal gets one sentence on what went
-    wrong. A failed step ends the process with status 1.
+    wrong. Ends the process, with status 1 where the step failed.
     """
     log = Path(snakemake.log[0])
     with (
@@ -38,6 +39,8 @@ def run_step(step: Step, snakemake: Any) -> None:
         except Exception as error:
             traceback.print_exc()
             _fail(f"{snakemake.rule}: {type(error).__name__}: {error} (traceback in {log})")
+    # All files are closed. That Python takes torch and scipy apart again would take up to 0.4 s.
+    os._exit(0)
 
 
 def start_up_of(log: str | Path) -> float:

@@ -19,10 +19,14 @@ def job(tmp_path: Path) -> SimpleNamespace:
     return SimpleNamespace(input=1, output=2, params=3, log=log, rule="some_step")
 
 
-def test_a_step_gets_input_output_and_params(job: SimpleNamespace) -> None:
-    given = []
+def test_a_step_gets_input_output_and_params(
+    job: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given, status = [], []
+    monkeypatch.setattr("os._exit", status.append)
     run_step(lambda *arguments: given.extend(arguments), job)
     assert given == [1, 2, 3]
+    assert status == [0]
 
 
 @pytest.mark.parametrize(
@@ -52,7 +56,7 @@ def test_a_failed_step_says_why(
     assert stop.value.code == 1
     assert (tmp_path / "terminal").read_text().startswith(sentence)
     log = Path(job.log[0]).read_text()
-    assert log.startswith("so far so good\n")
+    assert log.splitlines()[1] == "so far so good"
     assert log.endswith(sentence + "\n") or f"{sentence} (traceback in {job.log[0]})\n" in log
     assert ("Traceback" in log) == (not isinstance(error, InputError))
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -149,6 +148,8 @@ def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestF
     """
     if not found.any():
         return SmallestForce(np.inf, np.nan)
+    from scipy.optimize import minimize  # as slow to import as pandas; most recordings need none
+
     x = np.log(force)
     best = minimize(_cost, np.array([np.median(x[found]), STEEPNESS]), args=(x, found))
     middle, steepness = best.x

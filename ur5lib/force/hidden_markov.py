@@ -14,19 +14,19 @@ def log_odds(evidence: Array, start: float, stop: float) -> Array:
     recursion [Rabiner 1989], written in log-odds: they neither under- nor overflow.
     """
     forward, backward = np.empty_like(evidence), np.zeros_like(evidence)
+    starts, stops, pauses, lasts = np.log([start, stop, 1 - start, 1 - stop])
     forward[0] = np.log(start / stop) + evidence[0]
     for t in range(1, len(evidence)):
-        forward[t] = evidence[t] + _mixed(forward[t - 1], start, 1 - stop, 1 - start, stop)
+        forward[t] = evidence[t] + _mixed(forward[t - 1], starts, lasts, pauses, stops)
     for t in range(len(evidence) - 2, -1, -1):
         later = evidence[t + 1] + backward[t + 1]
-        backward[t] = _mixed(later, stop, 1 - stop, 1 - start, start)
+        backward[t] = _mixed(later, stops, lasts, pauses, starts)
     return forward + backward
 
 
 def _mixed(odds: float, a: float, b: float, c: float, d: float) -> float:
-    """log (a + b e^odds) / (c + d e^odds)."""
-    above = np.logaddexp(np.log(a), odds + np.log(b))
-    return float(above - np.logaddexp(np.log(c), odds + np.log(d)))
+    """log (a + b e^odds) / (c + d e^odds), of the logarithms of a to d."""
+    return float(np.logaddexp(a, odds + b) - np.logaddexp(c, odds + d))
 
 
 def probability(odds: Array) -> Array:
