@@ -145,7 +145,9 @@ def write_table(table: pd.DataFrame, path: str | Path) -> None:
     fields = [field.with_metadata({"unit": unit(field.name)}) for field in arrow.schema]
     schema = pa.schema(fields, metadata=arrow.schema.metadata)
     # A dictionary of measured values takes three quarters of the time, and makes files larger.
-    _write_aside(path, lambda aside: pq.write_table(arrow.cast(schema), aside, use_dictionary=False))
+    _write_aside(
+        path, lambda aside: pq.write_table(arrow.cast(schema), aside, use_dictionary=False)
+    )
 
 
 def read_table(path: str | Path) -> pd.DataFrame:

@@ -10,6 +10,17 @@ import pytest
 from tests.conftest import PROJECT
 
 ROOMS = ["recordings", "signals", "dynamics", "identification", "force", "stand", "report"]
+LIGHT_STEPS = [
+    "repair_frames",
+    "fit_residuals",
+    "estimate_forces",
+    "compare_forces",
+    "set_threshold",
+    "detect_contacts",
+    "make_tables",
+    "draw_figures",
+    "time_steps",
+]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 
 
@@ -28,6 +39,23 @@ def test_only_dynamics_imports_torch() -> None:
         if "dynamics" not in path.parts and path.name != "__init__.py"
     ]
     program = f"import sys, {', '.join(modules)}; sys.exit('torch' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=False).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("package", "steps"),
+    [
+        ("scipy.stats", LIGHT_STEPS),
+        ("scipy.signal", LIGHT_STEPS),
+        ("scipy.optimize", ["compare_forces", "estimate_forces", "detect_contacts"]),
+        ("pytorch_kinematics", ["compute_torques", "estimate_payload", "identify_model"]),
+    ],
+)
+def test_no_step_waits_for_a_package_in_vain(package: str, steps: list[str]) -> None:
+    """Loading one of these takes longer than most steps work."""
+    paths = [f"workflow/scripts/{step}.py" for step in steps]
+    program = f"import runpy, sys; [runpy.run_path(path) for path in {paths}]"
+    program += f"; sys.exit({package!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], cwd=PROJECT, check=False).returncode == 0
 
 

@@ -250,7 +250,9 @@ def _estimate(joint: _Joint) -> JointGains:
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit)
         for axis in (0, 1)
     )
-    return JointGains(position, velocity, noise, least, limit, np.sum((stiff / noise[:, None]) ** 2))
+    return JointGains(
+        position, velocity, noise, least, limit, np.sum((stiff / noise[:, None]) ** 2)
+    )
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
