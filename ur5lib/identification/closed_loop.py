@@ -179,7 +179,8 @@ class _Joint:
 
     def errors(self, gains: Array) -> Array:
         """Of q̂ and q̂̇, (2, N); gains: (2,), the logarithms of K0 and K1."""
-        step = _step(*np.exp(gains), self.period)
+        position_gain, velocity_gain = np.exp(gains)
+        step = _step(position_gain, velocity_gain, self.period)
         errors = [
             stretch[3:] - _run(step, stretch[2] + np.exp(gains) @ stretch[:2], stretch[:2, 0])
             for stretch in self.stretches
