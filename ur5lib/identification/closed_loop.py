@@ -98,7 +98,7 @@ def simulate_closed_loop(
     starts = np.stack([target_q[0], target_qd[0]], axis=1)
     steps = [_step(*gains, period) for gains in zip(position_gains, velocity_gains, strict=True)]
     states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]
-    q, qd = np.stack(states, axis=2)
+    q, qd = np.stack(states, axis=1).transpose(2, 0, 1)
     return q, qd, drive - position_gains * q - velocity_gains * qd
 
 
@@ -152,19 +152,19 @@ def _step(position_gain: float, velocity_gain: float, period: float) -> _Step:
 
 
 def _run(step: _Step, drive: Array, start: Array) -> Array:
-    """States (2, N) under u (N,).
+    """States (N, 2) under u (N,).
 
     A² = tr(A) A - det(A) I (Cayley and Hamilton) makes of x[k+1] = A x[k] + w[k+1] a recursion of
     each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
     """
     A, B0, B1 = step
-    pushes = np.empty((2, len(drive)))
+    pushes = np.empty((2, len(drive)))  # a row a state: rows are faster than columns
     pushes[:, 0] = start
     pushes[:, 1:] = B0[:, None] * drive[:-1] + B1[:, None] * drive[1:]
     trace = np.trace(A)
     inputs = pushes.copy()
     inputs[:, 1:] += (A - trace * np.eye(2)) @ pushes[:, :-1]
-    return lfilter([1.0], [1.0, -trace, np.linalg.det(A)], inputs)
+    return lfilter([1.0], [1.0, -trace, np.linalg.det(A)], inputs).T
 
 
 # The gains of one joint
@@ -172,53 +172,50 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Joint:
-    """One joint's recording. stretches: (5, K) each: told q, q̇, q̈, measured q, q̇; period: [s]."""
+    """One joint's recording. stretches: (K, 5) each: told q, q̇, q̈, measured q, q̇; period: [s]."""
 
     stretches: list[Array]
     period: float
 
     def errors(self, gains: Array) -> Array:
-        """Of q̂ and q̂̇, (2, N); gains: (2,), the logarithms of K0 and K1."""
+        """Of q̂ and q̂̇, (N, 2); gains: (2,), the logarithms of K0 and K1."""
         position_gain, velocity_gain = np.exp(gains)
         step = _step(position_gain, velocity_gain, self.period)
-        errors = [
-            stretch[3:] - _run(step, stretch[2] + np.exp(gains) @ stretch[:2], stretch[:2, 0])
-            for stretch in self.stretches
-        ]
-        return np.concatenate(errors, axis=1)
+        errors = []
+        for stretch in self.stretches:
+            drive = stretch[:, 2] + stretch[:, :2] @ np.exp(gains)
+            errors.append(stretch[:, 3:] - _run(step, drive, stretch[0, :2]))
+        return np.concatenate(errors)
 
     def cost(self, gains: Array, noise: Array) -> float:
-        return float(np.sum((self.errors(gains) / noise[:, None]) ** 2))
+        return float(np.sum((self.errors(gains) / noise) ** 2))
 
     def stiff_errors(self) -> Array:
-        told = np.concatenate(self.stretches, axis=1)
-        return told[3:] - told[:2]
+        told = np.concatenate(self.stretches)
+        return told[:, 3:] - told[:, :2]
 
     def search_bounds(self) -> Array:
         """Least and greatest gains, (2, 2): natural frequencies that a recording can tell."""
-        longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
+        longest = max(map(len, self.stretches)) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
         return np.log(np.stack([frequency**2, 2 * frequency], axis=1))
 
     def noise(self, errors: Array) -> Array:
-        """σ √t of errors (2, N) in position and velocity."""
-        ends = np.cumsum([stretch.shape[1] for stretch in self.stretches])[:-1]
-        return np.array([_noise(np.split(kind, ends)) for kind in errors])
+        """σ √t of errors (N, 2) in position and velocity."""
+        ends = np.cumsum([len(stretch) for stretch in self.stretches])[:-1]
+        return np.array([_noise(np.split(kind, ends)) for kind in errors.T])
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
     t = tracking
-    signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd])
-    finite = np.asarray(np.isfinite(signals).all(axis=(0, 2)))
+    signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd], axis=2)
+    finite = np.asarray(np.isfinite(signals).all(axis=(1, 2)))
     breaks = 1 + np.flatnonzero((np.diff(t.segment) != 0) | (np.diff(finite) != 0))
     unbroken = np.split(np.arange(len(finite)), breaks)
     stretches = [rows for rows in unbroken if len(rows) > 1 and finite[rows[0]]]
     if not stretches:
         raise ValueError("no two successive samples are complete")
-    return [
-        _Joint([joint.take(rows, axis=1) for rows in stretches], t.period)
-        for joint in np.moveaxis(signals, 2, 0)
-    ]
+    return [_Joint([signals[rows, joint] for rows in stretches], t.period) for joint in range(6)]
 
 
 def _noise(errors: list[Array]) -> float:
@@ -236,7 +233,7 @@ def _noise(errors: list[Array]) -> float:
 def _estimate(joint: _Joint) -> JointGains:
     bounds = joint.search_bounds()
     grid = np.linspace(bounds[0], bounds[1], NODES)
-    squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=1) for p in product(*grid.T)])
+    squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=0) for p in product(*grid.T)])
     squares = squares.reshape(NODES, NODES, 2)
     stiff = joint.stiff_errors()
     first = _descend(joint, grid, squares, joint.noise(stiff))
@@ -251,16 +248,14 @@ def _estimate(joint: _Joint) -> JointGains:
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit)
         for axis in (0, 1)
     )
-    return JointGains(
-        position, velocity, noise, least, limit, np.sum((stiff / noise[:, None]) ** 2)
-    )
+    return JointGains(position, velocity, noise, least, limit, np.sum((stiff / noise) ** 2))
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
     """The best of the least squares from the deepest valleys of the grid."""
 
     def residuals(gains: Array) -> Array:
-        return (joint.errors(gains) / noise[:, None]).ravel()
+        return (joint.errors(gains) / noise).ravel()
 
     starts = _valleys(grid, squares @ noise**-2.0)
     bounds = grid[0], grid[-1]
