@@ -1,8 +1,7 @@
 """How long the whole thesis study takes on two cores, its documents alone, and nothing to do.
 
 It makes results/thesis anew from raw/thesis. Processor time hardly depends on what else runs on the
-machine. Of a step, start-up is the part in which its processes load Python and its packages; its
-processor time is sampled twice a second, so that it lacks the last moments.
+machine. Of a step, start-up is the processor time in which its jobs load Python and its packages.
 """
 
 import resource

@@ -1,4 +1,4 @@
-"""How long each step took: all its jobs together, and the part of start-up in it."""
+"""How long each step took: wall and processor time of all its jobs, and start-up in the latter."""
 
 from datetime import UTC, datetime
 from pathlib import Path
@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.steps import run_step, start_up_of
+from ur5lib.steps import processor_times, run_step
 from ur5lib.tables import write_csv
 
 
@@ -23,12 +23,13 @@ def job(benchmark: str, log: str) -> dict[str, object]:
     """One job: its step, times [s] and when it ended."""
     names, values = (line.split("\t") for line in Path(benchmark).read_text().splitlines())
     measured = dict(zip(names, values, strict=True))
+    start_up, whole = processor_times(log)
     end = datetime.fromtimestamp(Path(benchmark).stat().st_mtime, UTC)
     return {
         "step": log.partition("/logs/")[2].split("/")[0].removesuffix(".log"),
         "wall_s": float(measured["s"]),
-        "start_up_s": start_up_of(log),
-        "cpu_s": float(measured["cpu_time"]),
+        "start_up_s": start_up,
+        "cpu_s": whole,
         "end": end.isoformat(timespec="seconds").removesuffix("+00:00"),
     }
 

@@ -39,14 +39,14 @@ def run_times(results: Results) -> Body:
             Cell(step.step),
             Cell(str(step.jobs)),
             number(step.wall_s, 1),
-            number(step.start_up_s, 1),
             number(step.cpu_s, 1),
+            number(step.start_up_s, 1),
             Cell(step.first_end.replace("T", " ")),
             Cell(step.last_end.replace("T", " ")),
         ]
         for step in times.itertuples()
     ]
-    header = ["step", "jobs", "time [s]", "of it start-up [s]", "processor [s]"]
+    header = ["step", "jobs", "wall [s]", "processor [s]", "of it start-up [s]"]
     return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
 
 
@@ -54,11 +54,11 @@ def total_time(results: Results) -> Iterator[str]:
     """All jobs together."""
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
-        wall, start_up = times["wall_s"].sum(), times["start_up_s"].sum()
+        whole, start_up = times["cpu_s"].sum(), times["start_up_s"].sum()
         yield (
-            f"The {times['jobs'].sum()} jobs took {wall:.0f} s one after the other, "
-            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is "
-            "computed, torch."
+            f"The {times['jobs'].sum()} jobs took {whole:.0f} s of processor time, "
+            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is computed, torch. "
+            "Snakemake's own time and this report's come on top."
         )
 
 
