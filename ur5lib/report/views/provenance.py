@@ -57,8 +57,8 @@ def total_time(results: Results) -> Iterator[str]:
         whole, start_up = times["cpu_s"].sum(), times["start_up_s"].sum()
         yield (
             f"The {times['jobs'].sum()} jobs took {whole:.0f} s of processor time, "
-            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is computed, torch. "
-            "Snakemake's own time and this report's come on top."
+            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is "
+            "computed, torch. Snakemake's own time and this report's come on top."
         )
 
 
