@@ -1,6 +1,5 @@
 """Rotor inertia of each joint, from what rigid links leave of the controller's torque."""
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,12 +11,9 @@ from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification import rotor_inertia
 from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, period, read_table, write_json
-
-TARGETS = ["target_q", "target_qd", "target_qdd"]
-MEASURED = ["q", "qd", "qdd"]
+from ur5lib.tables import channel, read_table, write_json
+from ur5lib.torque_record import comparable, torque_states
 
 
 def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
@@ -38,27 +34,13 @@ def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
 def rotor_samples(
     robot: Robot, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
 ) -> tuple[Array, Array, Array] | None:
-    """The torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
-
-    At the targets where these were recorded, else at the measured motion: then all are
-    low-passed alike, because measured accelerations already are.
-    """
+    """The torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated."""
     if "target_moment_0" not in signals:
         return None
-    exact = all(f"{name}_0" in signals for name in TARGETS)
-    source, names = (signals, TARGETS) if exact else (motion, MEASURED)
-    states = [channel(source, name) for name in names]
+    states, exact = torque_states(signals, motion)
     rigid = inverse_dynamics(build_arm(robot, robot.chosen_model), *map(torch.from_numpy, states))
     samples = np.hstack([channel(signals, "target_moment") - rigid.numpy(), *states[1:]])
-    if not exact:
-        lowpass = partial(
-            zero_phase_lowpass,
-            rate=1 / period(signals),
-            order=params.order,
-            cutoff=params.cutoff_hz,
-        )
-        samples = by_segment(lowpass, samples, signals["segment"].to_numpy())
-    samples[signals["interpolated"]] = np.nan
+    samples = comparable(samples, signals, exact, params.order, params.cutoff_hz)
     residual, qd, qdd = np.hsplit(samples, 3)
     return residual, qd, qdd
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -28,12 +27,10 @@ from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, period, read_json, read_table, write_json, write_text
+from ur5lib.torque_record import comparable, torque_states
 
-TARGETS = ["target_q", "target_qd", "target_qdd"]
-MEASURED = ["q", "qd", "qdd"]
 BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
 RESOLUTION = 1e-3  # Nm: what the excitation check takes a torque to be good to
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
@@ -93,25 +90,13 @@ def with_identified(
 def torque_blocks(
     arm: Arm, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
 ) -> Iterator[tuple[Array, Array]]:
-    """Regressors (n, 6, 66) and the controller's torques (n, 6), a block for each two seconds.
-
-    At the targets where these were recorded, else at the measured motion: then both are
-    low-passed alike.
-    """
+    """Regressors (n, 6, 66) and the controller's torques (n, 6), a block for each two seconds."""
     if "target_moment_0" not in signals:
         return
-    exact = all(f"{name}_0" in signals for name in TARGETS)
-    source, names = (signals, TARGETS) if exact else (motion, MEASURED)
-    states = [torch.from_numpy(channel(source, name)) for name in names]
-    columns = regressor(arm, *states).numpy().reshape(len(signals), -1)
+    states, exact = torque_states(signals, motion)
+    columns = regressor(arm, *map(torch.from_numpy, states)).numpy().reshape(len(signals), -1)
     rows = np.hstack([columns, channel(signals, "target_moment")])
-    if not exact:
-        rate = 1 / period(signals)
-        lowpass = partial(
-            zero_phase_lowpass, rate=rate, order=params.order, cutoff=params.cutoff_hz
-        )
-        rows = by_segment(lowpass, rows, signals["segment"].to_numpy())
-    rows[signals["interpolated"]] = np.nan
+    rows = comparable(rows, signals, exact, params.order, params.cutoff_hz)
     block = signals["time"] // BLOCK
     for _, part in signals.groupby(["segment", block], sort=False).indices.items():
         chosen = rows[part[:: max(1, round(STEP / period(signals)))]]
