@@ -248,7 +248,7 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()
-    assert "33.0" not in report
+    assert "cutoff_hz: 33.0" not in report
     assert "pushed" not in report
 
 
