@@ -115,7 +115,7 @@ def _decimated(traces: Traces) -> Traces:
 def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
     """A figure with axes of the values and of the errors, in the order of the panels."""
     pairs = 2 if traces.errors else 1
-    height = 5.6 if traces.errors else 4.2
+    height = 4.7 if traces.errors else 3.8
     figure = Figure(figsize=(WIDTH, height))
     # Margins of its own: a layout that looks for room takes a third of the drawing time.
     figure.subplots_adjust(0.09, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.21, hspace=0.3)
