@@ -53,7 +53,8 @@ def expected(tables: Path, roles: dict[str, str]) -> Iterator[list[str]]:
     for figure in ("mae", "max"):
         if rows := [row for row in force if row[f"printed_{figure}"]]:
             yield [widest(rows, estimate, figure) for estimate in ("Fu", "F", "F*")]
-    yield from forces(force, read(tables / "detection.csv"))
+    contacts = read(tables / "contacts.csv")
+    yield from forces(force, read(tables / "detection.csv"), contacts, roles)
     yield quality(read(tables / "quality.csv"))
     if (tables / "truth.csv").exists() and (stated := [
         row["within95"] for row in read(tables / "truth.csv") if row["within95"]
@@ -90,7 +91,9 @@ def acceleration(rows: list[Row]) -> list[str]:
     return numbers + [f"{value:.3f}" for value in averages(linear, "component", "zero_mae")]
 
 
-def forces(force: list[Row], detection: list[Row]) -> Iterator[list[str]]:
+def forces(
+    force: list[Row], detection: list[Row], found: list[Row], roles: dict[str, str]
+) -> Iterator[list[str]]:
     rows = [r for r in force if r["kind"] == "compensated" and r["component"].startswith("F")]
     beaten = []
     for recording in dict.fromkeys(row["recording"] for row in rows):
@@ -110,10 +113,24 @@ def forces(force: list[Row], detection: list[Row]) -> Iterator[list[str]]:
         for name in ESTIMATES
         if (values := [float(r["coverage95"]) for r in rows if r["estimate"] == name])
     ]
+    sensed = {row["recording"] for row in force}
+    felt = [name for name, role in roles.items() if role == "contact" and name not in sensed]
+    yield from (told for name in felt[:4] if (told := largest(found, name)))
     yield held
     pushes = [row for row in detection if row["estimate"] == "Fmap"]
     columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
     yield [f"{median(float(row[c]) for row in pushes if row[c]):.0f}" for c in columns]
+
+
+def largest(found: list[Row], recording: str) -> list[str]:
+    """How many contacts a recording holds by F^map, and the largest force in them."""
+    rows = [r for r in found if r["recording"] == recording and r["estimate"] == "Fmap"]
+    if not rows:
+        return []
+    peak = max(rows, key=lambda row: sum(float(row[name]) ** 2 for name in ("Fx", "Fy", "Fz")))
+    values = [peak[f"{name}{end}"] for name in ("Fx", "Fy", "Fz") for end in ("", "_std")]
+    numbers = [f"{abs(float(value)):.1f}" for value in [*values, peak["peak_s"]]]
+    return [str(len(rows)), *numbers]
 
 
 def quality(rows: list[Row]) -> list[str]:

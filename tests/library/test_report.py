@@ -10,6 +10,7 @@ import pytest
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.current_tables import contact_rows
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -27,7 +28,10 @@ from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.result_tables import torque_errors
+from ur5lib.report.results import Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
+from ur5lib.report.views.forces import contacts
+from ur5lib.report.views.found import contacts_found
 from ur5lib.tables import named
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -178,3 +182,24 @@ def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(str(path))):
         read_reference(path)
     assert read_reference(None).errata == ()
+
+
+# Contacts
+
+
+def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
+    alarms = [
+        {"start": 1.0, "end": 2.0, "peak": 1.5, "force": [3.0, 0.0, -4.04], "force_std": [1, 2, 3]},
+        {"start": 7.0, "end": 8.0, "peak": 7.5, "force": [1.0, 0.0, 0.0], "force_std": [1, 2, 3]},
+    ]
+    rows = contact_rows("pushed", {"Fmap": {"raised": alarms}})
+    tables = {"contacts": pd.DataFrame(rows), "force_mae": pd.DataFrame({"recording": []})}
+    study = {"recordings": [{"name": "pushed", "role": "contact"}]}
+    results = Results(study, tables, {}, Path())
+    assert [*contacts_found(results)] == [
+        "On pushed, without a force sensor, F^map finds contacts: 2. The largest force is "
+        "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."
+    ]
+    first, second = contacts(results, "pushed").rows
+    assert [cell.text for cell in first][:3] == ["1.00 to 2.00", "1.50", "3.0 ± 1.0"]
+    assert second[2].text == "1.0 ± 1.0"

@@ -95,7 +95,26 @@ def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row
             "median_delay_s": found.get("median_delay"),
             "smallest_force_95": max((smallest[a]["force"] for a in smallest), default=None),
             **{f"smallest_force_95_{a}": smallest.get(a, {}).get("force") for a in "xyz"},
-            "alarms": len(found["alarm_times"]),
+            "alarms": len(found["raised"]),
             "alarms_per_min": found["alarms_per_min"],
             "roc_area": found.get("roc_area"),
         }
+
+
+def contact_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
+    """Each alarm: when, and the largest force in it, from detection.json."""
+    for estimate, found in detection.items():
+        for alarm in found["raised"]:
+            values = zip("xyz", alarm["force"], alarm["force_std"], strict=True)
+            yield {
+                "recording": recording,
+                "estimate": estimate,
+                "start_s": alarm["start"],
+                "end_s": alarm["end"],
+                "peak_s": alarm["peak"],
+                **{
+                    name: number
+                    for axis, force, std in values
+                    for name, number in ((f"F{axis}", force), (f"F{axis}_std", std))
+                },
+            }

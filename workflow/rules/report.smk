@@ -32,6 +32,7 @@ TABLES = [
     "payload",
     "force_mae",
     "detection",
+    "contacts",
 ]
 
 

@@ -24,6 +24,7 @@ from ur5lib.steps import run_step
 from ur5lib.tables import channel, labelled_channel, period, read_json, read_table, write_json
 
 STRONG, TOUCH, NOTHING = 15.0, 3.0, 1.0  # N: a contact; any contact; where it is over
+AXES = ["Fx", "Fy", "Fz"]
 TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
 
 
@@ -39,7 +40,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         minutes = len(odds) * period(forces) / 60
         summary[name] = {
             "threshold": threshold,
-            "alarm_times": times(raised, forces),
+            "raised": [strongest(span, forces, name) for span in raised],
             "alarms_per_min": len(raised) / minutes,
         }
         if "compensated_Fx" in sensor:
@@ -49,17 +50,26 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     write_json(summary, output.detection)
 
 
-def times(raised: list[Span], forces: pd.DataFrame) -> list[list[float]]:
-    """Start and end of each alarm [s]."""
-    time = forces["time"].to_numpy()
-    return [[float(time[first]), float(time[last - 1])] for first, last in raised]
+def strongest(span: Span, forces: pd.DataFrame, name: str) -> dict[str, Any]:
+    """Start and end of an alarm [s], and the largest force in it, with standard deviations [N]."""
+    during = forces.iloc[slice(*span)]
+    wrench, std = (labelled_channel(during, part, AXES) for part in (name, f"{name}_std"))
+    peak = int(np.argmax(np.nan_to_num(np.linalg.norm(wrench, axis=1))))
+    time = during["time"].to_numpy()
+    return {
+        "start": float(time[0]),
+        "end": float(time[-1]),
+        "peak": float(time[peak]),
+        "force": wrench[peak],
+        "force_std": std[peak],
+    }
 
 
 def against_sensor(
     odds: Array, raised: list[Span], sensor: pd.DataFrame, minutes: float
 ) -> dict[str, Any]:
     """Contacts that the sensor saw, how many were found and when, and the ROC by sample."""
-    force = np.linalg.norm(labelled_channel(sensor, "compensated", ["Fx", "Fy", "Fz"]), axis=1)
+    force = np.linalg.norm(labelled_channel(sensor, "compensated", AXES), axis=1)
     known = np.nan_to_num(force)
     step = period(sensor)
     found = compare(raised, spans(known, STRONG, TOUCH), spans(known, TOUCH, NOTHING), step)

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.current_tables import (
+    contact_rows,
     cross_validation_rows,
     current_rows,
     detection_rows,
@@ -52,6 +53,7 @@ COLUMNS = {
     "payload": "recording mass std_error low high",
     "force_mae": "recording kind estimate component mae max zero_mae zero_max skill correlation "
     "gain coverage50 coverage80 coverage95 printed_mae printed_max",
+    "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std",
     "detection": "recording estimate contacts found precision recall false_alarms_per_min "
     "median_delay_s smallest_force_95 smallest_force_95_x smallest_force_95_y "
     "smallest_force_95_z alarms alarms_per_min roc_area",
@@ -97,6 +99,7 @@ def recording_rows(input: Any, recordings: list[str], printed: Printed) -> dict[
         "innovations": each(innovation_rows, input.motion),
         "current_rmse": each(current_rows, input.currents),
         "detection": each(detection_rows, input.detection),
+        "contacts": each(contact_rows, input.detection),
         "force_mae": each(
             force_errors,
             input.forces,

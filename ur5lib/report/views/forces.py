@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.cells import extremes, number, rounded, signed
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -14,8 +14,10 @@ BANDS = (50, 80, 95)  # %
 
 
 def compared(results: Results) -> list[str]:
-    """Recordings with a working force sensor: those with printed errors first."""
-    return shown([*printed(results), *results.tables["force_mae"]["recording"]])
+    """Recordings with printed errors, with a working force sensor, then others with contact."""
+    drawn = {*results.tables["detection"]["recording"]}
+    felt = [name for name in results.with_role("contact") if name in drawn]
+    return shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
 
 
 def printed(results: Results) -> list[str]:
@@ -129,6 +131,23 @@ def detections(results: Results) -> Body:
     ]
     header = ["recording", "estimate", "found", "precision", "false alarms [1/min]"]
     return Body([*header, "median delay [s]"], body)
+
+
+def contacts(results: Results, of: str) -> Body:
+    """When F^map finds a contact on a recording, and the largest force in each."""
+    rows = results.rows("contacts", recording=of, estimate="Fmap")
+    body = [
+        [
+            Cell(f"{row.start_s:.2f} to {row.end_s:.2f}"),
+            Cell(f"{row.peak_s:.2f}"),
+            *(
+                Cell(f"{rounded(force, 1)} ± {std:.1f}")
+                for force, std in ((row.Fx, row.Fx_std), (row.Fy, row.Fy_std), (row.Fz, row.Fz_std))
+            ),
+        ]
+        for row in rows.itertuples()
+    ]
+    return Body(["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]"], body)
 
 
 def alarms(results: Results) -> Body:

@@ -21,6 +21,7 @@ def findings(results: Results) -> list[str]:
         *_currents(results),
         *_against_printed_forces(force),
         *_against_no_force(force),
+        *contacts_found(results),
         *_trusted_force(force, results.tables["detection"]),
         _data_quality(results.tables["quality"]),
         *beside_truth(results.tables.get("truth")),
@@ -147,6 +148,26 @@ def _against_no_force(force: pd.DataFrame) -> Iterator[str]:
             f"On {sum(beaten)} of all {told} recordings with a force sensor, the best estimate "
             "beats “no force” on every axis."
         )
+
+
+def contacts_found(results: Results) -> Iterator[str]:
+    """What touches the arm where no sensor tells."""
+    sensed = {*results.tables["force_mae"]["recording"]}
+    contacts = results.rows("contacts", estimate="Fmap")
+    felt = [name for name in results.with_role("contact") if name not in sensed]
+    for recording in felt[:MOST_TOLD]:
+        rows = contacts[contacts["recording"] == recording]
+        if len(rows):
+            force = rows[["Fx", "Fy", "Fz"]]
+            largest = rows.loc[(force**2).sum(axis="columns").idxmax()]
+            values = ", ".join(
+                f"{rounded(largest[axis], 1)} ± {largest[f'{axis}_std']:.1f}" for axis in force
+            )
+            yield (
+                f"On {recording}, without a force sensor, {ESTIMATES['Fmap']} finds contacts: "
+                f"{len(rows)}. The largest force is {values} N in x, y, z, at "
+                f"{largest['peak_s']:.1f} s."
+            )
 
 
 def _trusted_force(force: pd.DataFrame, detection: pd.DataFrame) -> Iterator[str]:
