@@ -58,7 +58,7 @@ def take_in(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
             device: {"seconds": start.seconds, "std": start.std}
             for device, (_, start) in placed.items()
         },
-        "files": {device: _checksum(record.source) for device, record in raw.sensors.items()},
+        "files": {device: checksum(record.source) for device, record in raw.sensors.items()},
         "findings": [finding.as_row() for finding in findings],
     }
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
@@ -75,5 +75,6 @@ def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
     return table.drop(columns=unknown), [note]
 
 
-def _checksum(path: str) -> str:
+def checksum(path: str) -> str:
+    """SHA-256 of a file's content."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()

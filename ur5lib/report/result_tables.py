@@ -32,6 +32,16 @@ def recording_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def file_table(qualities: Mapping[str, Any]) -> pd.DataFrame:
+    """The files that each recording was read from, from its quality.json."""
+    rows = [
+        {"recording": recording, "file": file, "sha256": checksum}
+        for recording, quality in qualities.items()
+        for file, checksum in quality["read"].items()
+    ]
+    return pd.DataFrame(rows, columns=["recording", "file", "sha256"])
+
+
 def quality_table(
     qualities: Mapping[str, Any], clocks: Mapping[str, Any], forces: Mapping[str, Any]
 ) -> pd.DataFrame:

@@ -14,6 +14,7 @@ FIGURES = [
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
 TABLES = [
     "recordings",
+    "files",
     "quality",
     "clocks",
     "torque_mae",

@@ -25,6 +25,7 @@ from ur5lib.report.motion_tables import acceleration_errors, calibration_rows, i
 from ur5lib.report.reference import Printed, read_reference
 from ur5lib.report.result_tables import (
     clock_table,
+    file_table,
     force_errors,
     quality_table,
     recording_table,
@@ -67,6 +68,7 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     clocks = dict(zip(params.recordings, map(read_json, input.clocks), strict=True))
     qualities = dict(zip(params.recordings, map(read_json, input.quality), strict=True))
     write_csv(recording_table(qualities), output.recordings)
+    write_csv(file_table(qualities), output.files)
     forces = dict(zip(params.recordings, map(read_json, input.forces), strict=True))
     write_csv(quality_table(qualities, clocks, forces), output.quality)
     write_csv(clock_table(clocks), output.clocks)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.intake import take_in
+from ur5lib.intake import checksum, take_in
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import write_json, write_table
@@ -18,7 +18,8 @@ def repair_frames(input: Any, output: Any, params: Any) -> None:
     write_table(intake.robot, output.robot)
     write_table(intake.sensors.get("force", NO_SAMPLES), output.force)
     write_table(intake.sensors.get("imu", NO_SAMPLES), output.imu)
-    write_json(intake.quality, output.quality)
+    read = {path: checksum(path) for path in input.raw}
+    write_json(intake.quality | {"read": read}, output.quality)
 
 
 if __name__ == "__main__":

@@ -24,11 +24,10 @@ def versions(results: Results) -> Body:
 def files(results: Results) -> Body:
     """What each recording was read from."""
     rows = [
-        [Cell(name), Cell(device), Cell(checksum[:16])]
-        for name, quality in results.qualities.items()
-        for device, checksum in quality["files"].items()
+        [Cell(file.recording), Cell(file.file), Cell(file.sha256[:16])]
+        for file in results.tables["files"].itertuples()
     ]
-    return Body(["recording", "device", "SHA-256 begins"], rows)
+    return Body(["recording", "file", "SHA-256 begins"], rows)
 
 
 def run_times(results: Results) -> Body:
