@@ -195,7 +195,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     rows = contact_rows("pushed", {"Fmap": {"raised": alarms}})
     tables = {"contacts": pd.DataFrame(rows), "force_mae": pd.DataFrame({"recording": []})}
     study = {"recordings": [{"name": "pushed", "role": "contact"}]}
-    results = Results(study, tables, {}, Path())
+    results = Results(study, tables, Path())
     assert [*contacts_found(results)] == [
         "On pushed, without a force sensor, F^map finds contacts: 2. The largest force is "
         "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."

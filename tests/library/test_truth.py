@@ -126,7 +126,7 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     assert [*beside_truth(table)] == [
         "Of 2 values with a stated 95 % interval, 1 intervals hold the truth of the simulation."
     ]
-    results = Results({"recordings": []}, {"truth": table}, {}, Path())
+    results = Results({"recordings": []}, {"truth": table}, Path())
     views = [truth.summary, truth.clocks, truth.joint_accelerations, truth.joint_acceleration_bands]
     assert [len(view(results).rows) for view in views] == [2, 2, 2, 1]
     assert truth.torques(results).rows == []

@@ -19,7 +19,7 @@ from ur5lib.report.contents import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.study import parse_study
-from ur5lib.tables import read_csv, read_json
+from ur5lib.tables import read_csv
 
 STUDY = """\
 study: alone
@@ -69,10 +69,6 @@ def results_of(workflow: Workflow) -> Results:
     return Results(
         study=study,
         tables={path.stem: read_csv(path) for path in (folder / "tables").glob("*.csv")},
-        qualities={
-            recording["name"]: read_json(folder / "recordings" / recording["name"] / "quality.json")
-            for recording in study["recordings"]
-        },
         figures=folder / "figures",
         versions={"Python": "3"},
     )
@@ -101,8 +97,7 @@ def multiplied(results: Results, count: int, figures: Path) -> Results:
 
     study: dict[str, Any] = {**results.study, "recordings": entries}
     tables = {name: each(table) for name, table in results.tables.items()}
-    qualities = dict.fromkeys(names, results.qualities[recording["name"]])
-    return replace(results, study=study, tables=tables, qualities=qualities, figures=figures)
+    return replace(results, study=study, tables=tables, figures=figures)
 
 
 def test_two_hundred_recordings_are_a_report(alone: Workflow, tmp_path: Path) -> None:

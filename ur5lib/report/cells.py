@@ -26,6 +26,11 @@ def signed(value: float, digits: int, unit: str = "") -> Cell:
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
 
 
+def with_error(value: float, std: float, digits: int) -> Cell:
+    """A value and its standard error."""
+    return Cell(f"{value:.{digits}f} ± {std:.{digits}f}".replace("-", "−"))
+
+
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:
     """Which entry is the lowest and which the highest; none where they agree."""
     marks: dict[str, Mark | None] = dict.fromkeys(values)

@@ -94,7 +94,6 @@ def calibration_panels(
             for values, name, colour in zip(shares.T, components, JOINTS, strict=False):
                 axis.plot(stated, values, "o-", color=colour, markersize=3, label=name)
             axis.set(title=estimate, xlabel="stated [%]", xlim=(40, 100), ylim=(0, 101))
-            axis.set_aspect("auto")
         axes[0].set_ylabel("held [%]")
         axes[0].legend(loc="lower right", frameon=False, ncols=2)
     columns = {

@@ -19,7 +19,6 @@ STYLES: dict[str, Any] = {
     "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
     "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
     "joint": {"color": JOINTS, "linewidth": 1.0},  # each joint in its own colour
-    "joint, dashed": {"color": JOINTS, "linewidth": 1.0, "linestyle": (0, (2, 1))},
 }
 HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),

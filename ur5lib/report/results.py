@@ -28,13 +28,12 @@ NOTHING = Body([], [])
 class Results:
     """A study's results.
 
-    study: the configuration; tables: by name; qualities: quality.json by recording; figures: the
-    folder of figures; left_out: a sentence for each section that the data do not allow.
+    study: the configuration; tables: by name; figures: the folder of figures; left_out: a sentence
+    for each section that the data do not allow.
     """
 
     study: Mapping[str, Any]
     tables: Mapping[str, pd.DataFrame]
-    qualities: Mapping[str, Any]
     figures: Path
     errata: Sequence[Erratum] = ()
     commit: str = ""
@@ -48,6 +47,11 @@ class Results:
     def with_role(self, role: str) -> list[str]:
         """Names of the recordings with a role."""
         return [name for name, other in self.roles().items() if other == role]
+
+    def printed(self, table: str, column: str = "printed") -> list[str]:
+        """Names of the recordings of which a table has printed values."""
+        rows = self.tables[table]
+        return [*rows.loc[rows[column].notna(), "recording"].unique()]
 
     def robots(self) -> list[str]:
         """The arms of the study."""

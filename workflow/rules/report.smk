@@ -187,7 +187,6 @@ rule write_report:
     input:
         **REFERENCE,
         tables=[*rules.make_tables.output, *rules.time_steps.output, *TRUTH],
-        quality=results("quality.json"),
         figures=[*rules.draw_filters.output, *rules.draw_calibration.output]
         + expand([*rules.draw_friction.output, *rules.draw_models.output], robot=ROBOTS)
         + expand(rules.draw_figures.output, recording=RECORDINGS),

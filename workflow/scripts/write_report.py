@@ -14,7 +14,7 @@ from ur5lib.report.reference import read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.steps import run_step
-from ur5lib.tables import read_csv, read_json
+from ur5lib.tables import read_csv
 
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
@@ -22,11 +22,9 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 def write_report(input: Any, output: Any, params: Any) -> None:
     study = yaml.safe_load(params.study)
-    names = [recording["name"] for recording in study["recordings"]]
     results = Results(
         study=study,
         tables={Path(path).stem: read_csv(path) for path in input.tables},
-        qualities=dict(zip(names, map(read_json, input.quality), strict=True)),
         figures=Path(input.figures[0]).parent,
         errata=read_reference(input.get("reference")).errata,
         commit=commit(),

@@ -11,8 +11,7 @@ from ur5lib.report.results import Body, Results, shown
 
 def printed(results: Results) -> list[str]:
     """Recordings with printed errors of the closed loop."""
-    rows = results.tables["closed_loop_mae"]
-    return [*rows.loc[rows["printed"].notna(), "recording"].unique()]
+    return results.printed("closed_loop_mae")
 
 
 def drawn(results: Results) -> list[str]:

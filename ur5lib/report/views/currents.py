@@ -1,6 +1,6 @@
 """Friction and motor currents: constants, prediction, cross-validation, payload."""
 
-from ur5lib.report.cells import extremes, number
+from ur5lib.report.cells import extremes, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -27,7 +27,7 @@ def constants(results: Results) -> Body:
             Cell(row.robot),
             Cell(str(row.joint)),
             Cell(row.parameter.replace("_", " ")),
-            Cell(f"{row.value:.3f} ± {row.std_error:.3f}".replace("-", "−")),
+            with_error(row.value, row.std_error, 3),
             Cell(f"{row.low:.2f} to {row.high:.2f}".replace("-", "−")),
             Cell(f"{100 * row.prior_share:.0f} %"),
             Cell(row.determined),
@@ -82,7 +82,7 @@ def payloads(results: Results) -> Body:
     body = [
         [
             Cell(row.recording),
-            Cell(f"{row.mass:.3f} ± {row.std_error:.3f}".replace("-", "−")),
+            with_error(row.mass, row.std_error, 3),
             Cell(f"{row.low:.3f} to {row.high:.3f}".replace("-", "−")),
         ]
         for row in results.tables["payload"].itertuples()

@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes, number, rounded, signed
+from ur5lib.report.cells import extremes, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -22,8 +22,7 @@ def compared(results: Results) -> list[str]:
 
 def printed(results: Results) -> list[str]:
     """Recordings with printed errors."""
-    rows = results.tables["force_mae"]
-    return [*rows.loc[rows["printed_mae"].notna(), "recording"].unique()]
+    return results.printed("force_mae", "printed_mae")
 
 
 def summary(results: Results) -> Body:
@@ -141,7 +140,7 @@ def contacts(results: Results, of: str) -> Body:
             Cell(f"{row.start_s:.2f} to {row.end_s:.2f}"),
             Cell(f"{row.peak_s:.2f}"),
             *(
-                Cell(f"{rounded(force, 1)} ± {std:.1f}")
+                with_error(force, std, 1)
                 for force, std in ((row.Fx, row.Fx_std), (row.Fy, row.Fy_std), (row.Fz, row.Fz_std))
             ),
         ]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.cells import extremes, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results, shown
 
@@ -13,9 +13,8 @@ def compared(results: Results) -> list[str]:
     """Recordings whose torques have a table: with printed errors, and those to validate on."""
     torque = results.tables["torque_mae"]
     known = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
-    printed = [*torque.loc[torque["printed"].notna(), "recording"].unique()]
     others = [name for name in results.with_role("validate") if name in known]
-    return shown([*printed, *others] or known[:1])
+    return shown([*results.printed("torque_mae"), *others] or known[:1])
 
 
 def mean_errors(results: Results) -> Body:
@@ -78,7 +77,7 @@ def rotors(results: Results) -> Body:
     """The fitted rotor inertias, and the terms that should be zero."""
 
     def fitted(row: pd.Series, value: str, std: str) -> Cell:
-        return Cell(f"{row[value]:.4f} ± {row[std]:.4f}".replace("-", "−"))
+        return with_error(row[value], row[std], 4)
 
     terms = {"offset [Nm]": "offset", "Coulomb [Nm]": "coulomb", "viscous [Nm s/rad]": "viscous"}
     body = [

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ur5lib.report.cells import number, signed
+from ur5lib.report.cells import number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -16,8 +16,7 @@ def drawn(results: Results) -> list[str]:
 
 def printed(results: Results) -> list[str]:
     """Recordings with printed errors."""
-    rows = results.tables["acceleration_mae"]
-    return [*rows.loc[rows["printed"].notna(), "recording"].unique()]
+    return results.printed("acceleration_mae")
 
 
 def errors(results: Results) -> Body:
@@ -57,7 +56,7 @@ def calibration(results: Results) -> Body:
             Cell(row.robot),
             Cell(row.quantity.replace("_", " ")),
             Cell(row.axis),
-            Cell(f"{row.value:.5f} ± {row.std_error:.5f}".replace("-", "−")),
+            with_error(row.value, row.std_error, 5),
             Cell(row.unit),
         ]
         for row in results.tables["imu_calibration"].itertuples()

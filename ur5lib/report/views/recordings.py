@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from ur5lib.report.cells import with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.result_tables import group_findings
 from ur5lib.report.results import Body, Results
@@ -72,8 +73,8 @@ def clocks(results: Results) -> Body:
         [
             Cell(clock.recording),
             Cell(clock.device),
-            Cell(f"{clock.offset_s:.3f} ± {clock.offset_std_s:.3f}".replace("-", "−")),
-            Cell(_drift(clock.drift_ppm, clock.drift_std_ppm)),
+            with_error(clock.offset_s, clock.offset_std_s, 3),
+            _drift(clock.drift_ppm, clock.drift_std_ppm),
             Cell(clock.method),
         ]
         for clock in results.tables["clocks"].itertuples()
@@ -81,8 +82,8 @@ def clocks(results: Results) -> Body:
     return Body(["recording", "device", "offset [s]", "drift [ppm]", "method"], rows)
 
 
-def _drift(drift: float, std: float) -> str:
-    return "not estimated" if pd.isna(drift) else f"{drift:.0f} ± {std:.0f}".replace("-", "−")
+def _drift(drift: float, std: float) -> Cell:
+    return Cell("not estimated") if pd.isna(drift) else with_error(drift, std, 0)
 
 
 def arms(results: Results) -> list[str]:
