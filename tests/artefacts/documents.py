@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pypdfium2
 import pytest
 from pypdf import PdfReader
@@ -16,6 +17,7 @@ WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
 MARGIN = {"html": 14, "pdf": 18}  # mm, left and right of the text on A4
 POINTS = 72 / 25.4  # in a millimetre
 SLACK = 6  # points: punctuation hangs out
+TOUCH = 2  # points by which letters of neighbours may reach into each other
 
 
 @contextmanager
@@ -90,6 +92,7 @@ def check_pdf(report: Path, sections: list[str]) -> None:
             described = embedded["/FontDescriptor"].get_object()
             assert {"/FontFile", "/FontFile2", "/FontFile3"} & set(described)
     check_margins(report, MARGIN["pdf"])
+    check_overlaps(report)
 
 
 def check_margins(document: Path, margin: float) -> None:
@@ -101,3 +104,16 @@ def check_margins(document: Path, margin: float) -> None:
             left, _, end, _ = text.get_rect(i)
             assert left >= margin * POINTS - SLACK, f"page {number}"
             assert end <= right + SLACK, f"page {number}"
+
+
+def check_overlaps(document: Path) -> None:
+    """No text stands upon other text: no column is narrower than its words."""
+    for number, page in enumerate(pypdfium2.PdfDocument(document), start=1):
+        text = page.get_textpage()
+        boxes = np.array([text.get_rect(i) for i in range(text.count_rects())])
+        starts, ends = boxes[:, :2], boxes[:, 2:]
+        common = np.minimum(ends[:, None], ends) - np.maximum(starts[:, None], starts)
+        height = ends[:, 1] - starts[:, 1]
+        over = (common[..., 0] > TOUCH) & (common[..., 1] > np.minimum.outer(height, height) / 2)
+        words = [text.get_text_bounded(*boxes[i]) for i in np.argwhere(np.triu(over, 1))[:, 0]]
+        assert words == [], f"page {number}"

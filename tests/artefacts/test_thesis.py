@@ -385,7 +385,7 @@ def test_the_force_tables_show_each_number_in_its_column(
 ) -> None:
     name = {"mae": "Mean", "max": "Largest"}[figure]
     labels = {"F̂ᵘ": "Fu", "F̂": "F", "F̂*": "F*", "zero": "Fu"}
-    labels |= {"F^map": "Fmap", "observer": "observer", "repeat-aware": "repeat"}
+    labels |= {"F̂ᵐᵃᵖ": "Fmap", "observer": "observer", "repeat-aware": "repeat"}
     expected = force.set_index(["kind", "estimate", "component"])
     references = {"compensated": "the sensor less bias and tool weight"}
     if figure == "mae":

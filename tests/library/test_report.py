@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.report.cells import extremes, number, signed
+from ur5lib.report.cells import extremes, number, signed, significant
 from ur5lib.report.current_tables import contact_rows
 from ur5lib.report.document import (
     Cell,
@@ -30,6 +30,7 @@ from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.result_tables import torque_errors
 from ur5lib.report.results import Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
+from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.forces import contacts
 from ur5lib.report.views.found import contacts_found
 from ur5lib.tables import named
@@ -126,9 +127,16 @@ def test_extremes_are_marked_where_values_differ() -> None:
 
 def test_numbers_tell_their_sign_and_absence() -> None:
     assert number(1.23456, 3) == Cell("1.235")
+    assert number(-1.5, 1) == Cell("−1.5")
     assert number(float("nan"), 3) == Cell("–")
     assert signed(-0.5, 1, " %") == Cell("−0.5 %")
     assert signed(0.5, 2) == Cell("+0.50")
+
+
+def test_significant_digits_have_no_exponent() -> None:
+    assert [significant(x, 2) for x in (46771.7, 99.6, 2.649, 0.00134)] == [
+        "47000", "100", "2.6", "0.0013"
+    ]  # fmt: skip
 
 
 def test_columns_of_numbers_stand_right() -> None:
@@ -197,9 +205,32 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     study = {"recordings": [{"name": "pushed", "role": "contact"}]}
     results = Results(study, tables, Path())
     assert [*contacts_found(results)] == [
-        "On pushed, without a force sensor, F^map finds contacts: 2. The largest force is "
+        "On pushed, without a force sensor, F̂ᵐᵃᵖ finds contacts: 2. The largest force is "
         "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."
     ]
     first, second = contacts(results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00 to 2.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
+
+
+def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
+    nan = float("nan")
+    ranges = [  # of joint 1, then of joint 2
+        [("first", 9.0, 8.0, 12.0, "yes"), ("second", nan, 20.0, nan, "no")],
+        [("first", nan, nan, 30.0, "no"), ("second", nan, 2.0, 29.0, "no")],
+    ]
+    columns = ["recording", "value", "low", "high", "determined"]
+    rows = [
+        pd.DataFrame(part, columns=columns).assign(joint=i + 1) for i, part in enumerate(ranges)
+    ]
+    tables = {"gains": pd.concat(rows).assign(gain="position")}
+    study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
+    results = Results(study, tables, Path())
+    assert [[cell.text for cell in row[2:]] for row in gains(results).rows] == [
+        ["9 (8–12)", "< 30"],
+        ["> 20", "2–29"],
+    ]
+    assert [*contradictions(results)] == [
+        "No one position gain lies in the ranges of all recordings of ur5 on joints 1: its loop is "
+        "not this one there."
+    ]

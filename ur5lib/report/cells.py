@@ -11,14 +11,24 @@ SMALLEST_DIFFERENCE = 5e-5  # what four decimals can show
 
 def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
     """A value, or a dash where there is none."""
-    return Cell("–" if np.isnan(value) else f"{value:.{digits}f}", mark)
+    return Cell("–" if np.isnan(value) else fixed(value, digits), mark)
+
+
+def fixed(value: float, digits: int) -> str:
+    """A value with some decimals."""
+    return f"{value:.{digits}f}".replace("-", "−")
+
+
+def significant(value: float, digits: int) -> str:
+    """A value with some significant digits, without an exponent."""
+    return np.format_float_positional(value, digits, fractional=False, trim="-")
 
 
 def rounded(value: float, digits: int) -> str:
     """A value with some decimals, or a bound where they would show nothing but zeros."""
     if 0 < abs(value) < 0.5 * 10**-digits:
         return f"< {10**-digits:.{digits}f}"
-    return f"{value:.{digits}f}".replace("-", "−")
+    return fixed(value, digits)
 
 
 def signed(value: float, digits: int, unit: str = "") -> Cell:
@@ -28,7 +38,12 @@ def signed(value: float, digits: int, unit: str = "") -> Cell:
 
 def with_error(value: float, std: float, digits: int) -> Cell:
     """A value and its standard error."""
-    return Cell(f"{value:.{digits}f} ± {std:.{digits}f}".replace("-", "−"))
+    return Cell(f"{fixed(value, digits)} ± {fixed(std, digits)}")
+
+
+def interval(low: float, high: float, digits: int) -> str:
+    """From a lower to an upper end."""
+    return f"{fixed(low, digits)} to {fixed(high, digits)}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

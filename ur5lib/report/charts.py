@@ -11,7 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
 from numpy.typing import NDArray
 
-from ur5lib.report.house_style import DOTS, HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
+from ur5lib.report.house_style import (
+    DOTS,
+    FITTED_DOTS,
+    HOUSE_STYLE,
+    JOINTS,
+    WIDTH,
+    Drawing,
+    nothing_to_draw,
+)
 
 Array = NDArray[np.float64]
 MARGIN = 0.2  # m, around an arm
@@ -26,11 +34,16 @@ class MassModel(NamedTuple):
 
 
 def scatter_panels(
-    x: Array, y: Array, axes: tuple[str, str], line: tuple[Array, Array] | None = None
+    x: Array,
+    y: Array,
+    axes: tuple[str, str],
+    line: tuple[Array, Array] | None = None,
+    fitted: Array | None = None,
 ) -> Drawing:
-    """Six panels, joints 1 to 6, of samples (N, 6) over (N, 6), and a line (M, 6) over (M, 6).
+    """Six panels, joints 1 to 6, of samples (N, 6) over (N, 6).
 
     axes: what is along x and y, with units; a {} in them is the joint.
+    line: a line (M, 6) over (M, 6); fitted: (N, 6) over the same x, in black.
     """
     if np.isnan(x).all():
         return nothing_to_draw()
@@ -40,10 +53,12 @@ def scatter_panels(
             axis.plot(x[:, joint], y[:, joint], ".", color=JOINTS[joint], **DOTS)
             if line is not None:
                 axis.plot(line[0][:, joint], line[1][:, joint], color="black", linewidth=0.9)
+            if fitted is not None:
+                axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOTS)
             axis.set(xlabel=axes[0].format(joint + 1), ylabel=axes[1].format(joint + 1))
-    names = [name.format(joint) for joint in range(1, 7) for name in axes]
-    data = np.stack([x, y], axis=2).reshape(len(x), 12)
-    return Drawing(figure, pd.DataFrame(data, columns=names))
+    columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
+    data = {name.format(j + 1): column[:, j] for j in range(6) for name, column in columns.items()}
+    return Drawing(figure, pd.DataFrame(data))
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:

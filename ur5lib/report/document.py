@@ -21,7 +21,7 @@ class Cell:
 
 
 def _is_number(cell: Cell) -> bool:
-    return not re.search(r"[A-Za-z]", cell.text)
+    return not re.search(r"[A-Za-z]|\d–", cell.text)
 
 
 @dataclass(frozen=True)

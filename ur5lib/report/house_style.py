@@ -24,6 +24,7 @@ HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),
     "axes.formatter.use_mathtext": True,
     "axes.grid": True,
+    "axes.labelsize": 7.5,
     "axes.spines.right": False,
     "axes.spines.top": False,
     "font.size": 8,
@@ -33,6 +34,7 @@ HOUSE_STYLE: Any = {
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 DOTS: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
+FITTED_DOTS: Any = {"markersize": 0.8, "rasterized": True}
 BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}

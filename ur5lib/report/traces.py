@@ -118,7 +118,7 @@ def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], 
     height = 4.7 if traces.errors else 3.8
     figure = Figure(figsize=(WIDTH, height))
     # Margins of its own: a layout that looks for room takes a third of the drawing time.
-    figure.subplots_adjust(0.09, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.21, hspace=0.3)
+    figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
     ratios = [2, 1] * 3 if traces.errors else [1] * 3
     axes = figure.subplots(3 * pairs, 2, sharex=True, height_ratios=ratios)
     figure.align_ylabels(axes)

@@ -10,7 +10,7 @@ from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
 
 BANDS = [50, 80, 95]  # %
-TITLES = {"Fmap": "F^map", "observer": "momentum observer", "repeat": "repeat-aware"}
+TITLES = {"Fmap": "F̂ᵐᵃᵖ", "observer": "momentum observer", "repeat": "repeat-aware"}
 
 
 def draw_calibration(input: Any, output: Any, params: Any) -> None:

@@ -28,7 +28,7 @@ PUBLISHED = {
     "F*": ("with friction", "third"),
 }
 ESTIMATES = {
-    "Fmap": ("F^map", "first"),
+    "Fmap": ("F̂ᵐᵃᵖ", "first"),
     "observer": ("momentum observer", "second"),
     "repeat": ("repeat-aware", "third"),
 }

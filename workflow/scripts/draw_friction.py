@@ -89,10 +89,8 @@ def draw(samples: Samples, constant: Array, output: Any) -> None:
         output.current_torque_friction,
     )
     measured = constant * samples.current - samples.torque
-    order = np.argsort(samples.qd, axis=0)
-    curve = np.take_along_axis(samples.qd, order, 0), np.take_along_axis(friction, order, 0)
-    labels = ("velocity of joint {} [rad/s]", "k i − τ [Nm]")
-    save(scatter_panels(samples.qd, measured, labels, curve), output.friction)
+    labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
+    save(scatter_panels(samples.qd, measured, labels, fitted=friction), output.friction)
     against = {
         "position [rad]": samples.q,
         "velocity [rad/s]": samples.qd,

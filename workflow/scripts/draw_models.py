@@ -9,7 +9,7 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import link_frames
 from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.house_style import save
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.steps import run_step
 
@@ -22,12 +22,21 @@ def draw_models(input: Any, output: Any, params: Any) -> None:
     frames = link_frames(arm, torch.tensor([BENT], dtype=torch.float64))
     rotation, origin = (part[0].numpy() for part in frames)
     models = {}
-    for name in robot.models:
-        bodies = rigid_bodies(robot, name)
+    for names in alike(robot):
+        bodies = rigid_bodies(robot, names[0])
         centers = origin[1:] + np.einsum("kij,kj->ki", rotation[1:], bodies.center_of_mass)
         inertias = rotation[1:] @ bodies.inertia @ rotation[1:].transpose(0, 2, 1)
-        models[name] = MassModel(bodies.mass, centers, inertias)
+        models[", ".join(names)] = MassModel(bodies.mass, centers, inertias)
     save(mass_panels(origin, models), output.models)
+
+
+def alike(robot: Robot) -> list[list[str]]:
+    """Models by their links: one with rotors has those of the one without."""
+    groups: dict[str, list[str]] = {}
+    for name, links in robot.models.items():
+        rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})
+        groups.setdefault(repr(rigid), []).append(name)
+    return [*groups.values()]
 
 
 if __name__ == "__main__":

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 
+import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import number
+from ur5lib.report.cells import number, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -59,15 +60,31 @@ def gains(results: Results) -> Body:
 
 
 def _gain(row: pd.Series) -> Cell:
+    low, high = (significant(end, 2) for end in (row.low, row.high))
     if row.determined == "yes":
-        return Cell(f"{row.value:.3g} ± {row.std_error:.2g}")
+        return Cell(f"{significant(row.value, 2)} ({low}–{high})")
     if pd.isna(row.low) and pd.isna(row.high):
         return Cell("any")
     if pd.isna(row.high):
-        return Cell(f"> {row.low:.2g}")
+        return Cell(f"> {low}")
     if pd.isna(row.low):
-        return Cell(f"< {row.high:.2g}")
-    return Cell(f"{row.low:.2g} to {row.high:.2g}")
+        return Cell(f"< {high}")
+    return Cell(f"{low}–{high}")
+
+
+def contradictions(results: Results) -> Iterator[str]:
+    """On which joints no one gain lies in the ranges of all recordings of an arm."""
+    ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
+    arms = {each["name"]: each["robot"] for each in results.study["recordings"]}
+    ranges["robot"] = ranges["recording"].map(arms)
+    for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
+        joints = rows.groupby("joint")
+        apart = joints["low"].max() > joints["high"].min()
+        if apart.any():
+            yield (
+                f"No one {gain} gain lies in the ranges of all recordings of {robot} on joints "
+                f"{', '.join(map(str, apart.index[apart]))}: its loop is not this one there."
+            )
 
 
 def published_gains(results: Results) -> Iterator[str]:

@@ -1,6 +1,6 @@
 """Friction and motor currents: constants, prediction, cross-validation, payload."""
 
-from ur5lib.report.cells import extremes, number, with_error
+from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -28,14 +28,14 @@ def constants(results: Results) -> Body:
             Cell(str(row.joint)),
             Cell(row.parameter.replace("_", " ")),
             with_error(row.value, row.std_error, 3),
-            Cell(f"{row.low:.2f} to {row.high:.2f}".replace("-", "−")),
+            Cell(interval(row.low, row.high, 2)),
             Cell(f"{100 * row.prior_share:.0f} %"),
-            Cell(row.determined),
+            Cell("data" if row.determined == "yes" else "prior"),
             number(row.thesis, 2),
         ]
         for row in results.tables["friction"].itertuples()
     ]
-    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "determined"]
+    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "told by"]
     return Body([*header, "thesis"], body)
 
 
@@ -83,7 +83,7 @@ def payloads(results: Results) -> Body:
         [
             Cell(row.recording),
             with_error(row.mass, row.std_error, 3),
-            Cell(f"{row.low:.3f} to {row.high:.3f}".replace("-", "−")),
+            Cell(interval(row.low, row.high, 3)),
         ]
         for row in results.tables["payload"].itertuples()
     ]

@@ -2,12 +2,12 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes, number, signed, with_error
+from ur5lib.report.cells import extremes, interval, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
-NEW = {"Fmap": "F^map", "observer": "observer", "repeat": "repeat-aware"}
+NEW = {"Fmap": "F̂ᵐᵃᵖ", "observer": "observer", "repeat": "repeat-aware"}
 ESTIMATES = PUBLISHED | NEW
 UNITS = {"F": "N", "n": "Nm"}
 BANDS = (50, 80, 95)  # %
@@ -137,7 +137,7 @@ def contacts(results: Results, of: str) -> Body:
     rows = results.rows("contacts", recording=of, estimate="Fmap")
     body = [
         [
-            Cell(f"{row.start_s:.2f} to {row.end_s:.2f}"),
+            Cell(interval(row.start_s, row.end_s, 2)),
             Cell(f"{row.peak_s:.2f}"),
             *(
                 with_error(force, std, 1)

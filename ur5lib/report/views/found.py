@@ -61,14 +61,14 @@ def _best_model(torque: pd.DataFrame, fitted: list[str]) -> Iterator[str]:
     best = mean.idxmin(axis="columns")[differ]
     winner = mean.columns[0] if best.empty else best.mode()[0]
     errors = {model: _list(mean[model], 3) for model in mean}
-    others = "; ".join(f"Model {model}: {errors[model]}" for model in errors if model != winner)
+    others = "; ".join(f"{_model(model)}: {errors[model]}" for model in errors if model != winner)
     if len(errors) > 1:
         yield (
-            f"Model {winner} comes nearest to the controller's torques on "
-            f"{(best == winner).sum()} of the {len(best)} joints where the models differ."
+            f"Of the link models, {_model(winner)} comes nearest to the controller's torques on "
+            f"{(best == winner).sum()} of the {len(best)} joints where they differ."
         )
     yield (
-        f"At the {motion} motion, Model {winner} misses the controller's torques by "
+        f"At the {motion} motion, {_model(winner)} misses the controller's torques by "
         f"{errors[winner]} Nm on joints 1 to 6, on the mean of the recordings {which}".rstrip()
         + f"{f' ({others} Nm)' if others else ''}; a torque of zero misses them by "
         f"{_list(zero, 3)} Nm."
@@ -83,7 +83,7 @@ def _against_printed_torques(torque: pd.DataFrame) -> Iterator[str]:
         worst = rows.loc[gap.idxmax()]
         yield (
             f"The published torque errors are met within {gap.max():.3f} Nm; the largest "
-            f"difference is Model {worst['model']}'s on joint {worst['joint']}."
+            f"difference is that of {_model(worst['model'])} on joint {worst['joint']}."
         )
 
 
@@ -212,6 +212,11 @@ def beside_truth(truth: pd.DataFrame | None) -> Iterator[str]:
 def _forces(force: pd.DataFrame) -> pd.DataFrame:
     """Errors against the best reference, of forces."""
     return force[(force["kind"] == "compensated") & force["component"].str.startswith("F")]
+
+
+def _model(name: str) -> str:
+    """A model as one speaks of it: Model C, the model “identified”."""
+    return f"Model {name}" if name[0].isupper() else f"the model “{name}”"
 
 
 def _list(values: pd.Series, digits: int = 2) -> str:

@@ -9,6 +9,8 @@ from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
 
+CODE_WIDTH = 110  # characters of a line of the PDF
+
 
 def commit(results: Results) -> Iterator[str]:
     """Which code made the results."""
@@ -64,5 +66,9 @@ def total_time(results: Results) -> Iterator[str]:
 def configuration(results: Results) -> str:
     """The study, with every default filled in."""
     return yaml.safe_dump(
-        dict(results.study), sort_keys=False, allow_unicode=True, default_flow_style=None
+        dict(results.study),
+        sort_keys=False,
+        allow_unicode=True,
+        default_flow_style=None,
+        width=CODE_WIDTH,
     )
