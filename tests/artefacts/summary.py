@@ -42,19 +42,26 @@ def expected(tables: Path, roles: dict[str, str]) -> Iterator[list[str]]:
     if looped := [row for row in printed if row["motion"] == "closed_loop"]:
         gap = {abs(float(row["mae"]) - float(row["printed"])): row["joint"] for row in looped}
         yield [f"{max(gap):.3f}", gap[max(gap)]]
-    yield acceleration(read(tables / "acceleration_mae.csv"))
+    if accelerations := read(tables / "acceleration_mae.csv"):
+        yield acceleration(accelerations)
     currents = read(tables / "current_rmse.csv")
-    judged = [row for row in currents if roles[row["recording"]] == "validate"]
+    payloads = read(tables / "payload.csv")
+    loads = [row for row in payloads if abs(float(row["mass"])) > 3 * float(row["std_error"])]
+    free = {*roles} - {row["recording"] for row in loads}
+    judged = [r for r in currents if r["recording"] in free and roles[r["recording"]] == "validate"]
     yield [
         f"{value:.2f}"
         for model in ("fitted", "i_target")
         for value in averages([r for r in judged if r["model"] == model], "joint", "rmse_2hz")
     ]
+    for row in loads[:4]:
+        yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
     for figure in ("mae", "max"):
         if rows := [row for row in force if row[f"printed_{figure}"]]:
             yield [widest(rows, estimate, figure) for estimate in ("Fu", "F", "F*")]
     contacts = read(tables / "contacts.csv")
-    yield from forces(force, read(tables / "detection.csv"), contacts, roles)
+    detection = [row for row in read(tables / "detection.csv") if row["recording"] in free]
+    yield from forces(force, detection, contacts, roles)
     yield quality(read(tables / "quality.csv"))
     if (tables / "truth.csv").exists() and (stated := [
         row["within95"] for row in read(tables / "truth.csv") if row["within95"]
@@ -71,7 +78,8 @@ def best_model(rows: list[Row], roles: dict[str, str]) -> Iterator[list[str]]:
     }
     joints = [*zip(*errors.values(), strict=True)]
     differ = [values for values in joints if max(values) - min(values) > 5e-5]
-    wins = Counter([*errors][values.index(min(values))] for values in differ)
+    near = [[value - min(values) <= 5e-5 for value in values] for values in differ]
+    wins = Counter({model: sum(row[i] for row in near) for i, model in enumerate(errors)})
     winner = wins.most_common(1)[0][0]
     yield [str(wins[winner]), str(len(differ))]
     order = [winner, *(model for model in errors if model != winner)]
@@ -116,10 +124,11 @@ def forces(
     sensed = {row["recording"] for row in force}
     felt = [name for name, role in roles.items() if role == "contact" and name not in sensed]
     yield from (told for name in felt[:4] if (told := largest(found, name)))
-    yield held
-    pushes = [row for row in detection if row["estimate"] == "Fmap"]
+    if held:
+        yield held
     columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
-    yield [f"{median(float(row[c]) for row in pushes if row[c]):.0f}" for c in columns]
+    pushes = [row for row in detection if row["estimate"] == "Fmap" and all(map(row.get, columns))]
+    yield [f"{median(float(row[c]) for row in pushes):.0f}" for c in columns]
 
 
 def largest(found: list[Row], recording: str) -> list[str]:

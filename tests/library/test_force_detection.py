@@ -92,6 +92,22 @@ def test_trial_pushes_are_found_by_their_torque() -> None:
     np.testing.assert_array_equal(found, force >= 10)
 
 
+@pytest.mark.parametrize(("alarmed", "free"), [(slice(0, 1000), True), (slice(None), False)])
+def test_pushes_are_not_tried_where_an_alarm_is_raised_without(alarmed: slice, free: bool) -> None:
+    """The detector above, in alarm over half of the motion, then over all of it."""
+    J = np.zeros((2000, 6, 6))
+    J[:, 0, 0] = 0.5
+
+    def log_odds(torque: np.ndarray) -> np.ndarray:
+        odds = np.abs(torque[:, 0]) - 5
+        odds[alarmed] = 1.0
+        return odds
+
+    force = np.linspace(1, 30, 25)
+    found = try_pushes(log_odds, J, np.eye(6)[0], force, 0.01, threshold=0.0)
+    np.testing.assert_array_equal(found, free & (force >= 10))
+
+
 def test_the_smallest_force_of_a_known_detector() -> None:
     """Found with probability 1 / (1 + (F / 8)^-6): 95 % at 8 * 19^(1/6) = 13.1 N."""
     force = RANDOM.uniform(2, 40, 2000)

@@ -48,3 +48,21 @@ def test_an_empty_flange_weighs_nothing(fitted: CurrentFit) -> None:
     empty = with_noise(make_record(52), 52)
     low, high = estimate_payload(fitted, empty, regressor(empty), smooth).mass_interval
     assert low < 0 < high
+
+
+def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
+    """Some draws of recordings leave out all that determines a friction parameter."""
+
+    def wild(values: np.ndarray) -> np.ndarray:
+        return np.where(np.arange(len(values))[:, None] % 20, values, 30 * values)
+
+    joints = [
+        replace(j, estimate=replace(j.estimate, replicates=wild(j.estimate.replicates)))
+        for j in fitted.joints
+    ]
+    record = with_noise(make_record(53), 53)
+    tame, torn = (
+        estimate_payload(fit, record, regressor(record), smooth).std_error[0]
+        for fit in (fitted, replace(fitted, joints=tuple(joints)))
+    )
+    assert torn < 1.5 * tame

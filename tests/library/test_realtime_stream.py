@@ -266,7 +266,7 @@ def test_whole_messages_next_to_damage_are_kept(capture: Path) -> None:
     assert received_of(frame, sent) == [0, 1, 3, 4, 5]
     finding = named(findings)["bytes skipped"]
     assert (finding.severity, finding.count) == ("warning", 500)
-    assert "1 place at 2.5 s" in finding.detail
+    assert "1 place 2 s after the capture began" in finding.detail
 
 
 def test_begins_and_ends_within_messages(capture: Path) -> None:

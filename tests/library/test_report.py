@@ -10,7 +10,7 @@ import pytest
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed, significant
-from ur5lib.report.current_tables import contact_rows
+from ur5lib.report.current_tables import contact_rows, detection_rows
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -31,8 +31,8 @@ from ur5lib.report.result_tables import torque_errors
 from ur5lib.report.results import Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
-from ur5lib.report.views.forces import contacts
-from ur5lib.report.views.found import contacts_found
+from ur5lib.report.views.forces import PUSHES, contacts, smallest_pushes
+from ur5lib.report.views.found import contacts_found, loads_found
 from ur5lib.tables import named
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -211,6 +211,31 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     first, second = contacts(results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00 to 2.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
+
+
+def test_pushes_never_found_are_told_as_such() -> None:
+    """A push that is never found is infinite, and null in the file."""
+    found = {"raised": [], "alarms_per_min": 0.0}
+    smallest = {
+        axis: {"force": force} for axis, force in zip("xyz", (9.0, None, 20.0), strict=True)
+    }
+    rows = detection_rows("free", {"Fmap": found | {"smallest_force_95": smallest}})
+    results = Results({}, {"detection": pd.DataFrame(rows), "payload": payloads()}, Path())
+    assert [cell.text for cell in smallest_pushes(results).rows[0]] == ["free", "9", "–", "20"]
+
+
+def payloads() -> pd.DataFrame:
+    columns = ["recording", "mass", "std_error"]
+    return pd.DataFrame([("free", 0.02, 0.01), ("heavy", 2.75, 0.03)], columns=columns)
+
+
+def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
+    pushes = dict.fromkeys(PUSHES, 5.0) | {"estimate": "Fmap"}
+    detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
+    results = Results({}, {"detection": detection, "payload": payloads()}, Path())
+    (told,) = loads_found(results)
+    assert told.startswith("On heavy, the currents tell of 2.75 ± 0.03 kg on the flange")
+    assert [row[0].text for row in smallest_pushes(results).rows] == ["free"]
 
 
 def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:

@@ -53,14 +53,14 @@ def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
 
     The root makes up for drawing among few units.
     """
-    return np.maximum(_spread(by_unit) * np.sqrt(units / max(1, units - 1)), _spread(by_block))
+    return np.maximum(spread(by_unit) * np.sqrt(units / max(1, units - 1)), spread(by_block))
 
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
     return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
 
 
-def _spread(replicates: Array) -> Array:
+def spread(replicates: Array) -> Array:
     """Half of what the central 68 % cover: one standard deviation, whatever the tails."""
     low, high = np.quantile(replicates, stats.norm.cdf([-1.0, 1.0]), axis=0)
     return (high - low) / 2

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from ur5lib.identification.bootstrap import spread
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import STEP, Labels, Record, Smooth, blocks, smoothed_moving
@@ -66,7 +67,7 @@ def estimate_payload(
         solve(_drawn(fit, generator), solution, generator.multinomial(len(once), once / len(once)))
         for _ in range(DRAWS)
     ]
-    error = np.std(draws, axis=0, ddof=1)
+    error = spread(np.array(draws))
     half = error[0] * stats.norm.ppf(0.975)
     return Payload(solution, error, (solution[0] - half, solution[0] + half))
 

@@ -280,7 +280,7 @@ def _find_damaged(lines: _Lines, before: Integers, skip: int, findings: list[Fin
         torn = before + np.arange(len(before))
         others = damaged + np.searchsorted(before, damaged, side="right")
         first = int(np.concatenate([torn, others]).min()) + 1 + skip
-        detail = f"lines that are not `number,hex` are left out; the first is line {first}"
+        detail = f"lines that are not “number,hex” are left out; the first is line {first}"
         findings.append(Finding("robot", "damaged lines", "warning", count, detail))
 
 
@@ -442,10 +442,11 @@ def _left_out(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
     skipped = [gap for gap in gaps if gap not in partial]
     findings = []
     if skipped:
-        when = lines.received[np.searchsorted(lines.ends, skipped[0][0], side="right")]
+        first = lines.received[np.searchsorted(lines.ends, skipped[0][0], side="right")]
+        when = f"{first - lines.received[0]:.3g} s after the capture began"
         count = sum(end - start for start, end in skipped)
         places = "1 place" if len(skipped) == 1 else f"{len(skipped)} places, the first"
-        detail = f"they belong to no whole message: lost, cut or foreign, in {places} at {when:g} s"
+        detail = f"they belong to no whole message: lost, cut or foreign, in {places} {when}"
         findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
     if partial:
         detail = "the capture begins or ends in the middle of a message, which is left out"

@@ -16,7 +16,7 @@ def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
 
 def fixed(value: float, digits: int) -> str:
     """A value with some decimals."""
-    return f"{value:.{digits}f}".replace("-", "−")
+    return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")  # + 0.0: no −0
 
 
 def significant(value: float, digits: int) -> str:
@@ -38,7 +38,7 @@ def signed(value: float, digits: int, unit: str = "") -> Cell:
 
 def with_error(value: float, std: float, digits: int) -> Cell:
     """A value and its standard error."""
-    return Cell(f"{fixed(value, digits)} ± {fixed(std, digits)}")
+    return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
 
 
 def interval(low: float, high: float, digits: int) -> str:

@@ -93,7 +93,6 @@ def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row
             **{name: found.get(name) for name in ("contacts", "found", "precision", "recall")},
             "false_alarms_per_min": found.get("false_per_min"),
             "median_delay_s": found.get("median_delay"),
-            "smallest_force_95": max((smallest[a]["force"] for a in smallest), default=None),
             **{f"smallest_force_95_{a}": smallest.get(a, {}).get("force") for a in "xyz"},
             "alarms": len(found["raised"]),
             "alarms_per_min": found["alarms_per_min"],

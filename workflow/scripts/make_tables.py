@@ -56,7 +56,7 @@ COLUMNS = {
     "gain coverage50 coverage80 coverage95 printed_mae printed_max",
     "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std",
     "detection": "recording estimate contacts found precision recall false_alarms_per_min "
-    "median_delay_s smallest_force_95 smallest_force_95_x smallest_force_95_y "
+    "median_delay_s smallest_force_95_x smallest_force_95_y "
     "smallest_force_95_z alarms alarms_per_min roc_area",
 }
 

@@ -1,5 +1,7 @@
 """Friction and motor currents: constants, prediction, cross-validation, payload."""
 
+import pandas as pd
+
 from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
@@ -11,6 +13,7 @@ MODELS = {
     "thesis_without_friction": "thesis (6.3)",
     "i_target": "target_current",
 }
+SURE = 3  # standard errors
 
 
 def predicted(results: Results) -> list[str]:
@@ -22,6 +25,7 @@ def predicted(results: Results) -> list[str]:
 
 def constants(results: Results) -> Body:
     """Torque constants, offsets and friction, beside the thesis's."""
+    rows = results.tables["friction"]
     body = [
         [
             Cell(row.robot),
@@ -31,12 +35,14 @@ def constants(results: Results) -> Body:
             Cell(interval(row.low, row.high, 2)),
             Cell(f"{100 * row.prior_share:.0f} %"),
             Cell("data" if row.determined == "yes" else "prior"),
-            number(row.thesis, 2),
         ]
-        for row in results.tables["friction"].itertuples()
+        for row in rows.itertuples()
     ]
     header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "told by"]
-    return Body([*header, "thesis"], body)
+    if rows["thesis"].isna().all():
+        return Body(header, body)
+    published = [number(value, 2) for value in rows["thesis"]]
+    return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
 
 
 def prediction(results: Results, of: str) -> Body:
@@ -75,6 +81,12 @@ def cross_validation(results: Results, of: str) -> Body:
 
 
 MOST_COMPARED = 12  # columns that a page has room for
+
+
+def loaded(results: Results) -> pd.DataFrame:
+    """Payloads that are none by chance: those recordings carry more than the arm's model knows."""
+    payload = results.tables["payload"]
+    return payload[payload["mass"].abs() > SURE * payload["std_error"]]
 
 
 def payloads(results: Results) -> Body:

@@ -1,16 +1,20 @@
 """Contact forces against the force sensor, their bands, and detected contacts."""
 
+import math
+
 import pandas as pd
 
 from ur5lib.report.cells import extremes, interval, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
+from ur5lib.report.views.currents import loaded
 
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
 NEW = {"Fmap": "F̂ᵐᵃᵖ", "observer": "observer", "repeat": "repeat-aware"}
 ESTIMATES = PUBLISHED | NEW
 UNITS = {"F": "N", "n": "Nm"}
 BANDS = (50, 80, 95)  # %
+PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 
 
 def compared(results: Results) -> list[str]:
@@ -150,20 +154,36 @@ def contacts(results: Results, of: str) -> Body:
 
 
 def alarms(results: Results) -> Body:
-    """Alarms where no sensor tells of contacts, and the smallest push that is found."""
+    """Alarms a minute by each estimate where no sensor tells of contacts."""
     rows = results.tables["detection"]
+    rows = rows[rows["contacts"].isna()]
+    known, roles = _known(rows), results.roles()
+    alarms = rows.set_index(["recording", "estimate"])["alarms_per_min"]
     body = [
         [
-            Cell(row.recording),
-            Cell(results.roles()[row.recording]),
-            Cell(ESTIMATES[row.estimate]),
-            number(row.alarms_per_min, 1),
-            *(number(getattr(row, f"smallest_force_95_{axis}"), 0) for axis in "xyz"),
+            Cell(name),
+            Cell(roles[name]),
+            *(number(alarms.get((name, x), math.nan), 1) for x in known),
         ]
-        for row in rows[rows["contacts"].isna()].itertuples()
+        for name in rows["recording"].unique()
     ]
-    pushes = [f"found in {axis} [N]" for axis in "xyz"]
-    return Body(["recording", "role", "estimate", "alarms [1/min]", *pushes], body)
+    return Body(["recording", "role", *(f"{ESTIMATES[x]} [1/min]" for x in known)], body)
+
+
+def smallest_pushes(results: Results) -> Body:
+    """The smallest push along an axis that is found on a motion without contact."""
+    rows = pushes_found(results)
+    body = [
+        [Cell(name), *(number(force, 0) for force in forces)]
+        for name, forces in zip(rows["recording"], rows[PUSHES].to_numpy(float), strict=True)
+    ]
+    return Body(["recording", *(f"{axis} [N]" for axis in "xyz")], body)
+
+
+def pushes_found(results: Results) -> pd.DataFrame:
+    """The smallest pushes by F̂ᵐᵃᵖ on motions that differ from the arm's model by no load."""
+    rows = results.rows("detection", estimate="Fmap").dropna(subset=PUSHES, how="all")
+    return rows[~rows["recording"].isin(loaded(results)["recording"])]
 
 
 def _known(rows: pd.DataFrame) -> list[str]:

@@ -6,7 +6,8 @@ import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
 from ur5lib.report.results import Results
-from ur5lib.report.views.forces import ESTIMATES, NEW, PUBLISHED
+from ur5lib.report.views.currents import loaded
+from ur5lib.report.views.forces import ESTIMATES, NEW, PUBLISHED, PUSHES, pushes_found
 
 MOST_TOLD = 4  # recordings that get a sentence of their own
 
@@ -19,10 +20,11 @@ def findings(results: Results) -> list[str]:
         *_against_printed_torques(torque),
         *_accelerations(results.tables["acceleration_mae"]),
         *_currents(results),
+        *loads_found(results),
         *_against_printed_forces(force),
         *_against_no_force(force),
         *contacts_found(results),
-        *_trusted_force(force, results.tables["detection"]),
+        *_trusted_force(force, results),
         _data_quality(results.tables["quality"]),
         *beside_truth(results.tables.get("truth")),
     ]
@@ -57,15 +59,15 @@ def _best_model(torque: pd.DataFrame, fitted: list[str]) -> Iterator[str]:
     rows = computed[computed["motion"] == motion]
     mean = rows.pivot_table("mae", "joint", "model", aggfunc="mean")
     zero = rows.groupby("joint")["zero_mae"].mean()
-    differ = mean.max(axis="columns") - mean.min(axis="columns") > SMALLEST_DIFFERENCE
-    best = mean.idxmin(axis="columns")[differ]
-    winner = mean.columns[0] if best.empty else best.mode()[0]
+    near = _near_the_best(mean)
+    winner, *equal = near.columns[near.sum() == near.sum().max()]
     errors = {model: _list(mean[model], 3) for model in mean}
     others = "; ".join(f"{_model(model)}: {errors[model]}" for model in errors if model != winner)
     if len(errors) > 1:
         yield (
             f"Of the link models, {_model(winner)} comes nearest to the controller's torques on "
-            f"{(best == winner).sum()} of the {len(best)} joints where they differ."
+            f"{near[winner].sum()} of the {len(near)} joints where they differ"
+            f"{f', {_listed(equal)} on as many' if equal else ''}."
         )
     yield (
         f"At the {motion} motion, {_model(winner)} misses the controller's torques by "
@@ -73,6 +75,12 @@ def _best_model(torque: pd.DataFrame, fitted: list[str]) -> Iterator[str]:
         + f"{f' ({others} Nm)' if others else ''}; a torque of zero misses them by "
         f"{_list(zero, 3)} Nm."
     )
+
+
+def _near_the_best(mean: pd.DataFrame) -> pd.DataFrame:
+    """Whether a model (column) errs no more than the best, on joints (rows) where they differ."""
+    above = mean.sub(mean.min(axis="columns"), axis="index")
+    return above[above.max(axis="columns") > SMALLEST_DIFFERENCE] <= SMALLEST_DIFFERENCE
 
 
 def _against_printed_torques(torque: pd.DataFrame) -> Iterator[str]:
@@ -101,16 +109,27 @@ def _accelerations(acceleration: pd.DataFrame) -> Iterator[str]:
 
 
 def _currents(results: Results) -> Iterator[str]:
-    """How well currents are predicted where nothing was fitted."""
-    rows = results.tables["current_rmse"]
-    judged = rows[rows["recording"].isin(results.with_role("validate"))]
+    """How well currents are predicted where nothing was fitted, or hangs on the flange."""
+    rows, carrying = results.tables["current_rmse"], {*loaded(results)["recording"]}
+    judged = rows[rows["recording"].isin({*results.with_role("validate")} - carrying)]
     mean = judged.groupby(["model", "joint"], sort=False)["rmse_2hz"].mean()
     if "fitted" in mean.index:
         known = "i_target" in mean.index and mean["i_target"].notna().all()
         beside = f" (the controller's target_current: {_list(mean['i_target'])} A)" if known else ""
+        which = " without a load" if carrying else ""
         yield (
-            "On recordings to validate on, motor currents below 2 Hz are predicted with an RMSE of "
-            f"{_list(mean['fitted'])} A on joints 1 to 6{beside}."
+            f"On recordings to validate on{which}, motor currents below 2 Hz are predicted with "
+            f"an RMSE of {_list(mean['fitted'])} A on joints 1 to 6{beside}."
+        )
+
+
+def loads_found(results: Results) -> Iterator[str]:
+    """Which recordings carry more than the arm's model knows."""
+    for row in loaded(results)[:MOST_TOLD].itertuples():
+        yield (
+            f"On {row.recording}, the currents tell of {rounded(row.mass, 2)} ± "
+            f"{rounded(row.std_error, 2)} kg on the flange that the arm's model lacks: currents "
+            "and forces predicted there miss that load."
         )
 
 
@@ -170,7 +189,7 @@ def contacts_found(results: Results) -> Iterator[str]:
             )
 
 
-def _trusted_force(force: pd.DataFrame, detection: pd.DataFrame) -> Iterator[str]:
+def _trusted_force(force: pd.DataFrame, results: Results) -> Iterator[str]:
     """How much the stated bands hold, and how small a push is still found."""
     rows = _forces(force)
     held = rows.groupby("estimate")["coverage95"].mean().reindex([*NEW]).dropna()
@@ -180,11 +199,11 @@ def _trusted_force(force: pd.DataFrame, detection: pd.DataFrame) -> Iterator[str
             "Of the force sensor's readings in x, y, z, the stated 95 % bands hold, on the mean: "
             f"{', '.join(parts)}."
         )
-    smallest = detection[detection["estimate"] == "Fmap"].filter(regex="_[xyz]$").median()
-    if smallest.notna().all() and len(smallest):
+    smallest = pushes_found(results)[PUSHES].median(skipna=False)
+    if smallest.notna().all():
         yield (
             f"By {ESTIMATES['Fmap']}, a push of {_list(smallest, 0)} N along x, y, z is found with "
-            "a probability of 95 % (median over recordings without contact)."
+            "a probability of 95 % (median over motions without contact)."
         )
 
 
@@ -217,6 +236,10 @@ def _forces(force: pd.DataFrame) -> pd.DataFrame:
 def _model(name: str) -> str:
     """A model as one speaks of it: Model C, the model “identified”."""
     return f"Model {name}" if name[0].isupper() else f"the model “{name}”"
+
+
+def _listed(models: list[str]) -> str:
+    return " and ".join(map(_model, models))
 
 
 def _list(values: pd.Series, digits: int = 2) -> str:

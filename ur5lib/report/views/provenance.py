@@ -9,7 +9,7 @@ from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
 
-CODE_WIDTH = 110  # characters of a line of the PDF
+CODE_WIDTH = 56  # characters of a column of the PDF
 
 
 def commit(results: Results) -> Iterator[str]:
