@@ -209,7 +209,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
         "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."
     ]
     first, second = contacts(results, "pushed").rows
-    assert [cell.text for cell in first][:3] == ["1.00 to 2.00", "1.50", "3.0 ± 1.0"]
+    assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
 
 

@@ -42,8 +42,8 @@ def with_error(value: float, std: float, digits: int) -> Cell:
 
 
 def interval(low: float, high: float, digits: int) -> str:
-    """From a lower to an upper end."""
-    return f"{fixed(low, digits)} to {fixed(high, digits)}"
+    """From a lower to an upper end, on one line."""
+    return f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:
