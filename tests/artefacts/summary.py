@@ -111,7 +111,8 @@ def forces(
             for name in dict.fromkeys(row["estimate"] for row in here)
         }
         best = min(by_estimate.values(), key=lambda part: mean(float(row["mae"]) for row in part))
-        beaten.append(all(float(row["mae"]) < float(row["zero_mae"]) for row in best))
+        mae, zero = (sum(float(row[name]) for row in best) for name in ("mae", "zero_mae"))
+        beaten.append(mae < zero)
         if len(beaten) <= 4:
             yield [f"{float(row[name]):.2f}" for name in ("mae", "zero_mae") for row in best]
     if len(beaten) > 4:

@@ -290,6 +290,16 @@ def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: Current
     assert scores.rmse_lowpassed[2] < score(other, baseline, smooth, moving).rmse_lowpassed[2]
 
 
+def test_a_band_of_short_recordings_is_of_all_together() -> None:
+    """None of 1.8 s alone is long enough; a joint without a band has no coverage either."""
+    short = [with_noise(make_record(seed, seconds=1.8), seed) for seed in range(12)]
+    fit = fit_currents(short, smooth, prior(), ())
+    assert all(0.01 < joint.band_moving < 1.0 for joint in fit.joints)
+    other = with_noise(make_record(99), 99)
+    unknown = np.full_like(other.current, np.nan)
+    assert np.isnan(score(other, predict(fit, other), smooth, unknown).coverage).all()
+
+
 def test_fitted_on_tested_on_has_its_own_recording_on_the_diagonal(study: list[Record]) -> None:
     table = fitted_on_tested_on(study[:3], smooth, prior(), [BASE] * 6, WAYS)
     assert table.shape == (3, 3, 6)

@@ -66,3 +66,13 @@ def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
         for fit in (fitted, replace(fitted, joints=tuple(joints)))
     )
     assert torn < 1.5 * tame
+
+
+def test_a_mass_that_motion_does_not_tell_is_stated_as_unknown(fitted: CurrentFit) -> None:
+    record = with_noise(make_record(54), 54)
+    blind = regressor(record) * [0, 1, 1]
+    low, high = estimate_payload(fitted, record, blind, smooth).mass_interval
+    assert low < -100 < 100 < high
+    still = replace(record, qd=np.zeros_like(record.qd))
+    low, high = estimate_payload(fitted, still, regressor(record), smooth).mass_interval
+    assert low < -100 < 100 < high

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed, significant
@@ -28,11 +29,12 @@ from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.result_tables import torque_errors
-from ur5lib.report.results import Results
+from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.forces import PUSHES, contacts, smallest_pushes
 from ur5lib.report.views.found import contacts_found, loads_found
+from ur5lib.report.views.provenance import configuration, configuration_heading
 from ur5lib.tables import named
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -258,4 +260,20 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     assert [*contradictions(results)] == [
         "No one position gain lies in the ranges of all recordings of ur5 on joints 1: its loop is "
         "not this one there."
+    ]
+
+
+def test_the_configuration_is_listed_as_it_can_be_read() -> None:
+    names = [f"r{i}" for i in range(MOST_ROWS + 1)]
+    study = {
+        "study": "many",
+        "recordings": [{"name": name, "units": {"q": "deg"}} for name in names],
+        "settings": {"fit_friction": {"order": 4}},
+    }
+    results = Results(study, {}, Path())
+    listed = yaml.safe_load(configuration(results))
+    assert listed == {**study, "recordings": study["recordings"][:MOST_ROWS]}
+    assert [*configuration_heading(results)] == [
+        "The configuration, with every default filled in, of the first 60 recordings; "
+        "configuration.yaml has all:"
     ]

@@ -191,9 +191,11 @@ def _band(residual: Array, record: Labels) -> float:
     """Half of a band that covers COVERED of every recording; NaN where there is none.
 
     The next recording is as warm as none before: wide enough for the worst will do for most.
+    Where all are too short to say so alone, they say it together.
     """
     each = [np.abs(residual[record == one]) for one in np.unique(record)]
-    return max((float(np.quantile(e, COVERED)) for e in each if len(e) >= FEWEST), default=np.nan)
+    told = [errors for errors in each if len(errors) >= FEWEST] or [np.abs(residual)]
+    return max((float(np.quantile(e, COVERED)) for e in told if len(e) >= FEWEST), default=np.nan)
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[str, ...]:

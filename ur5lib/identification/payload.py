@@ -26,8 +26,8 @@ WIDE = 100.0  # kg, kg m; what a payload may be
 class Payload:
     """parameters, std_error: (P,) of the regressor's columns [kg, kg m, ...], the mass first.
 
-    The errors count the recording's blocks and other draws of the recordings fitted on;
-    mass_interval: 95 % [kg].
+    The errors count the recording's blocks, other draws of the recordings fitted on, and what
+    may be known beforehand; mass_interval: 95 % [kg].
     """
 
     parameters: Array
@@ -51,20 +51,26 @@ def estimate_payload(
     block = np.repeat(blocks(record)[:, None], 6, axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
 
-    def solve(drawn: CurrentFit, start: Array, count: Labels) -> Array:
+    def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
         carried = replace(record, torque=record.torque + regressor @ start)
         unexplained = smooth(record.current - predict(drawn, carried), record)
         constant = 1 / np.array([joint.estimate.coefficients[0] for joint in drawn.joints])
         torque = (unexplained * constant / scale)[rows] + columns @ start
-        return _solution(columns, torque, block, count)
+        return _solution(columns, torque, block, count, known)
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
-    solution = np.zeros(regressor.shape[2])
+    nothing = np.zeros(regressor.shape[2])
+    solution = nothing
     for _ in range(ROUNDS):
-        solution = solve(fit, solution, once)
+        solution = solve(fit, solution, once, nothing)
     generator = np.random.default_rng(seed)
     draws = [
-        solve(_drawn(fit, generator), solution, generator.multinomial(len(once), once / len(once)))
+        solve(
+            _drawn(fit, generator),
+            solution,
+            generator.multinomial(len(once), once / len(once)),
+            generator.normal(nothing, WIDE),  # so that what the motion does not tell is uncertain
+        )
         for _ in range(DRAWS)
     ]
     error = spread(np.array(draws))
@@ -72,11 +78,11 @@ def estimate_payload(
     return Payload(solution, error, (solution[0] - half, solution[0] + half))
 
 
-def _solution(columns: Array, torque: Array, block: Labels, count: Labels) -> Array:
-    """Huber's estimate from the blocks drawn, each as often as counted."""
+def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
+    """Huber's estimate from the blocks drawn, each as often as counted; known: beforehand."""
     repeated = np.repeat(np.arange(len(block)), count[block])
     size = columns.shape[1]
-    wide = Normal(np.zeros(size), np.eye(size) / WIDE**2)
+    wide = Normal(known, np.eye(size) / WIDE**2)
     return regress(columns[repeated], torque[repeated], block[repeated], wide).coefficients
 
 

@@ -60,12 +60,13 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
+    known = np.isfinite(slow) & np.isfinite(half_band)
     return Scores(
         rmse=_root_mean_square(error),
         rmse_lowpassed=_root_mean_square(slow),
         mae=np.nanmean(np.abs(slow), axis=0),
         r2=1 - np.nanmean(slow**2, axis=0) / np.nanvar(measured, axis=0),
-        coverage=np.nanmean(np.where(np.isnan(slow), np.nan, np.abs(slow) <= half_band), axis=0),
+        coverage=_mean(np.where(known, np.abs(slow) <= half_band, np.nan)),
     )
 
 
@@ -100,6 +101,12 @@ def _baseline_columns(record: Record) -> Array:
 
 
 def _root_mean_square(error: Array) -> Array:
-    known = np.isfinite(error)
+    return np.sqrt(_mean(error**2))
+
+
+def _mean(values: Array) -> Array:
+    """Mean of each column's finite values; NaN where there are none."""
+    known = np.isfinite(values)
     count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
-    return np.sqrt((np.where(known, error, 0.0) ** 2).sum(axis=0) / count)
+    mean: Array = np.where(known, values, 0.0).sum(axis=0) / count
+    return mean

@@ -199,6 +199,7 @@ rule write_report:
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
+        study=f"{RESULTS}/configuration.yaml",
     log:
         f"{RESULTS}/logs/write_report.log",
     benchmark:

@@ -1,4 +1,4 @@
-"""The study's report, as HTML and as PDF."""
+"""The study's report, as HTML and as PDF, and the study that it is of."""
 
 import platform
 import subprocess
@@ -14,7 +14,7 @@ from ur5lib.report.reference import read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.steps import run_step
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_csv, write_text
 
 PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
 PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
@@ -33,6 +33,7 @@ def write_report(input: Any, output: Any, params: Any) -> None:
     document = compose(contents(), results)
     write_html(document, output.html)
     write_pdf(document, output.pdf)
+    write_text(params.study, output.study)
 
 
 def versions() -> dict[str, str]:

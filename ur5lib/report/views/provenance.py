@@ -1,15 +1,16 @@
 """Where the results come from: code, versions, files, times, configuration."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import pandas as pd
 import yaml
 
 from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import MOST_ROWS, Body, Results
 
-CODE_WIDTH = 56  # characters of a column of the PDF
+CODE_WIDTH = 110  # characters of a line of the PDF
 
 
 def commit(results: Results) -> Iterator[str]:
@@ -63,12 +64,33 @@ def total_time(results: Results) -> Iterator[str]:
         )
 
 
+def configuration_heading(results: Results) -> Iterator[str]:
+    """Opens the configuration."""
+    first = f", of the first {MOST_ROWS} recordings" if _recordings(results)[MOST_ROWS:] else ""
+    yield f"The configuration, with every default filled in{first}; configuration.yaml has all:"
+
+
 def configuration(results: Results) -> str:
     """The study, with every default filled in."""
+    lines = [_Line(recording) for recording in _recordings(results)[:MOST_ROWS]]
     return yaml.safe_dump(
-        dict(results.study),
+        {**results.study, "recordings": lines},
         sort_keys=False,
         allow_unicode=True,
         default_flow_style=None,
         width=CODE_WIDTH,
     )
+
+
+def _recordings(results: Results) -> Sequence[Mapping[str, Any]]:
+    recordings: Sequence[Mapping[str, Any]] = results.study["recordings"]
+    return recordings
+
+
+class _Line(dict[str, Any]):
+    """A mapping that is written in braces."""
+
+
+yaml.SafeDumper.add_representer(
+    _Line, lambda dumper, line: dumper.represent_mapping("tag:yaml.org,2002:map", line, True)
+)

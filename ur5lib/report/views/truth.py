@@ -7,6 +7,7 @@ import pandas as pd
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
 from ur5lib.report.truth_table import COLUMNS
+from ur5lib.report.views.forces import ESTIMATES
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 QUANTITIES = {
@@ -117,7 +118,8 @@ def _series(results: Results, quantity: str, name: str = "") -> Body:
 
 def _lines(recording: str, rows: pd.DataFrame) -> Iterator[list[Cell]]:
     for method, part in rows.groupby("method", sort=False):
-        yield [Cell(recording), Cell(str(method)), *map(_figure, part["estimate"])]
+        label = ESTIMATES.get(str(method), str(method))
+        yield [Cell(recording), Cell(label), *map(_figure, part["estimate"])]
     if part["zero"].notna().any():
         yield [Cell(recording), Cell("zero"), *map(_figure, part["zero"])]
 
