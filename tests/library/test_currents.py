@@ -7,6 +7,7 @@ import pytest
 
 from tests.library.current_study import (
     CONSTANT,
+    FRICTION,
     OFFSET,
     PRESLIDING,
     TERMS,
@@ -288,6 +289,20 @@ def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: Current
     assert (scores.r2 > 0.9).all()
     baseline = baseline_current(other, least_squares_coefficients(study))
     assert scores.rmse_lowpassed[2] < score(other, baseline, smooth, moving).rmse_lowpassed[2]
+
+
+def test_one_short_recording_is_as_certain_as_its_blocks() -> None:
+    """Of 10 s there is one stretch: it alone tells nothing of how certain a result is."""
+    inside, width = [], []
+    for seed in range(10):
+        fit = fit_currents([with_noise(make_record(seed, seconds=10.0), seed)], smooth, prior(), ())
+        for row in parameters(fit):
+            if row.name == "coulomb" and row.joint != 3:  # which has a term that is not fitted
+                low, high = row.interval
+                inside.append(low <= FRICTION[row.joint - 1][0] <= high)
+                width.append((high - low) / FRICTION[row.joint - 1][0])
+    assert np.mean(inside) > 0.9
+    assert np.median(width) < 3
 
 
 def test_a_band_of_short_recordings_is_of_all_together() -> None:

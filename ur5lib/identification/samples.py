@@ -27,7 +27,7 @@ Labels = NDArray[np.int64]
 
 STEP = 0.1  # s between samples
 BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
-FEW = 5  # recordings; among fewer, stretches of them tell how far a result is certain
+FEW = 5  # recordings, or stretches; of fewer, smaller parts tell how far a result is certain
 STRETCH = 5  # blocks
 
 
@@ -65,8 +65,8 @@ class Samples:
     a distance of presliding [rad]; held: (n,), direction of the friction that holds a joint at
     rest; current: (n,) [A]; moving: (n,), false at rest and while starting or stopping; block,
     record: (n,) labels;
-    unit: (n,) labels of what a result's certainty is judged over: recordings, or among few of them
-    stretches of 10 s.
+    unit: (n,) labels of what a result's certainty is judged over: recordings, or where they are few
+    stretches of 10 s, or where these are few too, blocks.
     """
 
     terms: tuple[Term, ...]
@@ -118,8 +118,7 @@ def joint_samples(
         columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
-        unit = record if len(records) >= FEW else block // STRETCH
-        rest = held, current, moving, block, record, unit
+        rest = held, current, moving, block, record, _unit(record, block)
         joints.append(Samples(terms, presliding[joint], columns, *rest))
     return joints
 
@@ -160,6 +159,12 @@ def _record_samples(
         columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
         joints.append((columns, held, current, moving[kept, joint], block[::every][kept]))
     return joints
+
+
+def _unit(record: Labels, block: Labels) -> Labels:
+    """The largest parts of which there are enough."""
+    parts = (record, block // STRETCH)
+    return next((labels for labels in parts if len(np.unique(labels)) >= FEW), block)
 
 
 def _whole(count: int) -> int:
