@@ -11,7 +11,7 @@ import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed, significant
-from ur5lib.report.current_tables import contact_rows, detection_rows
+from ur5lib.report.current_tables import contact_rows, detection_rows, remark_rows
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -32,8 +32,9 @@ from ur5lib.report.result_tables import torque_errors
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
+from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.forces import PUSHES, contacts, smallest_pushes
-from ur5lib.report.views.found import contacts_found, loads_found
+from ur5lib.report.views.found import contacts_found, left_out_fits, loads_found
 from ur5lib.report.views.provenance import configuration, configuration_heading
 from ur5lib.tables import named
 
@@ -258,9 +259,17 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
         ["> 20", "2–29"],
     ]
     assert [*contradictions(results)] == [
-        "No one position gain lies in the ranges of all recordings of ur5 on joints 1: its loop is "
+        "No one position gain lies in the ranges of all recordings of ur5 on joint 1: its loop is "
         "not this one there."
     ]
+
+
+def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
+    friction = {"fit": {"joints": [{"remarks": ["odd"]}, {"remarks": []}, {"remarks": ["odd"]}]}}
+    steps = {"friction": friction, "identification": {"refused": "too little"}}
+    results = Results({}, {"remarks": pd.DataFrame(remark_rows("ur5", steps))}, Path())
+    assert [*remarks(results)] == ["Of ur5, joints 1, 3: odd."]
+    assert left_out_fits(results) == ["Identification of ur5: too little."]
 
 
 def test_the_configuration_is_listed_as_it_can_be_read() -> None:

@@ -1,6 +1,6 @@
 """Numbers as they stand in the report's tables."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -44,6 +44,12 @@ def with_error(value: float, std: float, digits: int) -> Cell:
 def interval(low: float, high: float, digits: int) -> str:
     """From a lower to an upper end, on one line."""
     return f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}"
+
+
+def joints(numbers: Iterable[float]) -> str:
+    """Joints by their numbers: joint 2; joints 1, 3."""
+    names = [f"{number:.0f}" for number in numbers]
+    return f"joint{'s' if len(names) > 1 else ''} {', '.join(names)}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

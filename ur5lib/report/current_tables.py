@@ -55,6 +55,16 @@ def current_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
             }
 
 
+def remark_rows(robot: str, steps: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
+    """What fits say of themselves, by joint, and why one made nothing; steps: summaries by name."""
+    for step, summary in steps.items():
+        if "refused" in summary:
+            yield {"robot": robot, "step": step, "remark": summary["refused"]}
+        for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
+            for remark in fit["remarks"]:
+                yield {"robot": robot, "step": step, "joint": joint, "remark": remark}
+
+
 def cross_validation_rows(robot: str, friction: Mapping[str, Any]) -> Iterator[Row]:
     """RMSE of a fit on one recording alone, tested on each, from friction.json."""
     names = friction["from"]

@@ -12,6 +12,7 @@ from ur5lib.report.current_tables import (
     detection_rows,
     friction_rows,
     payload_rows,
+    remark_rows,
 )
 from ur5lib.report.identification_tables import (
     closed_loop_errors,
@@ -49,6 +50,7 @@ COLUMNS = {
     "innovations": "recording estimate channel variance variance_low variance_high portmanteau "
     "portmanteau_limit consistent white",
     "friction": "joint parameter value std_error prior_share thesis low high determined robot",
+    "remarks": "robot step joint remark",
     "current_rmse": "model recording fitted joint rmse rmse_2hz mae r2 coverage95",
     "cross_validation": "robot fitted_on tested_on joint rmse_2hz",
     "payload": "recording mass std_error low high",
@@ -121,9 +123,15 @@ def arm_rows(input: Any, robots: list[str]) -> dict[str, Rows]:
         input.identification,
         input.calibration,
         input.friction,
+        input.residuals,
         strict=True,
     ):
-        rotors, identification, calibration, friction = map(read_json, paths)
+        rotors, identification, calibration, friction, residuals = map(read_json, paths)
+        steps = {
+            "identification": identification,
+            "friction": friction,
+            "contact forces": residuals,
+        }
         found = {
             "rotor_inertia": rotor_rows(robot, rotors),
             "parameters": parameter_rows(robot, identification),
@@ -131,6 +139,7 @@ def arm_rows(input: Any, robots: list[str]) -> dict[str, Rows]:
             "imu_calibration": calibration_rows(robot, calibration),
             "friction": friction_rows(robot, load_robot(arm), friction),
             "cross_validation": cross_validation_rows(robot, friction),
+            "remarks": remark_rows(robot, steps),
         }
         for name, rows in found.items():
             tables.setdefault(name, []).extend(rows)

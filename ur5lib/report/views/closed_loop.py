@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import number, significant
+from ur5lib.report.cells import joints, number, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -78,12 +78,12 @@ def contradictions(results: Results) -> Iterator[str]:
     arms = {each["name"]: each["robot"] for each in results.study["recordings"]}
     ranges["robot"] = ranges["recording"].map(arms)
     for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
-        joints = rows.groupby("joint")
-        apart = joints["low"].max() > joints["high"].min()
+        each = rows.groupby("joint")
+        apart = each["low"].max() > each["high"].min()
         if apart.any():
             yield (
-                f"No one {gain} gain lies in the ranges of all recordings of {robot} on joints "
-                f"{', '.join(map(str, apart.index[apart]))}: its loop is not this one there."
+                f"No one {gain} gain lies in the ranges of all recordings of {robot} on "
+                f"{joints(apart.index[apart])}: its loop is not this one there."
             )
 
 

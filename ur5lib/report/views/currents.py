@@ -1,8 +1,10 @@
 """Friction and motor currents: constants, prediction, cross-validation, payload."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 
-from ur5lib.report.cells import extremes, interval, number, with_error
+from ur5lib.report.cells import extremes, interval, joints, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results, shown
 
@@ -43,6 +45,13 @@ def constants(results: Results) -> Body:
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
+
+
+def remarks(results: Results) -> Iterator[str]:
+    """What the fit says of joints."""
+    rows = results.tables["remarks"].dropna(subset="joint")
+    for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
+        yield f"Of {robot}, {joints(group['joint'])}: {remark}."
 
 
 def prediction(results: Results, of: str) -> Body:

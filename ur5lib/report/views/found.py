@@ -32,12 +32,19 @@ def findings(results: Results) -> list[str]:
 
 def left_out(results: Results) -> list[str]:
     """What this study's data do not allow, and why."""
-    return [*results.left_out, *_not_compared(results)]
+    return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
 
 
 def left_out_heading(results: Results) -> list[str]:
     """Opens the list of these, if there are any."""
     return ["Left out, as this study's data do not allow it:"] if left_out(results) else []
+
+
+def left_out_fits(results: Results) -> list[str]:
+    """Which fits made nothing, and why."""
+    remarks = results.tables["remarks"]
+    rows = remarks[remarks["joint"].isna()].itertuples()
+    return [f"{row.step.capitalize()} of {row.robot}: {row.remark}." for row in rows]
 
 
 def _not_compared(results: Results) -> Iterator[str]:
