@@ -19,15 +19,15 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
     ]
     summary: dict[str, Any] = {}
     for torque in TORQUES:
-        runs = [force_run(currents, motion, torque) for currents, motion in tables]
+        tried = [force_run(currents, motion, torque) for currents, motion in tables]
+        runs = [run for run in tried if run is not None]
+        if not runs:
+            continue  # without currents, as the fit of friction says
         stretches = [
-            (run.torque[rows], run.states[rows])
-            for run in runs
-            if run is not None
-            for rows in unbroken(run.segment)
+            (run.torque[rows], run.states[rows]) for run in runs for rows in unbroken(run.segment)
         ]
         try:
-            step = period(tables[0][1]) if tables else 1.0
+            step = period(tables[0][1])
             model = fit_residual_model(stretches, step, params.cutoff_hz)
             summary[torque] = model.to_dict()
         except InputError as error:  # too little without contact: then no force is estimated
