@@ -133,7 +133,7 @@ def forces(
 
 
 def largest(found: list[Row], recording: str) -> list[str]:
-    """How many contacts a recording holds by F^map, and the largest force in them."""
+    """How many contacts a recording holds by F̂ᵐᵃᵖ, and the largest force in them."""
     rows = [r for r in found if r["recording"] == recording and r["estimate"] == "Fmap"]
     if not rows:
         return []

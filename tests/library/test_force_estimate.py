@@ -1,4 +1,4 @@
-"""F^map and its band, where the wrench is known: identities first, then simulated recordings."""
+"""F̂ᵐᵃᵖ and its band, where the wrench is known: identities first, then simulated recordings."""
 
 from itertools import pairwise
 
@@ -43,11 +43,11 @@ def torque_of(J: np.ndarray, wrench: np.ndarray) -> np.ndarray:
     return (J.mT @ wrench[..., None])[..., 0]
 
 
-# F^map of one sample
+# F̂ᵐᵃᵖ of one sample
 
 
 def test_certain_torques_give_the_exact_wrench(ur5: Robot) -> None:
-    """With little noise and a wide prior, F^map is J^-T tau."""
+    """With little noise and a wide prior, F̂ᵐᵃᵖ is J^-T tau."""
     J = jacobians(ur5, REGULAR + RANDOM.uniform(-0.3, 0.3, (50, 6)))
     torque = RANDOM.normal(size=(50, 6))
     noise, prior = np.tile(1e-10 * np.eye(6), (50, 1, 1)), 1e6 * np.eye(6)

@@ -97,7 +97,7 @@ class Hypotheses:
         return known * (contact - _log_density(torque, self.when_free() + uncertainty))
 
     def contact_wrench(self, torque: Array) -> Posterior:
-        """F^map of a torque besides its slow part, in contact."""
+        """F̂ᵐᵃᵖ of a torque besides its slow part, in contact."""
         noise = self.quick + self.sticking + self.lost
         return regularised_wrench(torque, self.jacobian, noise, self.prior.in_contact())
 

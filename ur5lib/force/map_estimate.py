@@ -1,4 +1,4 @@
-"""F^map: the most probable wrench behind a torque, given how noisy the torque is and a prior."""
+"""F̂ᵐᵃᵖ: the most probable wrench behind a torque, given how noisy the torque is and a prior."""
 
 from typing import NamedTuple
 

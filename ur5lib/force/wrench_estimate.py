@@ -86,7 +86,7 @@ def _estimate(
 def _mixture(
     torque: Array, slow: Smoothed, likely: Array, hypotheses: Hypotheses
 ) -> tuple[Array, Array]:
-    """Mean and standard deviation: in contact F^map, otherwise none but what may be hidden."""
+    """Mean and standard deviation: in contact F̂ᵐᵃᵖ, otherwise none but what may be hidden."""
     contact = hypotheses.contact_wrench(torque - slow.mean)
     by_slow = contact.gain @ slow.covariance @ contact.gain.mT
     in_contact = _diagonal(contact.covariance + by_slow) + contact.mean**2

@@ -84,7 +84,7 @@ def against_sensor(
 
 
 def smallest_forces(input: Any, threshold: float, params: Any) -> dict[str, Any]:
-    """The force that F^map finds with 95 % probability, pushes put onto a contact-free motion."""
+    """The force that F̂ᵐᵃᵖ finds with 95 % probability, pushes put onto a contact-free motion."""
     motion = read_table(input.motion)
     run = force_run(read_table(input.currents), motion, "tau_ext")
     if run is None:

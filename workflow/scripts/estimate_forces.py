@@ -33,8 +33,8 @@ def problems(
 ) -> Iterator[tuple[str, Run, ResidualModel]]:
     """Each estimate's external torque and what is known of it without contact.
 
-    F^map; the momentum observer; and where contact-free recordings pass the same trajectory,
-    F^map with their residual taken off.
+    F̂ᵐᵃᵖ; the momentum observer; and where contact-free recordings pass the same trajectory,
+    F̂ᵐᵃᵖ with their residual taken off.
     """
     currents = read_table(input.currents)
     for name, torque in (("Fmap", "tau_ext"), ("observer", "tau_observer")):
