@@ -103,5 +103,5 @@ def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
     force = read_csv(results / "tables" / "force_mae.csv")
     assert set(force["recording"]) == {"pushed"}
     estimates = force.groupby("kind")["estimate"].nunique().to_dict()
-    assert estimates == {"printed": 3, "corrected": 5, "compensated": 5}  # F^map and the observer
+    assert estimates == {"printed": 3, "corrected": 5, "compensated": 5}  # F̂ᵐᵃᵖ and the observer
     assert len(force) == (3 + 5 + 5) * 6

@@ -137,7 +137,7 @@ def detections(results: Results) -> Body:
 
 
 def contacts(results: Results, of: str) -> Body:
-    """When F^map finds a contact on a recording, and the largest force in each."""
+    """When F̂ᵐᵃᵖ finds a contact on a recording, and the largest force in each."""
     rows = results.rows("contacts", recording=of, estimate="Fmap")
     body = [
         [
