@@ -87,8 +87,10 @@ def best_model(rows: list[Row], roles: dict[str, str]) -> Iterator[list[str]]:
     yield [shown(value) for model in order for value in errors[model]] + [*map(shown, zero)]
 
 
-def shown(value: float) -> str:
-    return "0.001" if 0 < value < 0.0005 else f"{value:.3f}"
+def shown(value: float, digits: int = 3) -> str:
+    """A value, or the bound that stands for a small one."""
+    least = 10**-digits
+    return f"{least if 0 < value < least / 2 else value:.{digits}f}"
 
 
 def acceleration(rows: list[Row]) -> list[str]:
@@ -114,7 +116,7 @@ def forces(
         mae, zero = (sum(float(row[name]) for row in best) for name in ("mae", "zero_mae"))
         beaten.append(mae < zero)
         if len(beaten) <= 4:
-            yield [f"{float(row[name]):.2f}" for name in ("mae", "zero_mae") for row in best]
+            yield [shown(float(row[name]), 2) for name in ("mae", "zero_mae") for row in best]
     if len(beaten) > 4:
         yield [str(sum(beaten)), str(len(beaten))]
     held = [
