@@ -87,7 +87,7 @@ def test_trial_pushes_are_found_by_their_torque() -> None:
     J[:, 0, 0] = 0.5
     force = np.linspace(1, 30, 25)
     found = try_pushes(
-        lambda torque: np.abs(torque[:, 0]) - 5, J, np.eye(6)[0], force, 0.01, threshold=0.0
+        lambda torque: np.abs(torque[:, 0]) - 5, J, np.eye(6)[0], force, 0.01, 0.0, raised=[]
     )
     np.testing.assert_array_equal(found, force >= 10)
 
@@ -104,7 +104,8 @@ def test_pushes_are_not_tried_where_an_alarm_is_raised_without(alarmed: slice, f
         return odds
 
     force = np.linspace(1, 30, 25)
-    found = try_pushes(log_odds, J, np.eye(6)[0], force, 0.01, threshold=0.0)
+    raised = alarms(log_odds(np.zeros((2000, 6))), 0.0)
+    found = try_pushes(log_odds, J, np.eye(6)[0], force, 0.01, 0.0, raised)
     np.testing.assert_array_equal(found, free & (force >= 10))
 
 

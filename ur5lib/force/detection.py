@@ -118,28 +118,31 @@ def try_pushes(
     force: Array,
     period: float,
     threshold: float,
+    raised: list[Span],
 ) -> Mask:
     """Which of the trial pushes put onto a contact-free recording raise an alarm: (M,).
 
     log_odds_of: log-odds (N,) of the recording with an external torque (N, 6) added to its own;
     jacobian: (N, 6, 6); direction: wrench (6,) of 1 N, base axes, at the origin of frame 6; force:
-    (M,) [N], at the height of each push; period: [s]. It takes as many rounds as they need. Where
-    an alarm is raised without a push none is tried, and where it always is none is found.
+    (M,) [N], at the height of each push; period: [s]; raised: alarms of the recording as it is, at
+    which none is tried: where it always is in alarm, none is found. It takes as many rounds as the
+    pushes need.
     Stiction, which hides pushes at rest, is not simulated: the recording should be in motion.
     """
     profile, places = pushes(len(jacobian), period)
-    before = alarms(log_odds_of(np.zeros(jacobian.shape[:2])), threshold)
-    places = [place for place in places if not any(_overlap(alarm, place) for alarm in before)]
-    unit = profile[:, None] * (jacobian.mT @ direction)
+    places = [place for place in places if not any(_overlap(alarm, place) for alarm in raised)]
     found = np.zeros(len(force), bool)
-    for first in range(0, len(force), len(places)) if places else ():
+    if not places:
+        return found
+    unit = profile[:, None] * (jacobian.mT @ direction)
+    for first in range(0, len(force), len(places)):
         size = np.zeros(len(profile))
         part = range(first, min(first + len(places), len(force)))
         for trial, place in zip(part, places, strict=False):
             size[slice(*place)] = force[trial]
-        raised = alarms(log_odds_of(size[:, None] * unit), threshold)
+        told = alarms(log_odds_of(size[:, None] * unit), threshold)
         for trial, place in zip(part, places, strict=False):
-            found[trial] = any(_overlap(alarm, place) for alarm in raised)
+            found[trial] = any(_overlap(alarm, place) for alarm in told)
     return found
 
 

@@ -64,8 +64,8 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
     return Scores(
         rmse=_root_mean_square(error),
         rmse_lowpassed=_root_mean_square(slow),
-        mae=np.nanmean(np.abs(slow), axis=0),
-        r2=1 - np.nanmean(slow**2, axis=0) / np.nanvar(measured, axis=0),
+        mae=_mean(np.abs(slow)),
+        r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
         coverage=_mean(np.where(known, np.abs(slow) <= half_band, np.nan)),
     )
 

@@ -46,7 +46,9 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         if "compensated_Fx" in sensor:
             summary[name] |= against_sensor(odds, raised, sensor, minutes)
     if params.role == "validate" and "Fmap" in summary:
-        summary["Fmap"]["smallest_force_95"] = smallest_forces(input, thresholds["Fmap"], params)
+        threshold = thresholds["Fmap"]
+        raised = alarms(forces["log_odds_Fmap"].to_numpy(), threshold)
+        summary["Fmap"]["smallest_force_95"] = smallest_forces(input, threshold, raised, params)
     write_json(summary, output.detection)
 
 
@@ -83,7 +85,9 @@ def against_sensor(
     }
 
 
-def smallest_forces(input: Any, threshold: float, params: Any) -> dict[str, Any]:
+def smallest_forces(
+    input: Any, threshold: float, raised: list[Span], params: Any
+) -> dict[str, Any]:
     """The force that F̂ᵐᵃᵖ finds with 95 % probability, pushes put onto a contact-free motion."""
     motion = read_table(input.motion)
     run = force_run(read_table(input.currents), motion, "tau_ext")
@@ -103,7 +107,7 @@ def smallest_forces(input: Any, threshold: float, params: Any) -> dict[str, Any]
     tried = np.random.default_rng(0).permutation(forces)
     found = {}
     for axis, direction in zip("xyz", np.eye(6)[:3], strict=True):
-        seen = try_pushes(log_odds_of, jacobian, direction, tried, step, threshold)
+        seen = try_pushes(log_odds_of, jacobian, direction, tried, step, threshold, raised)
         found[axis] = asdict(smallest_force(tried, seen))
     return found
 

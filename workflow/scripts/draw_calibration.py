@@ -5,12 +5,11 @@ from typing import Any
 import numpy as np
 
 from ur5lib.report.charts import calibration_panels
-from ur5lib.report.house_style import save
+from ur5lib.report.house_style import ESTIMATES, save
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
 
 BANDS = [50, 80, 95]  # %
-TITLES = {"Fmap": "F̂ᵐᵃᵖ", "observer": "momentum observer", "repeat": "repeat-aware"}
 
 
 def draw_calibration(input: Any, output: Any, params: Any) -> None:
@@ -18,7 +17,7 @@ def draw_calibration(input: Any, output: Any, params: Any) -> None:
     rows = errors[(errors["kind"] == "compensated") & errors["coverage95"].notna()]
     components = rows["component"].unique()
     held = {
-        TITLES[str(estimate)]: 100
+        ESTIMATES[str(estimate)]: 100
         * np.array([part.groupby("component")[f"coverage{b}"].mean()[components] for b in BANDS])
         for estimate, part in rows.groupby("estimate", sort=False)
     }

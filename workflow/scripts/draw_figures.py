@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import save
+from ur5lib.report.house_style import ESTIMATES, save
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
@@ -22,15 +22,11 @@ from ur5lib.tables import WRENCH as COMPONENTS
 from ur5lib.tables import channel, labelled_channel, read_table
 
 BAND = 1.96  # standard deviations that hold 95 %
+THREE = ("first", "second", "third")  # styles of estimates
 PUBLISHED = {
     "Fu": ("controller's estimate", "first"),
     "F": ("without friction", "second"),
     "F*": ("with friction", "third"),
-}
-ESTIMATES = {
-    "Fmap": ("F̂ᵐᵃᵖ", "first"),
-    "observer": ("momentum observer", "second"),
-    "repeat": ("repeat-aware", "third"),
 }
 
 
@@ -133,7 +129,7 @@ def draw_estimates(forces: pd.DataFrame, sensor: pd.DataFrame, hidden: Any, outp
     measured = wrench(sensor, "compensated")
     series = {} if measured is None else {"force sensor": (measured, "measured")}
     band = None
-    for name, (label, style) in ESTIMATES.items():
+    for (name, label), style in zip(ESTIMATES.items(), THREE, strict=True):
         values = wrench(forces, name)
         if values is not None:
             series[label] = values, style
