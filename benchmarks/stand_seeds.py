@@ -177,7 +177,8 @@ def imu_of(own: Taken, clock: Any) -> Any:
     read = resample(own.imu, clock, own.signals["time"].to_numpy())
     kinematics = pd.DataFrame(named(rotation, "R6") | named(jacobian, "J"))
     signals = pd.concat([own.signals, read], axis="columns")
-    return imu_record(signals, kinematics, np.array(own.robot.mounting.imu), ORDER, CUTOFF)
+    place = np.array(own.robot.mounting.imu), np.array(own.robot.gravity)
+    return imu_record(signals, kinematics, *place, ORDER, CUTOFF)
 
 
 def fitted_map(recordings: list[Taken]) -> CurrentFit:

@@ -63,8 +63,9 @@ class Taken:
         """Environment on arm, base axes, at the origin of frame 6; and what was taken off."""
         assert self.reading is not None
         assert robot.mounting is not None
-        offset = fit_offset(self.reading, self.rotation, self.record.period)
-        free = self.reading - offset.reading(self.rotation)
+        gravity = np.array(robot.gravity)
+        offset = fit_offset(self.reading, self.rotation, self.record.period, gravity)
+        free = self.reading - offset.reading(self.rotation, gravity)
         wrench = wrench_of_environment(free, self.rotation)
         position = np.array(robot.mounting.force_sensor)
         return move_to_frame_6(wrench, self.rotation, position), offset

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.library.test_force_sensor import PERIOD, orientations, pushed
+from tests.library.test_force_sensor import GRAVITY, PERIOD, orientations, pushed
 from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import fit_offset, wrench_of_environment
 
@@ -14,8 +14,8 @@ TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1,
 def told(signs: list[int]) -> tuple[list[str], str | None]:
     """Of a sensor whose axes have these signs, beside an estimate that errs."""
     reading, wrench = pushed(ROTATION, seed=0)
-    offset = fit_offset(reading * [*signs, *signs], ROTATION, PERIOD)
-    free = reading * [*signs, *signs] - offset.reading(ROTATION)
+    offset = fit_offset(reading * [*signs, *signs], ROTATION, PERIOD, GRAVITY)
+    free = reading * [*signs, *signs] - offset.reading(ROTATION, GRAVITY)
     sensor = wrench_of_environment(free, ROTATION)[:, :3]
     estimate = 0.7 * wrench[:, :3] + np.random.default_rng(1).normal(0, 2, (len(wrench), 3))
     opposite = opposite_axes(sensor, estimate, ROTATION)

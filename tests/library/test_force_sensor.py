@@ -5,9 +5,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.detection import pushes
-from ur5lib.force.sensor import GRAVITY, fit_offset, move_to_frame_6, wrench_of_environment
+from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 
 PERIOD = 0.01
+GRAVITY = np.array([0, 0, -9.81])
 MASS, CENTER = 0.3, np.array([0.01, -0.02, 0.04])
 BIAS = np.array([-5.0, 1.5, -1.0, 0.07, 0.4, -0.1])
 
@@ -27,7 +28,7 @@ def pushed(rotation: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
         direction = random.normal(0, [10, 10, 10, 0.5, 0.5, 0.5])
         wrench[first:last] = profile[first:last, None] * direction
     weight = np.zeros_like(wrench)
-    weight[:, 2] = -MASS * GRAVITY
+    weight[:, :3] = MASS * GRAVITY
     weight[:, 3:] = np.cross(rotation @ CENTER, weight[:, :3])
     both = np.reshape(wrench + weight, (-1, 2, 3)) @ rotation
     noise = random.normal(0, [0.05] * 3 + [0.002] * 3, wrench.shape)
@@ -38,7 +39,7 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
     rotation = orientations(60, turning=0.8)
     reading, wrench = pushed(rotation, seed=0)
     reading[:50] = np.nan
-    offset = fit_offset(reading, rotation, PERIOD)
+    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
     assert 0.3 < offset.free.mean() < 0.9
     assert np.abs(wrench[offset.free, :3]).max() < 0.5
     np.testing.assert_array_less(np.abs(offset.bias - BIAS), 5 * offset.bias_std + 0.002)
@@ -50,8 +51,8 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
 def test_the_compensated_wrench_is_the_push() -> None:
     rotation = orientations(60, turning=0.8)
     reading, wrench = pushed(rotation, seed=1)
-    offset = fit_offset(reading, rotation, PERIOD)
-    estimate = wrench_of_environment(reading - offset.reading(rotation), rotation)
+    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    estimate = wrench_of_environment(reading - offset.reading(rotation, GRAVITY), rotation)
     assert np.abs(estimate - wrench)[:, :3].max() < 0.3
     assert np.abs(estimate - wrench)[:, 3:].max() < 0.015
 
@@ -59,11 +60,31 @@ def test_the_compensated_wrench_is_the_push() -> None:
 def test_without_turning_weight_and_bias_are_one() -> None:
     rotation = orientations(40, turning=0.0)
     reading, wrench = pushed(rotation, seed=2)
-    offset = fit_offset(reading, rotation, PERIOD)
+    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
     assert np.isnan(offset.mass)
     assert np.isnan(offset.center()).all()
-    estimate = wrench_of_environment(reading - offset.reading(rotation), rotation)
+    estimate = wrench_of_environment(reading - offset.reading(rotation, GRAVITY), rotation)
     assert np.abs(estimate - wrench)[:, :3].max() < 0.3
+
+
+MOUNTINGS = {"ceiling": [180, 0, 0], "wall": [0, 90, 0], "30°": [30, 0, 0], "askew": [50, -20, 70]}
+
+
+@pytest.mark.parametrize("angles", MOUNTINGS.values(), ids=MOUNTINGS)
+def test_a_mounting_changes_neither_tool_nor_bias(angles: list[float]) -> None:
+    """The base's axes turn, and with them R_6 and gravity; the sensor reads what it read."""
+    rotation = orientations(60, turning=0.8)
+    reading, _ = pushed(rotation, seed=0)
+    upright = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    base = Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
+    turned = fit_offset(reading, base @ rotation, PERIOD, base @ GRAVITY)
+    for name in ("bias", "bias_std", "mass", "mass_std", "moment_arm", "moment_arm_std", "noise"):
+        np.testing.assert_allclose(getattr(turned, name), getattr(upright, name), atol=1e-8)
+    np.testing.assert_allclose(
+        turned.reading(base @ rotation, base @ GRAVITY),
+        upright.reading(rotation, GRAVITY),
+        atol=1e-8,
+    )
 
 
 def test_a_wrench_at_the_sensor_keeps_its_force() -> None:

@@ -1,19 +1,23 @@
 """Mounting, tilt and biases of an IMU, from what the joints predict and what it read."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import signal
 from scipy.spatial.transform import Rotation
 
+from tests.library.test_force_sensor import MOUNTINGS
 from ur5lib.signals.imu_calibration import (
     AS_DRAWN,
-    GRAVITY,
     ImuRecord,
     accelerometer_bias,
     calibrate,
+    level_axes,
     specific_force,
 )
 
+GRAVITY = np.array([0, 0, -9.81])
 MOUNTING = np.radians([-0.55, -0.08, 0.3])
 TILT = np.radians([-0.14, 0.2])
 GYROSCOPE_BIAS = np.array([-0.031, 0.024, 0.025])
@@ -27,7 +31,7 @@ def record(seed: int, seconds: float = 30, lasting: float = 0.01) -> ImuRecord:
     rotation = Rotation.from_euler("xyz", np.sin(phase) * random.uniform(0.5, 1.5, 3)).as_matrix()
     rate = 0.4 * np.cos(phase)
     motion = 0.3 * np.sin(2 * phase)
-    up = GRAVITY * np.array([*TILT, np.sqrt(1 - TILT @ TILT)])
+    up = 9.81 * np.array([*TILT, np.sqrt(1 - TILT @ TILT)])
     axes = Rotation.from_rotvec(MOUNTING).as_matrix()
     noise = signal.lfilter(
         [np.sqrt(1 - 0.98**2)], [1, -0.98], random.normal(size=(2, *rate.shape)), 1
@@ -36,10 +40,11 @@ def record(seed: int, seconds: float = 30, lasting: float = 0.01) -> ImuRecord:
     return ImuRecord(
         time=time,
         rotation=rotation,
-        specific_force=np.einsum("nji,nj->ni", rotation, np.array([0, 0, GRAVITY]) + motion),
+        specific_force=np.einsum("nji,nj->ni", rotation, motion - GRAVITY),
         angular_rate=rate,
         accelerometer=felt + lasting * noise[0],
         gyroscope=rate @ axes + GYROSCOPE_BIAS + 0.2 * lasting * noise[1],
+        gravity=GRAVITY,
     )
 
 
@@ -73,6 +78,27 @@ def test_a_calibrated_reading_is_the_predicted_force() -> None:
     uncalibrated = unseen.accelerometer - accelerometer_bias(unseen, AS_DRAWN)
     assert error < 0.015
     assert np.abs(uncalibrated - unseen.specific_force).mean() > 2 * error
+
+
+@pytest.mark.parametrize("angles", MOUNTINGS.values(), ids=MOUNTINGS)
+def test_the_base_s_axes_change_nothing(angles: list[float]) -> None:
+    """They turn, and with them R_6 and gravity: mounting and biases stay, "up" turns along."""
+    base = Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
+    records = [record(1), record(2)]
+    turned = [
+        replace(own, rotation=base @ own.rotation, gravity=base @ own.gravity) for own in records
+    ]
+    upright, found = calibrate(records), calibrate(turned)
+    for name in ("mounting", "mounting_std", "gyroscope_bias", "gyroscope_bias_std"):
+        np.testing.assert_allclose(getattr(found, name), getattr(upright, name), atol=1e-9)
+    np.testing.assert_allclose(found.up(base @ GRAVITY), base @ upright.up(GRAVITY), atol=1e-9)
+    np.testing.assert_allclose(
+        specific_force(turned[0], found), specific_force(records[0], upright), atol=1e-9
+    )
+
+
+def test_gravity_downwards_leaves_x_and_y_level() -> None:
+    assert np.array_equal(level_axes(GRAVITY), np.eye(3)[:, :2])
 
 
 def test_an_imu_as_drawn_changes_nothing() -> None:

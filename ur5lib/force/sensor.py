@@ -10,7 +10,6 @@ from ur5lib.force.external_torque import Mask, finite_rows
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s²
 ROUNDS = 20  # of fitting and leaving contacts out; they settle in fewer
 OUTSIDE = 4.0  # standard deviations of the free reading: beyond, something touches
 REPEATS = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm: no better than this, after a push
@@ -41,23 +40,27 @@ class SensorOffset:
         """The tool's centre of mass, (3,) [m], in the sensor's frame."""
         return self.moment_arm / self.mass
 
-    def reading(self, rotation: Array) -> Array:
-        """What the sensor reads without contact, (N, 6), at orientations R_6 (N, 3, 3)."""
+    def reading(self, rotation: Array, gravity: Array) -> Array:
+        """What the sensor reads without contact, (N, 6), at orientations R_6 (N, 3, 3).
+
+        gravity: (3,) [m/s²], base frame.
+        """
         parameters = np.concatenate([[self.mass], self.moment_arm])
-        weight = _weight_terms(rotation) @ np.nan_to_num(parameters)
+        weight = _weight_terms(rotation, gravity) @ np.nan_to_num(parameters)
         return weight + self.bias
 
 
-def fit_offset(reading: Array, rotation: Array, period: float) -> SensorOffset:
+def fit_offset(reading: Array, rotation: Array, period: float, gravity: Array) -> SensorOffset:
     """Bias, mass and centre of mass from the contact-free samples, which it finds.
 
-    reading: (N, 6), sensor frame, NaN rows allowed; rotation: (N, 3, 3), R_6; period: [s].
+    reading: (N, 6), sensor frame, NaN rows allowed; rotation: (N, 3, 3), R_6; period: [s];
+    gravity: g (3,) [m/s²], base frame.
     f = R_6^T m g + b_f, n = c x R_6^T m g + b_n. It starts from least deviations; samples off by
     more than 4 standard deviations, and what is near them, are left out, until nothing changes. So
     most of the recording has to be free of contact.
     """
     measured = finite_rows(reading)
-    terms = _terms(rotation, measured)
+    terms = _terms(rotation, gravity, measured)
     free, weight = measured, _least_deviations(terms, reading, measured)
     reach = np.ones(2 * round(CLEAR / period) + 1, bool)
     for _ in range(ROUNDS):
@@ -71,24 +74,25 @@ def fit_offset(reading: Array, rotation: Array, period: float) -> SensorOffset:
     return _offset(terms, parameters, left, free)
 
 
-def _terms(rotation: Array, measured: Mask) -> Array:
+def _terms(rotation: Array, gravity: Array, measured: Mask) -> Array:
     """Of mass, mass times arm (3), and bias (6), in the reading: (N, 6, 10).
 
     The first four are 0 where the arm turns too little to tell weight from bias.
     """
     terms = np.zeros((len(rotation), 6, 10))
     terms[:, :, 4:] = np.eye(6)
-    if np.std(rotation[measured, 2], axis=0).max() > TURNED:
-        terms[:, :, :4] = _weight_terms(rotation)
+    down = gravity / np.linalg.norm(gravity) @ rotation[measured]
+    if np.std(down, axis=0).max() > TURNED:
+        terms[:, :, :4] = _weight_terms(rotation, gravity)
     return terms
 
 
-def _weight_terms(rotation: Array) -> Array:
+def _weight_terms(rotation: Array, gravity: Array) -> Array:
     """Of mass and mass times arm in the reading: (N, 6, 4)."""
-    gravity = -GRAVITY * rotation[:, 2, :]  # R_6^T g, for each kilogram
+    weight = gravity @ rotation  # R_6^T g, of each kilogram
     terms = np.zeros((len(rotation), 6, 4))
-    terms[:, :3, 0] = gravity
-    terms[:, 3:, 1:] = np.cross(np.eye(3), gravity[:, None]).mT
+    terms[:, :3, 0] = weight
+    terms[:, 3:, 1:] = np.cross(np.eye(3), weight[:, None]).mT
     return terms
 
 

@@ -14,7 +14,6 @@ from ur5lib.signals.motion import differentiate
 
 Array = NDArray[np.float64]
 
-GRAVITY = 9.81  # m/s²
 BLOCK = 2.0  # s; residuals further apart than this are taken as independent
 
 
@@ -22,9 +21,9 @@ BLOCK = 2.0  # s; residuals further apart than this are taken as independent
 class ImuRecord:
     """What one recording's joints predict and its IMU read, low-passed alike, without gaps.
 
-    time: (N,) [s]; rotation: R_6 (N, 3, 3); specific_force: R_6^T (a + [0, 0, 9.81]) (N, 3)
-    [m/s²] at the IMU and angular_rate: (N, 3) [rad/s], both predicted, in frame 6;
-    accelerometer, gyroscope: (N, 3) the readings.
+    time: (N,) [s]; rotation: R_6 (N, 3, 3); specific_force: R_6^T (a - g0) (N, 3) [m/s²] at the
+    IMU and angular_rate: (N, 3) [rad/s], both predicted, in frame 6; accelerometer, gyroscope:
+    (N, 3) the readings; gravity: g0 (3,) [m/s²], base frame, as the arm's description has it.
     """
 
     time: Array
@@ -33,15 +32,16 @@ class ImuRecord:
     angular_rate: Array
     accelerometer: Array
     gyroscope: Array
+    gravity: Array
 
 
 @dataclass(frozen=True)
 class ImuCalibration:
     """What does not change from one recording to the next.
 
-    mounting: (3,) [rad], rotation vector of R_m, the IMU's axes in frame 6; tilt: (2,) [rad], the
-    x and y of "up" in the base frame, zero where the base stands level; gyroscope_bias: (3,)
-    [rad/s]; each with its standard error.
+    mounting: (3,) [rad], rotation vector of R_m, the IMU's axes in frame 6; tilt: (2,) [rad], what
+    "up" has along the two `level_axes` of gravity, zero where the base stands as described;
+    gyroscope_bias: (3,) [rad/s]; each with its standard error.
     """
 
     mounting: Array
@@ -55,9 +55,22 @@ class ImuCalibration:
         """R_m (3, 3): a reading times it is in the axes of frame 6."""
         return Rotation.from_rotvec(self.mounting).as_matrix()
 
-    def up(self) -> Array:
-        """What a level IMU at rest would read (3,) [m/s²], base frame."""
-        return GRAVITY * np.append(self.tilt, np.sqrt(1 - self.tilt @ self.tilt))
+    def up(self, gravity: Array) -> Array:
+        """What a level IMU at rest would read (3,) [m/s²], base frame.
+
+        gravity: (3,) [m/s²], base frame, as the arm's description has it.
+        """
+        upright = np.sqrt(1 - self.tilt @ self.tilt)
+        return np.linalg.norm(gravity) * (level_axes(gravity) @ self.tilt) - upright * gravity
+
+
+def level_axes(gravity: Array) -> Array:
+    """Two unit vectors (3, 2) across gravity (3,), base frame; x and y where it is along -z."""
+    up = -gravity / np.linalg.norm(gravity)
+    across = np.eye(3)[np.argmin(np.abs(up))]
+    first = across - (across @ up) * up
+    first /= np.linalg.norm(first)
+    return np.column_stack([first, np.cross(up, first)])
 
 
 AS_DRAWN = ImuCalibration(*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3)))
@@ -95,12 +108,12 @@ def calibration_for(recording: str, known: Mapping[str, Any]) -> tuple[list[str]
 def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     """The calibration that fits some recordings of one arm and IMU best.
 
-    Least squares of  accelerometer = f + f × θ + g R_6^T [β, 0] + b_a + f' δ  and
-    gyroscope = ω + ω × θ + b_g + ω' δ  over the mounting θ, the base's tilt β, the gyroscope's
-    bias b_g, and of each recording an accelerometer's bias b_a and the rest δ by which its clock
-    is off, accelerations and rates weighted by their residuals. Without δ, a clock that is right
-    within half a millisecond tilts the mounting by as much as all noise does. Standard errors are
-    a jackknife over blocks of 2 s, within which residuals are alike.
+    Least squares of  accelerometer = f + f × θ + g R_6^T E β + b_a + f' δ  and
+    gyroscope = ω + ω × θ + b_g + ω' δ  over the mounting θ, the base's tilt β along the level axes
+    E, the gyroscope's bias b_g, and of each recording an accelerometer's bias b_a and the rest δ
+    by which its clock is off, accelerations and rates weighted by their residuals. Without
+    δ, a clock that is right within half a millisecond tilts the mounting by as much as all noise
+    does. Standard errors are a jackknife over blocks of 2 s, within which residuals are alike.
     """
     columns = np.concatenate([_columns(records, index) for index in range(len(records))])
     misfit = np.concatenate([_misfit(record) for record in records])
@@ -121,7 +134,7 @@ def accelerometer_bias(record: ImuRecord, calibration: ImuCalibration) -> Array:
 
 def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
     """The specific force (N, 3) [m/s²] that the joints predict, frame 6, on a tilted base."""
-    lean = calibration.up() - [0, 0, GRAVITY]
+    lean = calibration.up(record.gravity) + record.gravity
     return record.specific_force + lean @ record.rotation
 
 
@@ -130,7 +143,8 @@ def _columns(records: Sequence[ImuRecord], index: int) -> Array:
     record, count = records[index], len(records)
     columns = np.zeros((len(record.time), 6, 8 + 4 * count))
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
-    columns[:, :3, 3:5] = GRAVITY * record.rotation[:, :2].swapaxes(1, 2)
+    lean = np.linalg.norm(record.gravity) * level_axes(record.gravity)
+    columns[:, :3, 3:5] = record.rotation.swapaxes(1, 2) @ lean
     columns[:, :3, 8 + 3 * index : 11 + 3 * index] = np.eye(3)
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
     columns[:, 3:, 5:8] = np.eye(3)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.signals.end_effector import point_velocity
-from ur5lib.signals.imu_calibration import GRAVITY, Array, ImuRecord
+from ur5lib.signals.imu_calibration import Array, ImuRecord
 from ur5lib.signals.lowpass import by_segment, inner_lowpass
 from ur5lib.signals.motion import differentiate
 from ur5lib.tables import channel, period
@@ -23,13 +23,18 @@ def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
 
 
 def imu_record(
-    signals: pd.DataFrame, kinematics: pd.DataFrame, point: Array, order: int, cutoff: float
+    signals: pd.DataFrame,
+    kinematics: pd.DataFrame,
+    point: Array,
+    gravity: Array,
+    order: int,
+    cutoff: float,
 ) -> ImuRecord:
     """What the joints predict and the IMU read, both low-passed without delay.
 
     signals: on the robot's clock, with an IMU; kinematics: of the same samples; point: (3,) [m],
-    the IMU in frame 6; cutoff: [Hz]. Rows where either side is missing, and ends where the filter
-    guesses, are left out.
+    the IMU in frame 6; gravity: (3,) [m/s²], base frame; cutoff: [Hz]. Rows where either side is
+    missing, and ends where the filter guesses, are left out.
     """
     rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
     jacobian = channel(kinematics, "J", 36).reshape(-1, 6, 6)
@@ -42,11 +47,14 @@ def imu_record(
     velocity = point_velocity(rotation, jacobian, qd, point)
     acceleration = by_segment(change, velocity[:, :3], segment)
     sides = [
-        np.einsum("nji,nj->ni", rotation, np.array([0, 0, GRAVITY]) + acceleration),
+        np.einsum("nji,nj->ni", rotation, acceleration - gravity),
         np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),
         signals[[*ACCELEROMETER, *GYROSCOPE]].to_numpy(),
     ]
     smooth = by_segment(lowpass, np.concatenate(sides, axis=1), segment)
     kept = np.isfinite(smooth).all(axis=1)
     time = signals["time"].to_numpy()
-    return ImuRecord(time[kept], rotation[kept], *np.split(smooth[kept], 4, axis=1))
+    force, rate, accelerometer, gyroscope = np.split(smooth[kept], 4, axis=1)
+    return ImuRecord(
+        time[kept], rotation[kept], force, rate, accelerometer, gyroscope, gravity=gravity
+    )

@@ -12,11 +12,12 @@ from ur5lib.tables import read_json, read_table, write_json
 
 
 def calibrate_imu(input: Any, output: Any, params: Any) -> None:
-    point = np.array(load_robot(input.arm).mounting.imu)
+    robot = load_robot(input.arm)
+    place = np.array(robot.mounting.imu), np.array(robot.gravity)
     recordings = zip(params.recordings, input.signals, input.kinematics, input.clocks, strict=True)
     records = {
         name: imu_record(
-            read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
+            read_table(signals), read_table(kinematics), *place, params.order, params.cutoff_hz
         )
         for name, signals, kinematics, clocks in recordings
         if has_valid_imu(read_json(clocks))

@@ -38,12 +38,16 @@ ESTIMATES = {"encoders": "", "encoders+imu": "fused_"}  # prefixes of their chan
 
 @dataclass(frozen=True)
 class Recording:
-    """What the comparison needs of a recording; point: (3,) [m], the IMU in frame 6."""
+    """What the comparison needs of a recording.
+
+    point: (3,) [m], the IMU in frame 6; gravity: (3,) [m/s²], base frame.
+    """
 
     signals: pd.DataFrame
     kinematics: pd.DataFrame
     motion: pd.DataFrame
     point: Array
+    gravity: Array
 
     def rotation(self) -> Array:
         """R_6 (N, 3, 3)."""
@@ -75,12 +79,13 @@ class Recording:
 
 def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     signals, kinematics, motion = map(read_table, (input.signals, input.kinematics, input.motion))
-    point = np.array(load_robot(input.arm).mounting.imu)
-    recording = Recording(signals, kinematics, motion, point)
+    robot = load_robot(input.arm)
+    place = np.array(robot.mounting.imu), np.array(robot.gravity)
+    recording = Recording(signals, kinematics, motion, *place)
     columns: dict[str, Array] = {}
     summary: dict[str, Any] = {"errors": {}}
     if has_valid_imu(read_json(input.clocks)):
-        others = other_records(input, point, params)
+        others = other_records(input, *place, params)
         calibration = calibrate([*others.values()]) if others else AS_DRAWN
         ours, bias = as_calibrated(recording, calibration, params)
         stamps = read_json(input.quality)["starts"]["imu"]
@@ -95,7 +100,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     write_json(summary, output.summary)
 
 
-def other_records(input: Any, point: Array, params: Any) -> dict[str, ImuRecord]:
+def other_records(input: Any, point: Array, gravity: Array, params: Any) -> dict[str, ImuRecord]:
     """All other contact-free recordings of the arm with a valid IMU."""
     tables = zip(
         params.others,
@@ -106,7 +111,12 @@ def other_records(input: Any, point: Array, params: Any) -> dict[str, ImuRecord]
     )
     return {
         name: imu_record(
-            read_table(signals), read_table(kinematics), point, params.order, params.cutoff_hz
+            read_table(signals),
+            read_table(kinematics),
+            point,
+            gravity,
+            params.order,
+            params.cutoff_hz,
         )
         for name, signals, kinematics, clocks in tables
         if has_valid_imu(read_json(clocks))
@@ -122,12 +132,14 @@ def as_calibrated(
     """
     signals, rotation = recording.signals, recording.rotation()
     design = params.order, params.cutoff_hz
-    record = imu_record(signals, recording.kinematics, recording.point, *design)
+    place = recording.point, recording.gravity
+    record = imu_record(signals, recording.kinematics, *place, *design)
     bias = accelerometer_bias(record, calibration)
     accelerometer = signals[ACCELEROMETER].to_numpy() - bias
     turning = recording.derivative(signals[GYROSCOPE].to_numpy())
     axes = rotation @ calibration.axes()
-    columns = {"felt": felt_acceleration(axes, accelerometer, turning, calibration.up())}
+    up = calibration.up(recording.gravity)
+    columns = {"felt": felt_acceleration(axes, accelerometer, turning, up)}
     for estimate, prefix in ESTIMATES.items():
         qd, qdd = (channel(recording.motion, f"{prefix}{name}") for name in ("qd", "qdd"))
         columns[f"acceleration_{estimate}"] = point_acceleration(
@@ -144,7 +156,8 @@ def as_published(recording: Recording, imu: pd.DataFrame, stamps: Any) -> dict[s
     clock = clock_from_stamps(stamps["seconds"], stamps["std"])
     read = resample(imu, clock, signals["time"].to_numpy())
     turning = recording.derivative(read[GYROSCOPE].to_numpy())
-    felt = felt_acceleration(rotation, read[ACCELEROMETER].to_numpy(), turning, AS_DRAWN.up())
+    up = AS_DRAWN.up(recording.gravity)
+    felt = felt_acceleration(rotation, read[ACCELEROMETER].to_numpy(), turning, up)
     columns = {"published_felt": felt}
     qd = channel(signals, "actual_qd")
     for name, printed in (("euler", True), ("euler, B corrected", False)):

@@ -73,12 +73,12 @@ def sensor_wrenches(
     printed: the raw reading; corrected: less its mean at the start; compensated: less bias and
     tool weight, from all samples free of contact. The last two at the origin of frame 6.
     """
-    reading = signals[SENSOR].to_numpy()
-    offset = fit_offset(reading, rotation, period(signals))
+    reading, gravity = signals[SENSOR].to_numpy(), np.array(robot.gravity)
+    offset = fit_offset(reading, rotation, period(signals), gravity)
     start = start_bias(signals, params)
     position = np.array(robot.mounting.force_sensor)
     references = {"printed": wrench_of_environment(reading, rotation)}
-    for kind, removed in (("corrected", start), ("compensated", offset.reading(rotation))):
+    for kind, removed in (("corrected", start), ("compensated", offset.reading(rotation, gravity))):
         wrench = wrench_of_environment(reading - removed, rotation)
         references[kind] = move_to_frame_6(wrench, rotation, position)
     return references, offset

@@ -52,15 +52,15 @@ def measured(signals: pd.DataFrame) -> tuple[Array, Array]:
 
 def imu_model(input: Any, recording: str, qd: Array) -> LinearImu:
     """The IMU's equation about a motion, as other recordings calibrated it."""
-    kinematics = read_table(input.kinematics)
+    kinematics, robot = read_table(input.kinematics), load_robot(input.arm)
     _, calibration = calibration_for(recording, read_json(input.calibration))
     return linearise_imu(
         channel(kinematics, "R6", 9).reshape(-1, 3, 3),
         channel(kinematics, "J", 36).reshape(-1, 6, 6),
         qd,
-        np.array(load_robot(input.arm).mounting.imu),
+        np.array(robot.mounting.imu),
         calibration.axes(),
-        calibration.up(),
+        calibration.up(np.array(robot.gravity)),
     )
 
 
