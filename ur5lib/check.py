@@ -1,5 +1,6 @@
 """A study's recordings looked through, without the workflow."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from ur5lib.errors import InputError
 from ur5lib.intake import Intake, take_in
 from ur5lib.report.result_tables import clock_table, group_findings, quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.study import Recording, Study, arms_without_fit, parse_study
 from ur5lib.tables import channel
 
@@ -42,7 +44,7 @@ def print_findings(path: Path) -> int:
     recordings = track(there, "reading", console=console, transient=True)
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
-    clocks = {name: clock for name, (_, clock) in results.items()}
+    clocks = settled(study, qualities, {name: own for name, (_, own) in results.items()})
     quality = quality_table(qualities, clocks, {})
     console.print(_findings(quality, list(results)))
     if any(clocks.values()):
@@ -75,7 +77,7 @@ def read_study(path: Path) -> Study:
 
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A recording's quality.json and clocks.json; of an unusable one, the error is all."""
+    """A recording's quality.json and own_clocks.json; of an unusable one, the error is all."""
     arm = load_robot(robot_path(recording.robot))
     try:
         intake = take_in(recording.model_dump(), arm, study.settings.repair_frames.max_gap_s)
@@ -99,6 +101,29 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
     return clocks
 
 
+def settled(
+    study: Study, qualities: Mapping[str, Any], own: Mapping[str, Any]
+) -> dict[str, dict[str, Any]]:
+    """Each recording's clocks.json, by name, from all their own_clocks.json and quality.json."""
+    fitted = [recording for recording in study.recordings if recording.role == "fit"]
+    drifts = {
+        robot: pool_drifts(
+            {r.name: own[r.name] for r in fitted if r.robot == robot and r.name in own},
+            study.devices_of_hosts(),
+        )
+        for robot in {recording.robot for recording in study.recordings}
+    }
+    return {
+        recording.name: settle_clocks(
+            own[recording.name],
+            drifts[recording.robot],
+            qualities[recording.name].get("duration_s", 0.0),
+        )
+        for recording in study.recordings
+        if recording.name in own
+    }
+
+
 def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
     """One section a recording."""
     table = Table("recording", "finding", "count", "what it means", title="Findings")
@@ -118,10 +143,12 @@ def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
 
 
 def _clocks(clocks: pd.DataFrame) -> Table:
-    table = Table("recording", "device", "offset [s]", "drift [ppm]", "method", title="Clocks")
+    heads = ["recording", "device", "offset [s]", "drift [ppm]", "at the end [s]", "method"]
+    table = Table(*heads, title="Clocks")
     for row in clocks.itertuples():
         known = pd.notna(row.drift_ppm)
         drift = f"{row.drift_ppm:.0f} ± {row.drift_std_ppm:.0f}" if known else "not estimated"
         offset = f"{row.offset_s:.4f} ± {row.offset_std_s:.4f}"
-        table.add_row(row.recording, row.device, offset, drift, row.method)
+        end = f"± {row.end_std_s:.4f}"
+        table.add_row(row.recording, row.device, offset, drift, end, row.method)
     return table

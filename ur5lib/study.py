@@ -15,6 +15,7 @@ from pydantic import AfterValidator, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
+from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import robot_names
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
@@ -252,7 +253,16 @@ class Study(Strict):
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file of published values and errata to show beside the results"
     )
+    hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(
+        {},
+        description="computers, by any name, each with the devices whose stamps its clock gives; "
+        "devices of one host share its drift",
+    )
     settings: Settings = Field(Settings(), description="of the steps")
+
+    def devices_of_hosts(self) -> dict[str, list[str]]:
+        """Each host's devices, by their names in results."""
+        return {host: [SENSORS[key] for key in keys] for host, keys in self.hosts.items()}
 
 
 def parse_study(raw: Mapping[str, Any], source: str) -> Study:
@@ -266,6 +276,7 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
         *_files_of_simulated(raw),
         *_repeated_names(raw),
         *_repeated_files(raw),
+        *_devices_on_two_hosts(raw),
     ]
     try:
         study = Study.model_validate(_with_simulated_files(raw))
@@ -340,6 +351,14 @@ def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
         yield f"recordings: {' and '.join(names)} are both {path}; give each its own file"
 
 
+def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
+    hosts = raw.get("hosts")
+    lists = hosts.values() if isinstance(hosts, dict) else []
+    named = [device for devices in lists if isinstance(devices, list) for device in devices]
+    for device in sorted({str(device) for device in named if named.count(device) > 1}):
+        yield f"hosts: {device} is named twice; name it on the one host that stamps its samples"
+
+
 def arms_without_fit(study: Study) -> list[str]:
     """Arms that no recording of role `fit` is of: their friction, hence forces, stay unknown."""
     fitted = {recording.robot for recording in study.recordings if recording.role == "fit"}
@@ -405,7 +424,7 @@ def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
 def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
     """What a schema says of a key, or of an entry of a list."""
     if isinstance(part, str):
-        return node.get("properties", {}).get(part, {})
+        return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
     each = node.get("prefixItems", [])
     return each[part] if part < len(each) else node.get("items", {})
 

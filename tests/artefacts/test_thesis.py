@@ -263,6 +263,24 @@ def test_clocks_come_with_their_error(thesis_results: Path) -> None:
     force = clocks.loc[(TABLE_6_1, "force")]
     assert force["offset_s"] == pytest.approx(-0.0056, abs=1e-3)
     assert (clocks["offset_std_s"] > 0).all()
+    assert (clocks["end_std_s"] >= clocks["offset_std_s"]).all()
+
+
+def test_the_force_sensor_drifts_as_its_host_does(thesis_results: Path) -> None:
+    """No motion tells its clock; that of the IMU on the same host does, in other recordings."""
+    clocks = read_csv(thesis_results / "tables" / "clocks.csv")
+    force = clocks[clocks["device"] == "force"]
+    assert len(force) == 3
+    assert (force["method"] == "start stamps, drift of its host").all()
+    assert force["drift_ppm"].to_numpy() == pytest.approx(-3300, abs=50)
+    assert force["drift_std_ppm"].between(50, 400).all()
+    assert (force["end_std_s"] < 0.01).all()
+    drifts = read_json(thesis_results / "parameters" / "ur5" / "drifts.json")["lab-pc"]
+    assert len(drifts["recordings"]) == 4
+    assert abs(1e6 * drifts["drift"] + 3300) < 2 * 1e6 * drifts["std_error"]
+    told = clocks[clocks["method"] == "angular rate"]
+    apart = (told["drift_ppm"] - 1e6 * drifts["drift"]) / told["drift_std_ppm"]
+    assert apart.abs().max() < 3
 
 
 # The report

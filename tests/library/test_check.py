@@ -111,7 +111,9 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     torn = [finding | {"detail": f"{name}, line 3: left out"} for name in "ab"]
     quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
-    clocks = {"one": {"imu": {"warning": "the arm rests", "offset_std": 0.1}}}
+    poor = {"warning": "the arm rests", "offset_std": 0.1, "end_std": 0.2, "drift": None}
+    fair = {"warning": None, "offset_std": 0.006, "end_std": 0.1, "drift": None}
+    clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     table = group_findings(quality_table({"one": quality, "two": stale}, clocks, forces))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
@@ -120,4 +122,8 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     assert told["two", "same file"] == "byte for byte that of one; not used here"
     assert told["two", "mounting"] == "upside down"
     assert ("one", "mounting") not in told
-    assert told["one", "clock by stamps alone"] == "the arm rests; good to 0.1 s at best"
+    assert told["one", "clock by stamps alone"] == (
+        "the arm rests; good to 0.1 s at the start and 0.2 s at the end"
+    )
+    assert "good to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
+    assert list(table["finding"]).count("unknown drift") == 1

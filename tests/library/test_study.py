@@ -101,6 +101,15 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
                                             for n in "ab"]),
          "recordings: a and b are both /; give each its own file"),
         (lambda raw: raw.update(settings=3), "`settings` is 3; give a mapping"),
+        (lambda raw: raw.update(hosts={"pc": ["force_senser"]}),
+         "`hosts.pc[0]` is 'force_senser' (did you mean `force_sensor`?); "
+         "give one of force_sensor, imu"),
+        (lambda raw: raw.update(hosts={"pc": ["imu"], "laptop": ["force_sensor", "imu"]}),
+         "hosts: imu is named twice; name it on the one host that stamps its samples"),
+        (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
+        (lambda raw: raw.update(host={"pc": ["imu"]}),
+         "unknown key `host` (did you mean `hosts`?); "
+         "known: study, title, recordings, reference, hosts, settings"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(

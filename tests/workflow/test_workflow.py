@@ -19,16 +19,18 @@ FROM_CURRENTS = ["predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_TORQUES = ["compute_torques", "rebuild_forces", *FROM_CURRENTS]
 FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
 FROM_SIGNALS = ["filter_signals", "estimate_gains", *FROM_MOTION]
-FROM_KINEMATICS = ["compute_kinematics", "align_signals", *FROM_SIGNALS]
+FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
+FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
 EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
 FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS
 ARM = {"calibrate_imu": 1} | MODELS | FRICTION
+DRIFTS = {"pool_drifts": 1}
 DOCUMENT = {"time_steps": 1, "write_report": 1}
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
 DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_models": 1, "draw_calibration": 1}
-ALL_ELSE = ARM | {"draw_filters": 1} | REPORT
+ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
@@ -105,8 +107,10 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     ("module", "expected"),
     [
         ("ur5lib/signals/lowpass.py",
-         jobs("align_signals", *FROM_SIGNALS) | ALL_ELSE),
-        ("ur5lib/signals/motion.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
+         jobs(*FROM_CLOCKS) | ALL_ELSE),
+        ("ur5lib/signals/motion.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
+        ("ur5lib/signals/host_drifts.py",
+         jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/signals/smoothing.py", jobs(*FROM_MOTION) | MODELS | FRICTION | REPORT),
         ("ur5lib/signals/euler_route.py",
@@ -117,7 +121,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/identification/friction.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
         ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
-        ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | ARM | REPORT),
+        ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
@@ -183,7 +187,7 @@ def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) ->
         "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: fit}\n",
     )
     again = jobs(*FROM_MOTION, recordings=RECORDINGS + 1)
-    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | again | ARM | REPORT
+    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | again | DRIFTS | ARM | REPORT
 
 
 def test_a_changed_raw_file_reruns_its_recording(workflow: Workflow) -> None:

@@ -4,6 +4,7 @@ from dataclasses import asdict, dataclass
 from typing import Literal
 
 Device = Literal["robot", "force", "imu"]
+SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from ur5lib.recordings.columns import expand, to_si
 from ur5lib.recordings.delimited import drop_untimed, read_numbers
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import SENSORS, Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
 
 Array = NDArray[np.float64]
@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
 IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
 NOTHING = 1e-6  # what an unconnected force sensor writes
-DEVICES: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
 GAP, LONG_GAP = 2.5, 4.0  # usual steps: of lost samples, where they are many; of one gap
 FEW = 0.01  # share of samples that a device's jitter explains
 STAMP_STD = 0.05  # s, of a start stamp that nothing more is known of
@@ -44,7 +43,7 @@ def read_sensors(
     """The sensors that a study names for a recording, where they recorded something."""
     records = {
         device: _read_sensor(Path(recording["folder"]), recording[key], device, findings)
-        for key, device in DEVICES.items()
+        for key, device in SENSORS.items()
         if recording.get(key)
     }
     return {device: record for device, record in records.items() if record is not None}

@@ -12,6 +12,7 @@ from ur5lib.tables import channel
 
 Row = dict[str, object]
 
+REMEDY = "if an IMU's samples were stamped by the same computer, name both under `hosts`"
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
 
 
@@ -61,16 +62,17 @@ def quality_table(
 
 
 def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
-    """Devices that only their start stamps place on the robot's clock."""
+    """Devices that only start stamps place on the robot's clock."""
     for device, clock in clocks.items():
+        row = {"device": device, "severity": "warning", "count": 1}
+        errors = clock["offset_std"], clock["end_std"]
+        good_to = "good to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
         if clock["warning"]:
-            yield {
-                "device": device,
-                "finding": "clock by stamps alone",
-                "severity": "warning",
-                "count": 1,
-                "detail": f"{clock['warning']}; good to {clock['offset_std']:.2g} s at best",
-            }
+            detail = f"{clock['warning']}; {good_to}"
+            yield row | {"finding": "clock by stamps alone", "detail": detail}
+        elif clock["drift"] is None:
+            detail = f"only its start stamp places it on the robot's clock: {good_to}; {REMEDY}"
+            yield row | {"finding": "unknown drift", "detail": detail}
 
 
 def _doubted_mounting(forces: Mapping[str, Any]) -> Iterator[Row]:
@@ -119,7 +121,7 @@ def _said_once(details: list[str]) -> str:
 def clock_table(clocks: Mapping[str, Any]) -> pd.DataFrame:
     """How each device's clock runs against the robot's, from clocks.json."""
     columns = ["recording", "device", "offset_s", "offset_std_s"]
-    columns += ["drift_ppm", "drift_std_ppm", "method"]
+    columns += ["drift_ppm", "drift_std_ppm", "method", "end_std_s"]
     rows = [
         {
             "recording": recording,
@@ -129,6 +131,7 @@ def clock_table(clocks: Mapping[str, Any]) -> pd.DataFrame:
             "drift_ppm": _ppm(clock["drift"]),
             "drift_std_ppm": _ppm(clock["drift_std"]),
             "method": clock["method"],
+            "end_std_s": clock["end_std"],
         }
         for recording, devices in clocks.items()
         for device, clock in devices.items()

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ur5lib.signals.clocks import BY_MOTION
 from ur5lib.signals.end_effector import point_velocity
 from ur5lib.signals.imu_calibration import Array, ImuRecord
 from ur5lib.signals.lowpass import by_segment, inner_lowpass
@@ -19,7 +20,7 @@ GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
 
 def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
     """Whether motion told the IMU's clock (clocks.json): then its readings are of that motion."""
-    return bool(clocks.get("imu", {}).get("method") == "angular rate")
+    return bool(clocks.get("imu", {}).get("method") == BY_MOTION)
 
 
 def imu_record(

@@ -1,10 +1,45 @@
-rule align_signals:
+rule estimate_clocks:
     input:
         robot=result("robot.parquet"),
         force=result("force.parquet"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),
         kinematics=result("kinematics.parquet"),
+        code=code("estimate_clocks"),
+    output:
+        clocks=result("own_clocks.json"),
+    log:
+        f"{RESULTS}/logs/estimate_clocks/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimate_clocks/{{recording}}.tsv"
+    script:
+        "../scripts/estimate_clocks.py"
+
+
+rule pool_drifts:
+    input:
+        clocks=fitted_results("own_clocks.json"),
+        code=code("pool_drifts"),
+    output:
+        drifts=parameter("drifts.json"),
+    log:
+        f"{RESULTS}/logs/pool_drifts/{{robot}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/pool_drifts/{{robot}}.tsv"
+    params:
+        recordings=fitted_on,
+        hosts=STUDY.devices_of_hosts(),
+    script:
+        "../scripts/pool_drifts.py"
+
+
+rule align_signals:
+    input:
+        **({"drifts": parameter_of("drifts.json")} if STUDY.hosts else {}),
+        robot=result("robot.parquet"),
+        force=result("force.parquet"),
+        imu=result("imu.parquet"),
+        clocks=result("own_clocks.json"),
         code=code("align_signals"),
     output:
         signals=result("signals.parquet"),

@@ -1,28 +1,26 @@
 """Put every device on the robot's clock."""
 
-from dataclasses import asdict
 from typing import Any
 
 import pandas as pd
 
-from ur5lib.device_clock import device_clock
+from ur5lib.signals.host_drifts import HostDrift, read_clock, settle_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, read_json, read_table, write_json, write_table
+from ur5lib.tables import read_json, read_table, write_json, write_table
 
 
 def align_signals(input: Any, output: Any, params: Any) -> None:
-    robot, kinematics = read_table(input.robot), read_table(input.kinematics)
-    rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
-    jacobian = channel(kinematics, "J", 36).reshape(-1, 6, 6)
-    signals, summary = [robot], {}
-    for device, start in read_json(input.quality)["starts"].items():
-        table = read_table(getattr(input, device))
-        clock, warning = device_clock(table, start, robot, rotation, jacobian)
-        signals.append(resample(table, clock, robot["time"].to_numpy()))
-        summary[device] = asdict(clock) | {"warning": warning}
+    robot = read_table(input.robot)
+    time = robot["time"].to_numpy()
+    known = read_json(input.drifts) if hasattr(input, "drifts") else {}
+    drifts = {host: HostDrift(**drift) for host, drift in known.items()}
+    clocks = settle_clocks(read_json(input.clocks), drifts, float(time[-1] - time[0]))
+    signals = [robot]
+    for device, clock in clocks.items():
+        signals.append(resample(read_table(getattr(input, device)), read_clock(clock), time))
     write_table(pd.concat(signals, axis="columns"), output.signals)
-    write_json(summary, output.clocks)
+    write_json(clocks, output.clocks)
 
 
 if __name__ == "__main__":

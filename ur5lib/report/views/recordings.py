@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import with_error
+from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.result_tables import group_findings
 from ur5lib.report.results import Body, Results
@@ -68,18 +68,20 @@ def _short(detail: str) -> str:
 
 
 def clocks(results: Results) -> Body:
-    """A row a device: its clock's offset and drift against the robot's."""
+    """A row a device: its clock's offset and drift against the robot's, its error at the end."""
     rows = [
         [
             Cell(clock.recording),
             Cell(clock.device),
             with_error(clock.offset_s, clock.offset_std_s, 3),
             _drift(clock.drift_ppm, clock.drift_std_ppm),
+            Cell(f"± {rounded(clock.end_std_s, 3)}"),
             Cell(clock.method),
         ]
         for clock in results.tables["clocks"].itertuples()
     ]
-    return Body(["recording", "device", "offset [s]", "drift [ppm]", "method"], rows)
+    heads = ["recording", "device", "offset [s]", "drift [ppm]", "at the end [s]", "method"]
+    return Body(heads, rows)
 
 
 def _drift(drift: float, std: float) -> Cell:
