@@ -115,12 +115,14 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     fair = {"warning": None, "offset_std": 0.006, "end_std": 0.1, "drift": None}
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
+    forces["two"]["offset_doubt"] = "a push"
     table = group_findings(quality_table({"one": quality, "two": stale}, clocks, forces))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
     assert told["one", "same file"] == "byte for byte that of two; used here"
     assert told["two", "same file"] == "byte for byte that of one; not used here"
     assert told["two", "mounting"] == "upside down"
+    assert told["two", "offset"] == "a push"
     assert ("one", "mounting") not in told
     assert told["one", "clock by stamps alone"] == (
         "the arm rests; good to 0.1 s at the start and 0.2 s at the end"

@@ -1,11 +1,20 @@
 """Bias, weight and sign of a force sensor, from readings with contacts in them."""
 
+import time
+
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.detection import pushes
-from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
+from ur5lib.force.sensor import (
+    SensorOffset,
+    fit_offset,
+    move_to_frame_6,
+    offset_doubt,
+    wrench_of_environment,
+)
 
 PERIOD = 0.01
 GRAVITY = np.array([0, 0, -9.81])
@@ -27,12 +36,30 @@ def pushed(rotation: np.ndarray, seed: int) -> tuple[np.ndarray, np.ndarray]:
     for first, last in places:
         direction = random.normal(0, [10, 10, 10, 0.5, 0.5, 0.5])
         wrench[first:last] = profile[first:last, None] * direction
+    return felt(wrench, rotation, random), wrench
+
+
+def held(rotation: np.ndarray, share: float, steady: bool = False) -> np.ndarray:
+    """What it reads where a hand presses down for a share of every six seconds, by 20 N."""
+    random = np.random.default_rng(0)
+    every = round(6 / PERIOD)
+    touch = gaussian_filter1d(
+        np.arange(len(rotation)) % every >= every * (1 - share), 5.0, output=float
+    )
+    varying = gaussian_filter1d(random.normal(size=(len(rotation), 6)), 0.3 / PERIOD, axis=0)
+    varying *= 0 if steady else np.array([4, 4, 6, 0.3, 0.3, 0.1]) / varying.std(axis=0)
+    wrench = touch[:, None] * (np.array([5, 0, -20, 0.3, 0, 0.2]) + varying)
+    return felt(wrench, rotation, random)
+
+
+def felt(wrench: np.ndarray, rotation: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Wrench (N, 6) and tool, base axes, as a biased, noisy sensor reads them."""
     weight = np.zeros_like(wrench)
     weight[:, :3] = MASS * GRAVITY
     weight[:, 3:] = np.cross(rotation @ CENTER, weight[:, :3])
     both = np.reshape(wrench + weight, (-1, 2, 3)) @ rotation
     noise = random.normal(0, [0.05] * 3 + [0.002] * 3, wrench.shape)
-    return both.reshape(-1, 6) + BIAS + noise, wrench
+    return both.reshape(-1, 6) + BIAS + noise
 
 
 def test_bias_and_tool_are_found_between_contacts() -> None:
@@ -85,6 +112,64 @@ def test_a_mounting_changes_neither_tool_nor_bias(angles: list[float]) -> None:
         upright.reading(rotation, GRAVITY),
         atol=1e-8,
     )
+
+
+def off_without_contact(offset: SensorOffset, rotation: np.ndarray) -> float:
+    """The largest error [N] of what the sensor should read without contact."""
+    untouched = felt(np.zeros((len(rotation), 6)), rotation, np.random.default_rng(1))
+    error = (offset.reading(rotation, GRAVITY) - untouched)[:, :3]
+    return float(np.abs(gaussian_filter1d(error, 20, axis=0)).max())
+
+
+@pytest.mark.parametrize("turning", [0.0, 0.8])
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.7, 0.8])
+def test_a_hand_that_touches_most_of_the_time_is_no_bias(share: float, turning: float) -> None:
+    rotation = orientations(60, turning)
+    offset = fit_offset(held(rotation, share), rotation, PERIOD, GRAVITY)
+    assert off_without_contact(offset, rotation) < 0.1
+    assert offset.agreeing == pytest.approx(1 - share, abs=0.05)
+    assert offset.rival < 0.1
+    told = offset_doubt(offset)
+    assert (
+        told is None if share < 0.5 else f"only {offset.agreeing:.0%} of its samples" in str(told)
+    )
+
+
+def test_a_steady_push_is_told_as_a_rival() -> None:
+    """As long as the free time, it cannot be told from bias."""
+    rotation = orientations(60, turning=0.0)
+    offset = fit_offset(held(rotation, 0.45, steady=True), rotation, PERIOD, GRAVITY)
+    assert offset.rival == pytest.approx(0.45, abs=0.05)
+    assert "agree on one bias, 4" in str(offset_doubt(offset))
+    assert "record some seconds in which nothing touches" in str(offset_doubt(offset))
+
+
+def test_a_short_free_time_is_told() -> None:
+    rotation = orientations(0.8, turning=0.0)
+    offset = fit_offset(held(rotation, 0.0)[:80], rotation, PERIOD, GRAVITY)
+    assert "its bias is from 80 samples" in str(offset_doubt(offset))
+
+
+@pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:Degrees")
+@pytest.mark.parametrize("count", [0, 5])
+def test_hardly_any_reading_is_no_failure(count: int) -> None:
+    rotation = orientations(5, turning=0.0)
+    reading = held(rotation, 0.0)
+    reading[count:] = np.nan
+    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    assert f"its bias is from {count} samples" in str(offset_doubt(offset))
+
+
+def test_an_hour_takes_seconds() -> None:
+    """At 500 Hz; what is thinned out for the fit is still sorted into free and in contact."""
+    rotation = orientations(60, turning=0.8)
+    hour = np.tile(np.repeat(np.arange(len(rotation)), 5), 60)
+    reading = held(rotation, 0.7)[hour]
+    start = time.process_time()
+    offset = fit_offset(reading, rotation[hour], PERIOD / 5, GRAVITY)
+    assert time.process_time() - start < 20
+    assert 0.15 < offset.free.mean() < 0.3
+    assert off_without_contact(offset, rotation) < 0.1
 
 
 def test_a_wrench_at_the_sensor_keeps_its_force() -> None:

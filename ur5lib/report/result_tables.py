@@ -55,7 +55,7 @@ def quality_table(
             *quality["findings"],
             *_copies(recording, qualities),
             *_poor_clocks(clocks.get(recording, {})),
-            *_doubted_mounting(forces.get(recording, {})),
+            *_doubted_sensor(forces.get(recording, {})),
         ]
     ]
     return pd.DataFrame(rows, columns=columns)
@@ -75,16 +75,19 @@ def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
             yield row | {"finding": "unknown drift", "detail": detail}
 
 
-def _doubted_mounting(forces: Mapping[str, Any]) -> Iterator[Row]:
-    """A force sensor that contradicts the motor currents or its tool's weight."""
-    if forces.get("mounting_doubt"):
-        yield {
-            "device": "force",
-            "finding": "mounting",
-            "severity": "warning",
-            "count": 1,
-            "detail": forces["mounting_doubt"],
-        }
+def _doubted_sensor(forces: Mapping[str, Any]) -> Iterator[Row]:
+    """A force sensor that contradicts the motor currents or its tool's weight, or whose bias may be
+    a push.
+    """
+    for doubted in ("mounting", "offset"):
+        if forces.get(f"{doubted}_doubt"):
+            yield {
+                "device": "force",
+                "finding": doubted,
+                "severity": "warning",
+                "count": 1,
+                "detail": forces[f"{doubted}_doubt"],
+            }
 
 
 def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:

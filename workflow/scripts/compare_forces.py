@@ -12,6 +12,7 @@ from ur5lib.force.sensor import (
     bias,
     fit_offset,
     move_to_frame_6,
+    offset_doubt,
     wrench_of_environment,
 )
 from ur5lib.metrics import (
@@ -54,6 +55,7 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
         rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
         references, offset = sensor_wrenches(signals, rotation, load_robot(input.arm), params)
         summary["offset"] = account(offset, signals, params)
+        summary["offset_doubt"] = offset_doubt(offset)
         summary["mounting_doubt"] = doubt(references["compensated"], forces, rotation, offset)
         for kind, reference in references.items():
             columns |= labelled(reference, kind, WRENCH)
