@@ -154,6 +154,14 @@ def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
     assert workflow.plan() == {}
 
 
+def test_naming_a_host_aligns_again(workflow: Workflow) -> None:
+    append(workflow.folder / "config.yaml", "hosts: {pc: [force_sensor, imu]}\n")
+    again = jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT
+    assert workflow.plan() == again
+    workflow.build()
+    assert workflow.plan() == {}
+
+
 def test_spelling_out_a_default_recomputes_nothing(workflow: Workflow) -> None:
     append(workflow.folder / "config.yaml", "settings: {rebuild_forces: {order: 5}}\n")
     assert workflow.plan() == {}
