@@ -12,7 +12,7 @@ from ur5lib.tables import Array, channel, period
 def current_record(
     name: str, signals: pd.DataFrame, motion: pd.DataFrame, torques: pd.DataFrame, model: str
 ) -> Record | None:
-    """Measured motion and currents, and the torque of a link model at that motion.
+    """Measured motion and currents, and the torque of a link model and payload at that motion.
 
     None where no currents were recorded.
     """
@@ -24,7 +24,7 @@ def current_record(
         segment=signals["segment"].to_numpy(),
         q=channel(motion, "q"),
         qd=channel(motion, "qd"),
-        torque=channel(torques, f"tau_measured_{model}"),
+        torque=channel(torques, f"tau_measured_{model}") + channel(torques, "payload_torque"),
         current=channel(signals, "actual_current"),
     )
 

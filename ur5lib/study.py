@@ -16,7 +16,7 @@ from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS
-from ur5lib.robots.description import robot_names
+from ur5lib.robots.description import Gravity, Payload, robot_names
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
@@ -52,7 +52,21 @@ class Part(Strict):
         description="fit: contact-free, for fitting; validate: contact-free, never fitted on; "
         "contact: something touches the arm"
     )
+    gravity: Gravity | None = Field(
+        None,
+        description="in the base frame [m/s²], for an arm on a ceiling, a wall or a slope; by "
+        "default as in the arm's description",
+    )
+    payload: Payload | None = Field(
+        None,
+        description="what the arm carries beyond its description, told to the controller or not; "
+        "by default what RTDE's `payload` channels say, else nothing",
+    )
     format: str
+
+    def known_payload(self) -> Payload | None:
+        """What the study says that the arm carries."""
+        return self.payload
 
     def file_names(self) -> list[str]:
         """The files below its folder that it names; none when it means all of them."""
@@ -111,6 +125,12 @@ class Simulable(Part):
         description="let the virtual test stand make it, in raw/<study>/<name>, without the keys "
         "that say where real files are",
     )
+
+    def known_payload(self) -> Payload | None:
+        """What the study says that the arm carries, or its plan where the files cannot say it."""
+        if self.payload or self.simulate is None or self.format in layout.TELLING:
+            return self.payload
+        return self.simulate.payload
 
     def file_names(self) -> list[str]:
         """The files below its folder; those that the stand writes where it makes them."""

@@ -101,6 +101,7 @@ UNITS = {  # of a channel, by its name without suffix
     "coriolis_torque": "Nm",
     "gravity_torque": "Nm",
     "momentum": "Nm s",
+    "payload_torque": "Nm",
     "log_odds": "1",
     "tau_motor": "Nm",
     "predicted_current": "A",

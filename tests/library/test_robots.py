@@ -1,12 +1,14 @@
 """Arms as data."""
 
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pinocchio
 import pytest
 import torch
+from pydantic import ValidationError
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
@@ -14,7 +16,7 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
-from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.inertia import mount, rigid_bodies
 from ur5lib.robots.urdf import urdf
 
 
@@ -71,6 +73,35 @@ def test_rotors_are_a_model_more(ur5: Robot) -> None:
 def test_model_names_survive_as_parts_of_column_names() -> None:
     for name in robot_names():
         assert not [model for model in load_robot(robot_path(name)).models if "_" in model]
+
+
+def test_payloads_join_to_one(ur5: Robot) -> None:
+    """In either order as one rigid body; none is none."""
+    one = Payload(mass=0.5, center_of_mass=(0.0, 0.01, 0.02), inertia=(1e-3, 2e-3, 2e-3, 0, 0, 0))
+    other = Payload(mass=1.5, center_of_mass=(0.1, -0.05, 0.03), inertia=(3e-3,) * 3 + (1e-4,) * 3)
+    bodies = [
+        rigid_bodies(arm, "C")
+        for arm in (
+            ur5.carrying(one).carrying(other),
+            ur5.carrying(other.joined(one)),
+            ur5.model_copy(update={"models": {"C": ur5.models["C"]}}).carrying(one.joined(other)),
+        )
+    ]
+    point_by_point = mount(mount(rigid_bodies(ur5, "C"), one), other)
+    for found in bodies:
+        for part in ("mass", "center_of_mass", "inertia"):
+            expected = getattr(point_by_point, part)
+            np.testing.assert_allclose(getattr(found, part), expected, atol=1e-14)
+    assert ur5.carrying(None) is ur5
+    assert one.joined(None) is one
+
+
+@pytest.mark.parametrize("gravity", [(0.0, 0.0, -8.9), (0.0, 0.0, 10.6), (np.nan, 0.0, 9.81)])
+def test_a_gravity_that_is_not_the_earth_s_is_refused(ur5: Robot, gravity: Any) -> None:
+    with pytest.raises(ValidationError, match="a magnitude of 9 to"):
+        Robot.model_validate(ur5.model_dump() | {"gravity": gravity})
+    assert ur5.mounted((0, 9.81, 0)).gravity == (0, 9.81, 0)
+    assert ur5.mounted(None) is ur5
 
 
 def test_a_payload_and_the_flange_become_one_body(ur5: Robot) -> None:

@@ -20,10 +20,11 @@ from ur5lib.dynamics.rigid_body import (
 from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import STEP, Experiment, perform
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.tables import Array
+from ur5lib.tables import Array, channel
 
 torch.set_num_threads(1)
 
@@ -32,6 +33,17 @@ STILL: dict[str, Any] = {"kind": "standstill"}
 PAYLOAD = Payload(
     mass=2.5, center_of_mass=(0.02, -0.03, 0.08), inertia=(0.011, 0.012, 0.007, 0.001, -0.002, 0.0)
 )
+
+
+MOUNTINGS = {  # gravity in the base frame [m/s²]
+    "ceiling": (0.0, 0.0, 9.81),
+    "wall": (0.0, -9.81, 0.0),
+    "tilted": (9.81 * np.sin(np.pi / 6), 0.0, -9.81 * np.cos(np.pi / 6)),
+}
+
+
+def mounted(mounting: str, robot: str = "ur5") -> Robot:
+    return load_robot(robot_path(robot)).mounted(MOUNTINGS[mounting])
 
 
 def experiment(robot: str | Robot = "ur5", **plan: Any) -> Experiment:
@@ -67,6 +79,41 @@ def test_motors_give_what_inverse_dynamics_says(
     assert (
         np.abs(own_torques(done) - torque).max(axis=0) < 1e-6 * np.abs(torque).max(axis=0)
     ).all()
+
+
+@pytest.mark.parametrize("mounting", MOUNTINGS)
+def test_an_arm_may_hang_anywhere(mounting: str) -> None:
+    """Motors and the controller's model under its gravity, which is not the floor's."""
+    arm = mounted(mounting)
+    done = experiment(arm, payload=PAYLOAD.model_dump())
+    torque, floor = done.motion.motor_torque, load_robot(robot_path("ur5")).carrying(PAYLOAD)
+    np.testing.assert_allclose(own_torques(done), torque, atol=1e-6 * np.abs(torque).max())
+    upright = inverse_dynamics(build_arm(floor, done.model), *states(done)).numpy()
+    assert np.abs(upright - torque).max() > 5
+    sent = frames(done, 0.008, None)
+    np.testing.assert_allclose(channel(sent, "target_moment"), target_torques(done), atol=2e-6)
+
+
+def target_torques(done: Experiment) -> Array:
+    """What the true arm, with all that it carries, would take on the target."""
+    targets = done.motion.targets
+    parts = (torch.from_numpy(part[::8].copy()) for part in (targets.q, targets.qd, targets.qdd))
+    return inverse_dynamics(build_arm(done.robot, done.model), *parts).numpy()
+
+
+def test_only_the_arm_knows_of_an_undeclared_payload() -> None:
+    """It moves it; the controller's torque, and what it says of its payload, are without."""
+    known = Payload(mass=1.0, center_of_mass=(0.0, 0.01, 0.05))
+    both = experiment(payload=known.model_dump(), undeclared_payload=PAYLOAD.model_dump())
+    alone = experiment(payload=known.model_dump())
+    torque = both.motion.motor_torque
+    np.testing.assert_allclose(own_torques(both), torque, atol=1e-6 * np.abs(torque).max())
+    sent, told = frames(both, 0.008, None), frames(alone, 0.008, None)
+    np.testing.assert_array_equal(channel(sent, "target_moment"), channel(told, "target_moment"))
+    assert set(sent["payload"]) == {1.0}
+    assert np.abs(target_torques(both) - channel(sent, "target_moment")).max() > 10
+    untold = frames(experiment(undeclared_payload=PAYLOAD.model_dump()), 0.008, None)
+    assert "payload" not in untold
 
 
 def test_torques_balance_with_friction_and_contacts() -> None:
@@ -119,10 +166,13 @@ def test_frame_6_is_where_it_belongs(robot: str) -> None:
     np.testing.assert_allclose(motion.rotation.reshape(-1, 3, 3), rotation, atol=1e-12)
 
 
-def test_imu_feels_what_kinematics_say(ur5: Robot) -> None:
-    """At its mounting place, gravity upwards at rest, axes turned against frame 6."""
-    turn = np.array([-0.5, -0.1, 0.1])
-    motion = (done := experiment(imu={"mounting_deg": turn.tolist()}, friction=True)).motion
+@pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
+def test_imu_feels_what_kinematics_say(
+    ur5: Robot, gravity: tuple[float, float, float] | None
+) -> None:
+    """At its mounting place, against gravity at rest, axes turned against frame 6."""
+    turn, ur5 = np.array([-0.5, -0.1, 0.1]), ur5.mounted(gravity)
+    motion = (done := experiment(ur5, imu={"mounting_deg": turn.tolist()}, friction=True)).motion
     assert ur5.mounting is not None
     arm, (q, qd, qdd) = build_arm(done.robot, done.model), states(done)
     place = torch.tensor(ur5.mounting.imu, dtype=torch.float64)
@@ -159,11 +209,16 @@ def test_force_sensor_reads_the_force_of_the_hand_on_the_arm(ur5: Robot) -> None
     np.testing.assert_allclose(wrench, motion.wrench, atol=1e-10)
 
 
-def test_force_sensor_carries_the_tool() -> None:
+@pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
+@pytest.mark.parametrize("key", ["payload", "undeclared_payload"])
+def test_force_sensor_carries_the_tool(
+    ur5: Robot, key: str, gravity: tuple[float, float, float] | None
+) -> None:
     """Its weight at rest, its inertia in motion; the sensor sits 28.6 mm from frame 6."""
-    motion = experiment(payload=PAYLOAD.model_dump(), trajectory=STILL).motion
+    arm = ur5.mounted(gravity)
+    motion = experiment(arm, **{key: PAYLOAD.model_dump()}, trajectory=STILL, seconds=2).motion
     rotation = motion.rotation[-1].reshape(3, 3)
-    weight = rotation.T @ [0, 0, -9.81 * PAYLOAD.mass]
+    weight = PAYLOAD.mass * np.array(arm.gravity) @ rotation
     lever = np.array(PAYLOAD.center_of_mass) - [0, 0, 0.0286]
     np.testing.assert_allclose(motion.force_sensor[-1, :3], weight, atol=1e-6)
     np.testing.assert_allclose(motion.force_sensor[-1, 3:], np.cross(lever, weight), atol=1e-6)
@@ -277,6 +332,30 @@ def test_a_hand_follows_and_lets_go() -> None:
     assert 10 < force.max() < 150
     assert np.abs(np.diff(force)).max() < 0.03 * force.max()
     assert force[:1000].max() == force[3501:].max() == 0
+
+
+@pytest.mark.parametrize("mounting", ["ceiling", "tilted"])
+def test_a_grasped_load_is_a_mass_at_its_point(mounting: str) -> None:
+    """m (g − a) while it is held, a that of the point; before and after, nothing."""
+    load = {"kind": "load", "mass": 2, "start_s": 1, "seconds": 2.5, "point": [0.02, 0, 0.1]}
+    motion = (done := experiment(mounted(mounting), contacts=[load], friction=True)).motion
+    arm, point = build_arm(done.robot, done.model), torch.tensor(load["point"])
+    moved = acceleration(arm, *states(done), point=point.double())[:, :3].numpy()
+    expected = 2 * (done.robot.gravity - moved)
+    held = slice(1250, 3250)
+    off = np.abs(motion.wrench[held, :3] - expected[held])
+    assert off.max() < 0.05 * np.ptp(expected[held], axis=0).max()
+    assert off.mean() < 0.02
+    assert np.abs(motion.wrench[:1000]).max() == np.abs(motion.wrench[3501:]).max() == 0
+    assert np.abs(np.diff(motion.wrench[:, :3], axis=0)).max() < 0.5
+
+
+@pytest.mark.parametrize("model", ["A", "C+rotors"])
+def test_a_load_heavier_than_the_arm_may_lift_is_stable(model: str) -> None:
+    load = {"kind": "load", "mass": 20, "start_s": 0.5, "seconds": 10}
+    motion = experiment(trajectory=STILL, model=model, contacts=[load]).motion
+    assert np.abs(motion.qd[-1000:]).max() < 1e-4
+    np.testing.assert_allclose(motion.wrench[-1, :3], [0, 0, -20 * 9.81], atol=1e-2)
 
 
 @pytest.mark.parametrize(

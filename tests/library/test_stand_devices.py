@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from ur5lib.carried import told_payload
 from ur5lib.device_clock import device_clock
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
@@ -127,6 +128,29 @@ def test_readers_find_nothing_amiss(record: Recorder, format: Format, robot: str
     assert intake.quality["period_s"] == (0.002 if format == "rtde-csv" else 0.008)
     assert len(intake.robot) == len(recorded.true())
     np.testing.assert_allclose(intake.robot["time"], recorded.true()["time"], atol=1e-9)
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_controller_knows_the_payload_that_its_files_name(
+    record: Recorder, format: Format
+) -> None:
+    """RTDE's channels name it and `target_moment` has it; other files have neither."""
+    payload = {"mass": 2.0, "center_of_mass": [0.01, -0.02, 0.06], "inertia": [0.01] * 3 + [0] * 3}
+    loaded, bare = (
+        record(format, seconds=1.5, trajectory={"kind": "standstill"}, friction=False, **carried)
+        for carried in ({"payload": payload}, {})
+    )
+    robot = loaded.taken_in().robot
+    more = channel(robot, "target_moment") - channel(bare.taken_in().robot, "target_moment")
+    found = told_payload(robot)
+    if format == "rtde-csv":
+        assert found == loaded.plan.payload
+        assert np.abs(more).max() > 10
+    else:
+        assert found is None
+        assert np.abs(more).max() == 0
+    shift = channel(loaded.true(), "tau_motor")[-1] - channel(bare.true(), "tau_motor")[-1]
+    assert np.abs(shift).max() > 10
 
 
 def test_truth_lies_apart(like_no8: Recorded) -> None:

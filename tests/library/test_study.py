@@ -81,7 +81,13 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
             "project's folder, correct the path, or fetch it (`ur5 fetch thesis`)",
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
-         "unknown key `recordings[0].columns`; known: name, robot, folder, role, format, simulate"),
+         "unknown key `recordings[0].columns`; known: name, robot, folder, role, gravity, payload, "
+         "format, simulate"),
+        (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
+         "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
+         "9 to 10.5"),
+        (lambda raw: raw["recordings"][0].update(payload={"mass": float("nan")}),
+         "`recordings[0].payload.mass` is nan; give a number above 0"),
         (lambda raw: raw["recordings"][0].update(format="table-csv", file="a.csv"),
          "`recordings[0].columns` is missing; give a list with entries, at least 1"),
         (lambda raw: raw["recordings"][0].update(
@@ -143,7 +149,7 @@ FOURIER = {"kind": "fourier"}
          "give a list with entries, at least 2"),
         ({"contacts": [{"kind": "push", "start_s": 1, "force": [1, 2, 3]}, {"kind": "psh"}]},
          "`recordings[0].simulate.contacts[1].kind` is 'psh' (did you mean `push`?); "
-         "give one of push, hand, spring, wall"),
+         "give one of push, hand, spring, wall, load"),
         ({"contacts": [{"kind": "push", "start_s": -1, "force": [1, 2, 3]}]},
          "`recordings[0].simulate.contacts[0].start_s` is -1; give a number at least 0"),
         ({"faults": {"lost_frame": 0.1}},
@@ -179,6 +185,19 @@ def test_a_simulated_recording_needs_no_files(raw: dict[str, Any]) -> None:
     assert complaints(raw) == [
         "config.yaml: `recordings[0].folder` says where real files are; leave it or `simulate` out"
     ]
+
+
+def test_a_plan_s_payload_is_known_where_no_file_can_say_it(raw: dict[str, Any]) -> None:
+    """RTDE's channels tell it, and else the study; what the study says itself comes first."""
+    plan = {"trajectory": FOURIER, "payload": {"mass": 2}, "undeclared_payload": {"mass": 1}}
+    simulated = {"robot": "ur5", "role": "fit", "simulate": plan}
+    raw["recordings"] = [
+        simulated | {"name": "thesis", "format": "thesis-csv"},
+        simulated | {"name": "rtde", "format": "rtde-csv"},
+        simulated | {"name": "said", "format": "thesis-csv", "payload": {"mass": 3}},
+    ]
+    known = [recording.known_payload() for recording in parse_study(raw, "").recordings]
+    assert [payload and payload.mass for payload in known] == [2, None, 3]
 
 
 def test_a_real_recording_still_needs_its_file(raw: dict[str, Any]) -> None:

@@ -20,7 +20,9 @@ TIME = np.arange(COUNT) * PERIOD
 BIAS = np.array([-5.0, 2.0, -1.0, 0.1, 0.4, -0.1])
 FORCE = np.array([10.0, -5.0, 8.0])
 SENSOR = [f"{kind}_{c}" for kind in ("printed", "corrected", "compensated") for c in WRENCH]
-SETTINGS = SimpleNamespace(order=5, cutoff_hz=1.454, bias_window_s=1.0, min_singular_value=0.01)
+SETTINGS = SimpleNamespace(
+    order=5, cutoff_hz=1.454, bias_window_s=1.0, min_singular_value=0.01, gravity=None
+)
 
 
 def truth() -> tuple[np.ndarray, ...]:

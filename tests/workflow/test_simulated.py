@@ -88,6 +88,13 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
     [
         ("config.yaml", "seed: 1", "seed: 2", HELD | {"repair_frames": 1}),
         ("config.yaml", "role: fit", "role: validate", {}),
+        ("config.yaml", "role: contact", "role: contact\n    payload: {mass: 1}", {}),
+        (
+            "config.yaml",
+            "role: contact",
+            "role: contact\n    gravity: [0, 0, 9.81]",
+            HELD | {"repair_frames": 1},
+        ),
         ("points.txt", "0.5", "0.6", MOVED | {"repair_frames": 1}),
         ("ur5lib/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
         ("ur5lib/robots/ur5.yaml", "1.61", "1.62", MOVED | HELD | {"repair_frames": 2}),

@@ -1,11 +1,12 @@
 """An arm as data: the YAML files of this folder, read and checked."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeVar
 
 import yaml
-from pydantic import Field, ValidationError, model_validator
+from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
 
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict
@@ -18,6 +19,17 @@ PerLink = tuple[T, T, T, T, T, T]
 PerJoint = PerLink[float]
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
+
+ON_EARTH = (9.0, 10.5)  # m/s²
+
+
+def _on_earth(gravity: Vector3) -> Vector3:
+    if not ON_EARTH[0] <= math.hypot(*gravity) <= ON_EARTH[1]:
+        raise ValueError("three numbers [m/s²] with a magnitude of 9 to 10.5")
+    return gravity
+
+
+Gravity = Annotated[Vector3, AfterValidator(_on_earth)]
 
 
 class DenavitHartenberg(Strict):
@@ -63,9 +75,30 @@ class Payload(Strict):
     inertia: xx yy zz xy xz yz, about the payload's centre of mass, axes of frame 6.
     """
 
+    model_config = ConfigDict(allow_inf_nan=False)
+
     mass: Positive
     center_of_mass: Vector3 = (0.0, 0.0, 0.0)
     inertia: PerJoint = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def joined(self, other: "Payload | None") -> "Payload":
+        """This payload and another as one rigid body (Equations 2.45, 2.46)."""
+        if other is None:
+            return self
+        mass = self.mass + other.mass
+        x, y, z = (
+            (self.mass * one + other.mass * two) / mass
+            for one, two in zip(self.center_of_mass, other.center_of_mass, strict=True)
+        )
+        inertias = (part.inertia_about((x, y, z)) for part in (self, other))
+        xx, yy, zz, xy, xz, yz = (one + two for one, two in zip(*inertias, strict=True))
+        return Payload(mass=mass, center_of_mass=(x, y, z), inertia=(xx, yy, zz, xy, xz, yz))
+
+    def inertia_about(self, point: Vector3) -> list[float]:
+        """xx yy zz xy xz yz [kg m²] about a point of frame 6 [m] (parallel-axis theorem)."""
+        x, y, z = (c - p for c, p in zip(self.center_of_mass, point, strict=True))
+        shift = [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z]
+        return [own + self.mass * shifted for own, shifted in zip(self.inertia, shift, strict=True)]
 
 
 class Model(Strict):
@@ -125,7 +158,7 @@ class Robot(Strict):
     """A six-joint arm: geometry, masses, link models and the constants published for it."""
 
     name: str
-    gravity: Vector3
+    gravity: Gravity
     denavit_hartenberg: PerLink[DenavitHartenberg]
     joints: PerLink[str]
     motors: dict[str, Motor]
@@ -164,13 +197,22 @@ class Robot(Strict):
         """The same arm with a model more, or another of that name."""
         return self.model_copy(update={"models": self.models | {name: model}})
 
-    def carrying(self, payload: Payload) -> Self:
-        """The same arm with a payload on its flange, in each of its models."""
+    def carrying(self, payload: Payload | None) -> Self:
+        """The same arm with a payload more on its flange, in each of its models."""
+        if payload is None:
+            return self
         models = {
-            name: model.model_copy(update={"payload": payload})
+            name: model.model_copy(update={"payload": payload.joined(model.payload)})
             for name, model in self.models.items()
         }
         return self.model_copy(update={"models": models})
+
+    def mounted(self, gravity: Sequence[float] | None) -> Self:
+        """The same arm under another gravity (3,) [m/s²], base frame; None: as described."""
+        if gravity is None:
+            return self
+        x, y, z = map(float, gravity)
+        return self.model_copy(update={"gravity": (x, y, z)})
 
 
 def robot_names() -> list[str]:

@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.stand.arm import FLANGE, TOOL
-from ur5lib.stand.plan import Hand, Push, Spring, Timed, Wall
+from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
 
 Array = NDArray[np.float64]
-Kind = Push | Hand | Spring | Wall
+Kind = Push | Hand | Spring | Wall | Load
+
+GRASP = 0.2  # s, until a load is lifted, or put down
 
 
 def _swell(contact: Timed, time: float) -> float:
@@ -18,18 +20,33 @@ def _swell(contact: Timed, time: float) -> float:
     return float(np.sin(np.pi * (time - contact.start_s) / contact.seconds) ** 2)
 
 
+def _grip(load: Load, time: float) -> float:
+    """How much of a load is held: 0 where it starts and ends, 1 in between."""
+    since = min(time - load.start_s, load.start_s + load.seconds - time)
+    return float(np.sin(np.pi / 2 * min(since / GRASP, 1.0)) ** 2)
+
+
 @dataclass
 class Touch:
     """One contact while it is simulated.
 
-    anchor: where a spring is held, or a hand is [m], once it touches.
+    gravity: (3,) [m/s²], base axes; anchor: where a spring is held, or a hand is [m], once it
+    touches; velocity, weight: of a load, in the step before [m/s, N].
     """
 
     plan: Kind
+    gravity: Array
     anchor: Array | None = field(default=None, init=False)
+    velocity: Array | None = field(default=None, init=False)
+    weight: Array = field(default_factory=lambda: np.zeros(3), init=False)
 
-    def force(self, time: float, point: Array, velocity: Array, step: float) -> Array:
-        """On the arm (3,) [N], base axes, at a point [m] that moves [m/s]."""
+    def force(
+        self, time: float, point: Array, velocity: Array, mobility: Array, step: float
+    ) -> Array:
+        """On the arm (3,) [N], base axes, at a point [m] that moves [m/s].
+
+        mobility: by which a force there accelerates the point (3, 3) [1/kg].
+        """
         contact = self.plan
         if isinstance(contact, Wall):
             return _wall(contact, point, velocity)
@@ -37,7 +54,21 @@ class Touch:
             return np.zeros(3)
         if isinstance(contact, Push):
             return _swell(contact, time) * np.array(contact.force)
+        if isinstance(contact, Load):
+            return self._weigh(_grip(contact, time) * contact.mass, velocity, mobility, step)
         return self._pull(contact, time, point, velocity, step)
+
+    def _weigh(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
+        """Weight and inertia of a mass at the point: f = m (g − a), a = a_free + W f.
+
+        a_free, without the mass, is that of the step before: so any mass is stable.
+        """
+        before = velocity if self.velocity is None else self.velocity
+        free = (velocity - before) / step - mobility @ self.weight
+        self.velocity = velocity
+        held = np.linalg.solve(np.eye(3) + mass * mobility, mass * (self.gravity - free))
+        self.weight = held.astype(np.float64)
+        return self.weight
 
     def _pull(
         self,
@@ -75,7 +106,7 @@ class Contacts:
     """All contacts of a recording, put onto the arm step by step."""
 
     def __init__(self, model: mujoco.MjModel, contacts: list[Kind]) -> None:
-        self._touches = [Touch(contact) for contact in contacts]
+        self._touches = [Touch(contact, model.opt.gravity.copy()) for contact in contacts]
         self._flange = model.body(FLANGE).id
         self._bodies = [
             model.body(TOOL if touch.plan.link == 6 else f"link_{touch.plan.link}").id
@@ -94,7 +125,8 @@ class Contacts:
         for touch, body in zip(self._touches, self._bodies, strict=True):
             point = data.xpos[body] + data.xmat[body].reshape(3, 3) @ touch.plan.point
             mujoco.mj_jac(model, data, self._jacobian, None, point, body)
-            force = touch.force(data.time, point, self._jacobian @ data.qvel, step)
+            velocity, mobility = self._jacobian @ data.qvel, self._mobility(model, data)
+            force = touch.force(data.time, point, velocity, mobility, step)
             if not force.any():
                 continue
             moment = np.cross(point - data.xipos[body], force)
@@ -104,3 +136,9 @@ class Contacts:
                 wrench[:3] += force
                 wrench[3:] += np.cross(point - data.xpos[self._flange], force)
         return torque, wrench
+
+    def _mobility(self, model: mujoco.MjModel, data: mujoco.MjData) -> Array:
+        """W = J M⁻¹ Jᵀ (3, 3) [1/kg] of the point whose Jacobian was computed last."""
+        solved = np.empty_like(self._jacobian)
+        mujoco.mj_solveM(model, data, solved, self._jacobian)
+        return solved @ self._jacobian.T

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 from scipy.spatial.transform import Rotation
 
+from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.drive import current_noise, stir
 from ur5lib.stand.engine import STEP, Experiment, Motion
@@ -34,15 +35,15 @@ def frames(
     cycle: [s]; random: of the noise, None for none. `actual_TCP_force` is its own estimate, the
     wrench of the arm on its environment, from what model and known friction leave of the currents.
     """
-    plant, drive, motion = experiment.plant, experiment.drive, experiment.motion
+    known, drive, motion = experiment.known, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
     q, qd = _encoders(motion, random)
     current = motion.motor_torque / drive.torque_constant
     if random is not None:
         current = current + current_noise(motion.q, motion.qd, random)
     targets, current = _at(motion.targets, steps), current[steps]
-    moment = model_torques(plant, targets)
-    jacobian = jacobians(plant, motion.q[steps])
+    moment = model_torques(known, targets)
+    jacobian = jacobians(known, motion.q[steps])
     expected = moment + drive.known_friction(targets.qd)
     force = _force(drive.torque_constant * current - expected, jacobian, cycle)
     channels = {
@@ -62,7 +63,18 @@ def frames(
     columns = {"time": np.round(STEP * steps, DECIMALS)}
     for name, values in channels.items():
         columns |= named(np.round(values, DECIMALS), name)
-    return pd.DataFrame(columns)
+    return pd.DataFrame(columns | _payload(experiment.told, len(steps)))
+
+
+def _payload(told: Payload | None, count: int) -> dict[str, Array]:
+    """RTDE's channels of the payload that the controller was told of; none without one."""
+    if told is None:
+        return {}
+    channels = {"payload_cog": told.center_of_mass, "payload_inertia": told.inertia}
+    columns = {"payload": np.full(count, told.mass)}
+    for name, values in channels.items():
+        columns |= named(np.tile(values, (count, 1)), name)
+    return columns
 
 
 def model_torques(plant: mujoco.MjModel, motion: Targets) -> Array:

@@ -42,24 +42,30 @@ class Drive:
 
     def torques(
         self, model: mujoco.MjModel, data: mujoco.MjData, target: tuple[Array, Array, Array]
-    ) -> tuple[Array, Array]:
-        """What the links take on their target, and what the motors give, (6,) [Nm].
+    ) -> Array:
+        """What the motors give, (6,) [Nm].
 
         u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71); then friction.
-        data: with positions and velocities computed; target: q [rad], q̇, q̈.
+        model: as the controller knows the arm; data: with positions and velocities computed;
+        target: q [rad], q̇, q̈.
         """
         q, qd, qdd = target
         back = self.position_gain * (q - data.qpos) + self.velocity_gain * (qd - data.qvel)
-        links, correction = np.empty((2, 6))
-        mujoco.mj_mulM(model, data, links, qdd)
+        correction = np.empty(6)
         mujoco.mj_mulM(model, data, correction, back)
-        links += data.qfrc_bias
-        motors = links + correction + self.viscous * qd
-        return links, np.clip(motors, -self.torque_max, self.torque_max)
+        motors = link_torques(model, data, qdd) + correction + self.viscous * qd
+        return np.clip(motors, -self.torque_max, self.torque_max)
 
     def known_friction(self, qd: Array) -> Array:
         """The friction torques (..., 6) [Nm] that the controller reckons with; qd: [rad/s]."""
         return self.viscous * qd + self.coulomb * np.tanh(qd / MOVES)
+
+
+def link_torques(model: mujoco.MjModel, data: mujoco.MjData, qdd: Array) -> Array:
+    """D(q) q̈ + C q̇ + g (6,) [Nm]; data: with positions and velocities computed."""
+    torques = np.empty(6)
+    mujoco.mj_mulM(model, data, torques, qdd)
+    return torques + data.qfrc_bias
 
 
 def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.stand.arm import FLANGE, build_arm
 from ur5lib.stand.contacts import Contacts
-from ur5lib.stand.drive import Drive, drive_of
+from ur5lib.stand.drive import Drive, drive_of, link_torques
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
@@ -66,39 +66,48 @@ class Motion:
 class Experiment:
     """An arm as a plan equips it, and what it did.
 
-    robot: with what it carries; model: the name of its true link model; plant: that in MuJoCo.
+    robot: with all that it carries; model: the name of its true link model; plant: that in MuJoCo;
+    known: the same as the controller knows it; told: the payload that it was told of.
     """
 
     robot: Robot
     model: str
     plan: SimulatedRecording
     plant: mujoco.MjModel
+    known: mujoco.MjModel
+    told: Payload | None
     friction: FrictionParameters
     drive: Drive
     motion: Motion
 
 
-def perform(robot: Robot, plan: SimulatedRecording, random: np.random.Generator) -> Experiment:
+def perform(
+    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, tell: bool = True
+) -> Experiment:
     """Do what is planned; random: of the friction at the start.
 
+    tell: whether the controller is told of the plan's payload; of an undeclared one it never is.
     Raises InputError when the arm cannot do it.
     """
     model = plan.model or list(robot.models)[-1]
     if model not in robot.models:
         known = ", ".join(robot.models)
         raise InputError(f"{robot.name} has no model {model!r} to simulate; give one of {known}")
-    if plan.payload is not None:
-        robot = robot.carrying(plan.payload)
+    told = plan.payload if tell else None
+    loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
-    plant = build_arm(robot, model, mounting, STEP)
+    plant = build_arm(loaded, model, mounting, STEP)
+    known = build_arm(robot.carrying(told), model, mounting, STEP)
     friction = friction_of(robot, plan.friction)
     drive = drive_of(robot, friction)
-    motion = _move(plant, robot, plan, drive, Friction(friction, random.uniform(-START, START, 6)))
-    return Experiment(robot, model, plan, plant, friction, drive, motion)
+    rubbing = Friction(friction, random.uniform(-START, START, 6))
+    motion = _move(plant, known, loaded, plan, drive, rubbing)
+    return Experiment(loaded, model, plan, plant, known, told, friction, drive, motion)
 
 
 def _move(
     plant: mujoco.MjModel,
+    known: mujoco.MjModel,
     robot: Robot,
     plan: SimulatedRecording,
     drive: Drive,
@@ -108,20 +117,36 @@ def _move(
     targets = plan_targets(plan.trajectory, robot, time)
     contacts = Contacts(plant, plan.contacts)
     kept = np.empty((len(time), sum(PARTS.values())))
-    data = mujoco.MjData(plant)
+    data, control = mujoco.MjData(plant), Control(known, mujoco.MjData(known), drive)
     data.qpos, data.time = targets.q[0], -SETTLE * STEP
     wanted = [*zip(targets.q, targets.qd, targets.qdd, strict=True)]
     for step in range(-SETTLE, len(time)):
         now = max(step, 0)
-        _step(plant, data, drive, friction, contacts, wanted[now], kept[now])
+        _step(plant, data, control, friction, contacts, wanted[now], kept[now])
     parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
     return Motion(time, targets, *parts)
+
+
+@dataclass(frozen=True)
+class Control:
+    """The drives, with the arm as the controller knows it."""
+
+    known: mujoco.MjModel
+    data: mujoco.MjData
+    drive: Drive
+
+    def torques(self, q: Array, qd: Array, target: tuple[Array, Array, Array]) -> Array:
+        """What the motors give (6,) [Nm] where the arm is at q [rad], qd [rad/s]."""
+        self.data.qpos, self.data.qvel = q, qd
+        mujoco.mj_fwdPosition(self.known, self.data)
+        mujoco.mj_fwdVelocity(self.known, self.data)
+        return self.drive.torques(self.known, self.data, target)
 
 
 def _step(
     plant: mujoco.MjModel,
     data: mujoco.MjData,
-    drive: Drive,
+    control: Control,
     friction: Friction,
     contacts: Contacts,
     target: tuple[Array, Array, Array],
@@ -130,7 +155,8 @@ def _step(
     """Forces at this instant, a step on, and what was, in the order of PARTS."""
     mujoco.mj_step1(plant, data)
     q, qd = data.qpos.copy(), data.qvel.copy()
-    load, motor = drive.torques(plant, data, target)
+    motor = control.torques(q, qd, target)
+    load = link_torques(plant, data, target[2])
     rubbing = friction.torque(q, qd, load, STEP)
     contact, wrench = contacts.apply(plant, data, STEP)
     data.qfrc_applied = motor - rubbing

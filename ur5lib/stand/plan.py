@@ -126,7 +126,14 @@ class Wall(OnArm):
     damping_ns_m: Damping = 100.0
 
 
-Contact = Annotated[Push | Hand | Spring | Wall, Field(discriminator="kind")]
+class Load(Timed):
+    """A mass that is grasped, held and put down: its weight and inertia act at the point."""
+
+    kind: Literal["load"]
+    mass: float = Field(gt=0, le=20, description="[kg]")
+
+
+Contact = Annotated[Push | Hand | Spring | Wall | Load, Field(discriminator="kind")]
 
 
 class Clock(Planned):
@@ -181,7 +188,14 @@ class SimulatedRecording(Planned):
     seconds: float = Field(20.0, gt=1, le=600)
     seed: int = Field(0, ge=0, description="of the noise, and of which frames faults hit")
     model: str | None = Field(None, description="the true link model; by default the arm's last")
-    payload: Payload | None = Field(None, description="beyond the force sensor, and known")
+    payload: Payload | None = Field(
+        None,
+        description="beyond the force sensor, and known: the controller is told of it where its "
+        "format says so (rtde-csv), else the recording's `payload` is this one",
+    )
+    undeclared_payload: Payload | None = Field(
+        None, description="beyond the force sensor, and known to nobody"
+    )
     friction: bool = Field(True, description="whether the joints have friction")
     noise: bool = Field(True, description="whether what is measured has noise")
     contacts: list[Contact] = Field(default=[], description="what touches the arm")

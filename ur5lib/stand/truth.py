@@ -21,6 +21,7 @@ def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> 
     write_table(truth_table(motion, cycle), f"{truth}.parquet")
     summary = {
         "robot": experiment.robot.name,
+        "gravity": experiment.robot.gravity,
         "model": experiment.model,
         "cycle_s": cycle,
         "plan": plan.model_dump(),

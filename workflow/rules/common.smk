@@ -114,7 +114,30 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """What a reader needs to know of a recording: nothing of what it is used for."""
-    return recording_of(wildcards).model_dump_json(exclude={"name", "role", "robot", "simulate"})
+    unread = {"name", "role", "robot", "gravity", "payload", "simulate"}
+    return recording_of(wildcards).model_dump_json(exclude=unread)
+
+
+def gravity_of(wildcards):
+    """Gravity in the base frame of a recording [m/s²]; None: as in the arm's description."""
+    return gravities([wildcards.recording])[0]
+
+
+def gravities(names):
+    """The same of several recordings."""
+    found = [RECORDINGS[name].gravity for name in names]
+    return [gravity and list(gravity) for gravity in found]
+
+
+def fitted_gravities(wildcards):
+    """The same of each recording that an arm's parameters are fitted on."""
+    return gravities(fitted_on(wildcards))
+
+
+def payload_of(wildcards):
+    """What the study says that a recording's arm carries, as JSON; empty where it says nothing."""
+    payload = recording_of(wildcards).known_payload()
+    return payload.model_dump_json() if payload else ""
 
 
 def raw_files(name):

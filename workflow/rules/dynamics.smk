@@ -22,9 +22,13 @@ rule compute_torques:
         code=code("compute_torques"),
     output:
         torques=result("torques.parquet"),
+        summary=result("torques.json"),
     log:
         f"{RESULTS}/logs/compute_torques/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/compute_torques/{{recording}}.tsv"
+    params:
+        gravity=gravity_of,
+        payload=payload_of,
     script:
         "../scripts/compute_torques.py"

@@ -76,6 +76,7 @@ rule compare_forces:
     benchmark:
         f"{RESULTS}/benchmarks/compare_forces/{{recording}}.tsv"
     params:
+        gravity=gravity_of,
         bias_window_s=SETTINGS.compare_forces.bias_window_s,
         min_singular_value=SETTINGS.rebuild_forces.min_singular_value,
     script:

@@ -28,6 +28,7 @@ rule fit_rotor_inertia:
         f"{RESULTS}/benchmarks/fit_rotor_inertia/{{robot}}.tsv"
     params:
         recordings=fitted_on,
+        gravities=fitted_gravities,
         order=SETTINGS.filter_signals.order,
         cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
     script:
@@ -51,6 +52,7 @@ rule identify_model:
         f"{RESULTS}/benchmarks/identify_model/{{robot}}.tsv"
     params:
         recordings=fitted_on,
+        gravities=fitted_gravities,
         order=SETTINGS.filter_signals.order,
         cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
     script:
@@ -118,6 +120,7 @@ rule estimate_payload:
         f"{RESULTS}/benchmarks/estimate_payload/{{recording}}.tsv"
     params:
         recording="{recording}",
+        gravity=gravity_of,
         order=SETTINGS.fit_friction.order,
         cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
     script:

@@ -84,6 +84,7 @@ rule calibrate_imu:
         f"{RESULTS}/benchmarks/calibrate_imu/{{robot}}.tsv"
     params:
         recordings=fitted_on,
+        gravities=fitted_gravities,
         order=SETTINGS.compare_accelerations.order,
         cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
     script:
@@ -107,6 +108,7 @@ rule smooth_motion:
         f"{RESULTS}/benchmarks/smooth_motion/{{recording}}.tsv"
     params:
         recording="{recording}",
+        gravity=gravity_of,
     script:
         "../scripts/smooth_motion.py"
 
@@ -132,7 +134,9 @@ rule compare_accelerations:
     benchmark:
         f"{RESULTS}/benchmarks/compare_accelerations/{{recording}}.tsv"
     params:
+        gravity=gravity_of,
         others=other_contact_free,
+        other_gravities=lambda wildcards: gravities(other_contact_free(wildcards)),
         order=SETTINGS.compare_accelerations.order,
         cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
     script:

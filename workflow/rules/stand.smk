@@ -18,6 +18,7 @@ for recording in SIMULATED:
             f"{RESULTS}/benchmarks/simulate_recording/{recording}.tsv"
         params:
             format=RECORDINGS[recording].format,
+            gravity=gravities([recording])[0],
             plan=RECORDINGS[recording].simulate.model_dump_json(),
         script:
             "../scripts/simulate_recording.py"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.metrics import Array, mean_absolute_error
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clocks import clock_from_stamps
 from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
 from ur5lib.signals.euler_route import euler_acceleration
@@ -38,16 +38,20 @@ ESTIMATES = {"encoders": "", "encoders+imu": "fused_"}  # prefixes of their chan
 
 @dataclass(frozen=True)
 class Recording:
-    """What the comparison needs of a recording.
-
-    point: (3,) [m], the IMU in frame 6; gravity: (3,) [m/s²], base frame.
-    """
+    """What the comparison needs of a recording; robot: under its gravity."""
 
     signals: pd.DataFrame
     kinematics: pd.DataFrame
     motion: pd.DataFrame
-    point: Array
-    gravity: Array
+    robot: Robot
+
+    def point(self) -> Array:
+        """The IMU's place in frame 6 (3,) [m]."""
+        return np.array(self.robot.mounting.imu)
+
+    def gravity(self) -> Array:
+        """Gravity in the base frame (3,) [m/s²]."""
+        return np.array(self.robot.gravity)
 
     def rotation(self) -> Array:
         """R_6 (N, 3, 3)."""
@@ -80,12 +84,11 @@ class Recording:
 def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     signals, kinematics, motion = map(read_table, (input.signals, input.kinematics, input.motion))
     robot = load_robot(input.arm)
-    place = np.array(robot.mounting.imu), np.array(robot.gravity)
-    recording = Recording(signals, kinematics, motion, *place)
+    recording = Recording(signals, kinematics, motion, robot.mounted(params.gravity))
     columns: dict[str, Array] = {}
     summary: dict[str, Any] = {"errors": {}}
     if has_valid_imu(read_json(input.clocks)):
-        others = other_records(input, *place, params)
+        others = other_records(input, robot, params)
         calibration = calibrate([*others.values()]) if others else AS_DRAWN
         ours, bias = as_calibrated(recording, calibration, params)
         stamps = read_json(input.quality)["starts"]["imu"]
@@ -100,27 +103,29 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     write_json(summary, output.summary)
 
 
-def other_records(input: Any, point: Array, gravity: Array, params: Any) -> dict[str, ImuRecord]:
+def other_records(input: Any, robot: Robot, params: Any) -> dict[str, ImuRecord]:
     """All other contact-free recordings of the arm with a valid IMU."""
     tables = zip(
         params.others,
+        params.other_gravities,
         input.other_signals,
         input.other_kinematics,
         input.other_clocks,
         strict=True,
     )
     return {
-        name: imu_record(
-            read_table(signals),
-            read_table(kinematics),
-            point,
-            gravity,
-            params.order,
-            params.cutoff_hz,
-        )
-        for name, signals, kinematics, clocks in tables
+        name: record_of(robot.mounted(gravity), read_table(signals), read_table(kinematics), params)
+        for name, gravity, signals, kinematics, clocks in tables
         if has_valid_imu(read_json(clocks))
     }
+
+
+def record_of(
+    robot: Robot, signals: pd.DataFrame, kinematics: pd.DataFrame, params: Any
+) -> ImuRecord:
+    """What the IMU of an arm and its joints tell, low-passed alike."""
+    place = np.array(robot.mounting.imu), np.array(robot.gravity)
+    return imu_record(signals, kinematics, *place, params.order, params.cutoff_hz)
 
 
 def as_calibrated(
@@ -132,18 +137,17 @@ def as_calibrated(
     """
     signals, rotation = recording.signals, recording.rotation()
     design = params.order, params.cutoff_hz
-    place = recording.point, recording.gravity
-    record = imu_record(signals, recording.kinematics, *place, *design)
+    record = record_of(recording.robot, signals, recording.kinematics, params)
     bias = accelerometer_bias(record, calibration)
     accelerometer = signals[ACCELEROMETER].to_numpy() - bias
     turning = recording.derivative(signals[GYROSCOPE].to_numpy())
     axes = rotation @ calibration.axes()
-    up = calibration.up(recording.gravity)
+    up = calibration.up(recording.gravity())
     columns = {"felt": felt_acceleration(axes, accelerometer, turning, up)}
     for estimate, prefix in ESTIMATES.items():
         qd, qdd = (channel(recording.motion, f"{prefix}{name}") for name in ("qd", "qdd"))
         columns[f"acceleration_{estimate}"] = point_acceleration(
-            rotation, recording.jacobian(), qd, qdd, recording.point
+            rotation, recording.jacobian(), qd, qdd, recording.point()
         )
     return recording.lowpass(inner_lowpass, Butterworth(*design), columns), bias
 
@@ -156,7 +160,7 @@ def as_published(recording: Recording, imu: pd.DataFrame, stamps: Any) -> dict[s
     clock = clock_from_stamps(stamps["seconds"], stamps["std"])
     read = resample(imu, clock, signals["time"].to_numpy())
     turning = recording.derivative(read[GYROSCOPE].to_numpy())
-    up = AS_DRAWN.up(recording.gravity)
+    up = AS_DRAWN.up(recording.gravity())
     felt = felt_acceleration(rotation, read[ACCELEROMETER].to_numpy(), turning, up)
     columns = {"published_felt": felt}
     qd = channel(signals, "actual_qd")

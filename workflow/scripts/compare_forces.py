@@ -44,6 +44,7 @@ NEW = ["Fmap", "observer", "repeat"]
 def compare_forces(input: Any, output: Any, params: Any) -> None:
     signals, kinematics = read_table(input.signals), read_table(input.kinematics)
     published, forces = read_table(input.published), read_table(input.forces)
+    robot = load_robot(input.arm).mounted(params.gravity)
     summary: dict[str, Any] = {
         "force_sensor": "ft_fx" in signals,
         "share_near_singularity": share_below(kinematics, params.min_singular_value),
@@ -53,7 +54,7 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
     columns: dict[str, Array] = {}
     if "ft_fx" in signals:
         rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
-        references, offset = sensor_wrenches(signals, rotation, load_robot(input.arm), params)
+        references, offset = sensor_wrenches(signals, rotation, robot, params)
         summary["offset"] = account(offset, signals, params)
         summary["offset_doubt"] = offset_doubt(offset)
         summary["mounting_doubt"] = doubt(references["compensated"], forces, rotation, offset)

@@ -77,9 +77,11 @@ def true_friction(truth: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def true_robot(robot: Robot, truth: Mapping[str, Any]) -> Robot:
-    """The arm as it was simulated: with what it carried."""
-    payload = truth["plan"]["payload"]
-    return robot if payload is None else robot.carrying(Payload.model_validate(payload))
+    """The arm as it was simulated: under its gravity, with what it carried."""
+    for name in ("payload", "undeclared_payload"):
+        payload = truth["plan"][name]
+        robot = robot.carrying(payload and Payload.model_validate(payload))
+    return robot.mounted(truth["gravity"])
 
 
 def true_rotors(robot: Robot, truth: Mapping[str, Any]) -> Any:
@@ -87,8 +89,8 @@ def true_rotors(robot: Robot, truth: Mapping[str, Any]) -> Any:
 
 
 def true_parameters(robot: Robot, truth: Mapping[str, Any]) -> Array:
-    """π (66,) of the simulated model."""
-    return build_arm(true_robot(robot, truth), truth["model"]).parameters.numpy()
+    """π (66,) of the simulated model, without a payload: the controller's is known."""
+    return build_arm(robot, truth["model"]).parameters.numpy()
 
 
 def recording_rows(files: Mapping[str, str], truth: Mapping[str, Any], params: Any) -> list[Row]:

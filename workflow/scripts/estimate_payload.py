@@ -1,4 +1,4 @@
-"""The mass on the flange beyond the arm's model, from motor currents alone."""
+"""The mass on the flange beyond the arm's model and known payload, from motor currents alone."""
 
 from dataclasses import asdict
 from typing import Any
@@ -18,7 +18,7 @@ LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of 
 
 
 def estimate_payload(input: Any, output: Any, params: Any) -> None:
-    robot, friction = load_robot(input.arm), read_json(input.friction)
+    robot, friction = load_robot(input.arm).mounted(params.gravity), read_json(input.friction)
     signals, motion, torques = map(read_table, (input.signals, input.motion, input.torques))
     model = robot.fullest_model()
     record = current_record(params.recording, signals, motion, torques, model)

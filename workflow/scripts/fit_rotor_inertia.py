@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import torch
 
+from ur5lib.carried import told_payload
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification import rotor_inertia
@@ -18,10 +19,10 @@ from ur5lib.torque_record import comparable, torque_states
 
 def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    tables = zip(params.recordings, input.signals, input.motion, strict=True)
+    recordings = zip(params.recordings, params.gravities, input.signals, input.motion, strict=True)
     samples = {
-        name: rotor_samples(robot, read_table(signals), read_table(motion), params)
-        for name, signals, motion in tables
+        name: rotor_samples(robot.mounted(gravity), read_table(signals), read_table(motion), params)
+        for name, gravity, signals, motion in recordings
     }
     known = {name: sample for name, sample in samples.items() if sample is not None}
     summary: dict[str, Any] = {"from": list(known)}
@@ -34,11 +35,15 @@ def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
 def rotor_samples(
     robot: Robot, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
 ) -> tuple[Array, Array, Array] | None:
-    """The torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated."""
+    """The torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
+
+    The links carry the payload that the controller was told of: `target_moment` contains it.
+    """
     if "target_moment_0" not in signals:
         return None
     states, exact = torque_states(signals, motion)
-    rigid = inverse_dynamics(build_arm(robot, robot.chosen_model), *map(torch.from_numpy, states))
+    arm = build_arm(robot.carrying(told_payload(signals)), robot.chosen_model)
+    rigid = inverse_dynamics(arm, *map(torch.from_numpy, states))
     samples = np.hstack([channel(signals, "target_moment") - rigid.numpy(), *states[1:]])
     samples = comparable(samples, signals, exact, params.order, params.cutoff_hz)
     residual, qd, qdd = np.hsplit(samples, 3)

@@ -8,8 +8,10 @@ import numpy as np
 import pandas as pd
 import torch
 
+from ur5lib.carried import told_payload
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.regressor import regressor
+from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification.base_parameters import (
     BaseParameters,
     Estimate,
@@ -38,16 +40,17 @@ SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may sug
 
 def identify_model(input: Any, output: Any, params: Any) -> None:
     robot = with_rotors(load_robot(input.arm), read_json(input.rotors))
-    arm = build_arm(robot, robot.chosen_model)
-    tables = zip(params.recordings, input.signals, input.motion, strict=True)
+    recordings = zip(params.recordings, params.gravities, input.signals, input.motion, strict=True)
     blocks = {
-        name: list(torque_blocks(arm, read_table(signals), read_table(motion), params))
-        for name, signals, motion in tables
+        name: list(
+            torque_blocks(robot.mounted(gravity), read_table(signals), read_table(motion), params)
+        )
+        for name, gravity, signals, motion in recordings
     }
     known = [block for part in blocks.values() for block in part]
     summary: dict[str, Any] = {"from": [name for name, part in blocks.items() if part]}
     try:
-        robot, found = with_identified(robot, arm, known)
+        robot, found = with_identified(robot, params.gravities, known)
         summary |= found
     except ValueError as error:  # too little was recorded, or nothing physical explains it
         summary["refused"] = str(error)
@@ -72,30 +75,45 @@ def with_rotors(robot: Robot, rotors: Any) -> Robot:
 
 
 def with_identified(
-    robot: Robot, arm: Arm, blocks: list[tuple[Array, Array]]
+    robot: Robot, gravities: list[list[float] | None], blocks: list[tuple[Array, Array]]
 ) -> tuple[Robot, dict[str, Any]]:
     """The arm with the model "identified" from some blocks, and the account of how.
 
+    gravities: of the recordings, which decide what their torques can tell.
     Raises ValueError where there are too few blocks, or none that bodies could explain.
     """
     data = stack(blocks)
-    estimate = identify(data, arm.parameters.numpy(), prior_width())
+    arms = [build_arm(robot.mounted(gravity), robot.chosen_model) for gravity in unique(gravities)]
+    estimate = identify(data, arms[0].parameters.numpy(), prior_width())
     parameters = consistent(estimate)
     description = "identified from the controller's torques, physically consistent"
     model = identified_model(robot, parameters, description)
-    found = account(arm, data, estimate, parameters, blocks)
+    found = account(arms, data, estimate, parameters, blocks)
     return robot.with_model("identified", model), found
 
 
+def unique(gravities: list[list[float] | None]) -> list[list[float] | None]:
+    """Each gravity once."""
+    return [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
+
+
 def torque_blocks(
-    arm: Arm, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
+    robot: Robot, signals: pd.DataFrame, motion: pd.DataFrame, params: Any
 ) -> Iterator[tuple[Array, Array]]:
-    """Regressors (n, 6, 66) and the controller's torques (n, 6), a block for each two seconds."""
+    """Regressors (n, 6, 66) and the controller's torques (n, 6), a block for each two seconds.
+
+    The torques are those of the bare arm: a payload that the controller was told of is taken off.
+    """
     if "target_moment_0" not in signals:
         return
     states, exact = torque_states(signals, motion)
-    columns = regressor(arm, *map(torch.from_numpy, states)).numpy().reshape(len(signals), -1)
-    rows = np.hstack([columns, channel(signals, "target_moment")])
+    bare, loaded = (
+        build_arm(arm, robot.chosen_model) for arm in (robot, robot.carrying(told_payload(signals)))
+    )
+    tensors = [torch.from_numpy(state) for state in states]
+    load = inverse_dynamics(loaded, *tensors) - inverse_dynamics(bare, *tensors)
+    columns = regressor(bare, *tensors).numpy().reshape(len(signals), -1)
+    rows = np.hstack([columns, channel(signals, "target_moment") - load.numpy()])
     rows = comparable(rows, signals, exact, params.order, params.cutoff_hz)
     block = signals["time"] // BLOCK
     for _, part in signals.groupby(["segment", block], sort=False).indices.items():
@@ -104,7 +122,7 @@ def torque_blocks(
 
 
 def account(
-    arm: Arm,
+    arms: list[Arm],
     data: Stack,
     estimate: Estimate,
     parameters: Array,
@@ -112,7 +130,10 @@ def account(
 ) -> dict[str, Any]:
     """What was found: base parameters, what consistency costs, and what no recording tells."""
     motions = candidate_motions(SPEED, ACCELERATION)
-    candidates = {name: columns_of(arm, motion) for name, motion in motions.items()}
+    candidates = {
+        name: np.concatenate([columns_of(arm, motion) for arm in arms])
+        for name, motion in motions.items()
+    }
     base = base_parameters(candidates[list(motions)[-1]])
     excitation = check_excitation(data, base, estimate.width, np.full(6, RESOLUTION), candidates)
     return {

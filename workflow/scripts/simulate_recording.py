@@ -15,7 +15,8 @@ def simulate_recording(input: Any, output: Any, params: Any) -> None:
     first = file_names(params.format, plan.model_dump())[0]
     folder = Path(output.raw[0].removesuffix(first))
     truth = Path(output.truth).with_suffix("")
-    simulate(load_robot(input.arm), plan, params.format, folder, truth)
+    robot = load_robot(input.arm).mounted(params.gravity)
+    simulate(robot, plan, params.format, folder, truth)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ def smooth_motion(input: Any, output: Any, params: Any) -> None:
     motion = smooth_encoders(time, segment, q, qd)
     columns, summary = channels(motion, STATES, ""), {"encoders": account(motion)}
     if has_valid_imu(read_json(input.clocks)):
-        imu = imu_model(input, params.recording, motion.qd)
+        imu = imu_model(input, params, motion.qd)
         readings = signals[[*ACCELEROMETER, *GYROSCOPE]].to_numpy()
         fused = smooth_with_imu(time, segment, q, qd, readings, imu, motion)
         columns |= channels(fused, STATES | BIASES, "fused_")
@@ -50,10 +50,10 @@ def measured(signals: pd.DataFrame) -> tuple[Array, Array]:
     return q, qd
 
 
-def imu_model(input: Any, recording: str, qd: Array) -> LinearImu:
+def imu_model(input: Any, params: Any, qd: Array) -> LinearImu:
     """The IMU's equation about a motion, as other recordings calibrated it."""
-    kinematics, robot = read_table(input.kinematics), load_robot(input.arm)
-    _, calibration = calibration_for(recording, read_json(input.calibration))
+    kinematics, robot = read_table(input.kinematics), load_robot(input.arm).mounted(params.gravity)
+    _, calibration = calibration_for(params.recording, read_json(input.calibration))
     return linearise_imu(
         channel(kinematics, "R6", 9).reshape(-1, 3, 3),
         channel(kinematics, "J", 36).reshape(-1, 6, 6),
