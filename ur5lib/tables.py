@@ -102,6 +102,7 @@ UNITS = {  # of a channel, by its name without suffix
     "gravity_torque": "Nm",
     "momentum": "Nm s",
     "log_odds": "1",
+    "causal_log_odds": "1",
     "tau_motor": "Nm",
     "predicted_current": "A",
     "current_band": "A",
@@ -115,6 +116,7 @@ UNITS = {  # of a channel, by its name without suffix
     "corrected": "N, Nm",
     "compensated": "N, Nm",
     "Fmap": "N, Nm",
+    "least_squares": "N, Nm",
     "observer": "N, Nm",
     "repeat": "N, Nm",
 }
