@@ -9,7 +9,7 @@ from ur5lib.force.contact_figures import (
     contact_errors,
     figures_by_contact,
     periods,
-    resampled_error,
+    resampled_figures,
 )
 from ur5lib.force.sensed_contacts import contacts, is_free
 
@@ -89,20 +89,28 @@ def test_samples_without_an_estimate_count_for_neither() -> None:
 
 def test_the_interval_by_contacts_is_as_wide_as_contacts_differ() -> None:
     reference = pushed(12)
-    alike = resampled_error(0.2 * reference, norm(reference))
+    alike = resampled_figures(0.8 * reference, reference, norm(reference))
     each = np.repeat(RANDOM.uniform(0, 0.4, 13), 300)[: len(reference), None]
-    unlike = resampled_error(each * reference, norm(reference))
-    assert alike is not None
-    assert unlike is not None
-    assert alike[1][0] - alike[0][0] < 1e-9
+    unlike = resampled_figures((1 - each) * reference, reference, norm(reference))
+    assert alike["mae_high"][0] - alike["mae_low"][0] < 1e-9
+    assert alike["skill_low"][0] == pytest.approx(0.8)
     mean = np.abs(each * reference)[norm(reference) > 5, 0].mean()
-    assert unlike[0][0] < mean < unlike[1][0]
-    assert unlike[1][0] - unlike[0][0] > 0.5
+    assert unlike["mae_low"][0] < mean < unlike["mae_high"][0]
+    assert unlike["mae_high"][0] - unlike["mae_low"][0] > 0.5
+
+
+def test_skill_by_the_luck_of_one_contact_is_not_certain() -> None:
+    """Nine contacts are estimated wrong by their own size and more, one is right."""
+    reference = pushed(10)
+    factor = np.repeat([1.0] + [-0.02] * 9 + [0], 300)[: len(reference), None]
+    figures = figures_by_contact(factor * reference, None, reference, norm(reference), PERIOD)
+    assert figures["contact"]["skill"][0] > 0
+    assert figures["contact"]["skill_low"][0] < 0
 
 
 def test_two_contacts_tell_no_interval() -> None:
     reference = pushed(2)
-    assert resampled_error(reference, norm(reference)) is None
+    assert resampled_figures(reference, reference, norm(reference)) == {}
 
 
 @given(st.floats(0.1, 2.0))

@@ -24,7 +24,8 @@ Mask = NDArray[np.bool_]
 
 STATED = (0.5, 0.8, 0.95)  # what bands are said to hold
 DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and how many contacts they need
-TINY = 1e-12  # N, N s: a force of zero has no direction
+TAILS = [0.025, 0.975]
+TINY = 1e-12  # N, N s: instead of a zero to divide by
 
 
 def periods(force: Array, period: float) -> dict[str, Mask]:
@@ -48,8 +49,8 @@ def figures_by_contact(
         for name, within in periods(force, period).items()
         if (rows := within & known).any()
     }
-    if interval := resampled_error(reference - estimate, force):
-        figures["contact"] |= dict(zip(("mae_low", "mae_high"), interval, strict=True))
+    if "contact" in figures:
+        figures["contact"] |= resampled_figures(estimate, reference, force)
     return figures
 
 
@@ -75,25 +76,25 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
     return figures
 
 
-def resampled_error(error: Array, force: Array) -> tuple[Array, Array] | None:
-    """95 % interval (6,), (6,) of the mean absolute error in contact, by resampling contacts.
+def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
+    """95 % interval (6,) of the error in contact, and the skill's lower end, resampling contacts.
 
-    error: (N, 6), NaN where unknown; force: (N,) [N], of the sensor. Neighbouring samples err
-    alike, whole contacts hardly do. None where there are fewer than three.
+    estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor.
+    Neighbouring samples err alike, whole contacts hardly do. Nothing with fewer than three.
     """
-    sums, counts = [], []
-    for first, last in contacts(force, CONTACT):
-        inside = error[first:last][in_contact(force[first:last])]
-        inside = inside[np.isfinite(inside).all(axis=1)]
-        if len(inside):
-            sums.append(np.abs(inside).sum(axis=0))
-            counts.append(len(inside))
-    if len(counts) < FEWEST:
-        return None
-    drawn = np.random.default_rng(0).integers(len(counts), size=(DRAWS, len(counts)))
-    means = np.array(sums)[drawn].sum(axis=1) / np.array(counts)[drawn].sum(axis=1)[:, None]
-    low, high = np.quantile(means, [0.025, 0.975], axis=0)
-    return low, high
+    known = np.isfinite(estimate - reference).all(axis=1) & in_contact(force)
+    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
+    if len(spans) < FEWEST:
+        return {}
+    pair = np.where(known[:, None], (reference - estimate, reference), 0.0)
+    sums = np.array([np.abs(pair[:, a:b]).sum(axis=1) for a, b in spans])  # (contacts, 2, 6)
+    counts = np.array([known[a:b].sum() for a, b in spans])
+    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
+    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None, None]
+    error, zero = means[:, 0], means[:, 1]
+    low, high = np.quantile(error, TAILS, axis=0)
+    skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
+    return {"mae_low": low, "mae_high": high, "skill_low": skill_low}
 
 
 def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[dict[str, Any]]:

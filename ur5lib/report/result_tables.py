@@ -211,8 +211,10 @@ def force_errors(
 
 
 def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, str]:
-    """Which components an estimate tells at all: better in contact than an estimate of zero."""
-    skills = in_contact["skill"] if in_contact else {}
+    """Which components an estimate tells: its skill in contact is above zero, for certain."""
+    if not in_contact:
+        return {}
+    skills = in_contact.get("skill_low", in_contact["skill"])
     return {name: "yes" if (skill or 0) > 0 else "no" for name, skill in skills.items()}
 
 

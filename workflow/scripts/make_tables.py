@@ -57,7 +57,7 @@ COLUMNS = {
     "payload": "recording mass std_error low high",
     "force_mae": "recording kind estimate during component mae max zero_mae zero_max mean_force "
     "slope skill correlation coverage50 coverage80 coverage95 interval_score95 "
-    "zero_interval_score95 mae_low mae_high determined printed_mae printed_max",
+    "zero_interval_score95 mae_low mae_high skill_low determined printed_mae printed_max",
     "contact_errors": "recording estimate contact start_s end_s component peak peak_error impulse "
     "impulse_error onset_error_s",
     "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std "
