@@ -39,12 +39,6 @@ FITTED_DOTS: Any = {"markersize": 0.8, "rasterized": True}
 BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
-ESTIMATES = {
-    "Fmap": "F̂ᵐᵃᵖ",
-    "least_squares": "least squares",
-    "observer": "momentum observer",
-    "repeat": "repeat-aware",
-}
 WIDTH = 7.2  # inches, of A4 between margins
 DPI = 130  # of what is an image inside a figure
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller

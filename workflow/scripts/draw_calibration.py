@@ -6,7 +6,8 @@ import pandas as pd
 
 from ur5lib.metrics import Array
 from ur5lib.report.charts import calibration_panels
-from ur5lib.report.house_style import ESTIMATES, save
+from ur5lib.report.estimates import NEW
+from ur5lib.report.house_style import save
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
 
@@ -19,7 +20,7 @@ def draw_calibration(input: Any, output: Any, params: Any) -> None:
     rows = errors[(errors["kind"] == "compensated") & errors["coverage95"].notna()]
     components = [*rows["component"].unique()]
     held = {
-        ESTIMATES[str(estimate)]: {
+        NEW[str(estimate)]: {
             label: shares_held(part[part["during"] == during], components)
             for during, label in DURING.items()
         }

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import ESTIMATES, save
+from ur5lib.report.estimates import NEW
+from ur5lib.report.house_style import save
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
@@ -129,7 +130,7 @@ def draw_estimates(forces: pd.DataFrame, sensor: pd.DataFrame, hidden: Any, outp
     measured = wrench(sensor, "compensated")
     series = {} if measured is None else {"force sensor": (measured, "measured")}
     band = None
-    for (name, label), style in zip(ESTIMATES.items(), DRAWN, strict=True):
+    for (name, label), style in zip(NEW.items(), DRAWN, strict=True):
         values = wrench(forces, name)
         if values is not None:
             series[label] = values, style

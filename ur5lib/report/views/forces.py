@@ -7,18 +7,11 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
-from ur5lib.report.document import Cell
+from ur5lib.report.document import UNDETERMINED, Cell
+from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.results import NOTHING, Body, Results, shown
 from ur5lib.report.views.currents import loaded
 
-PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
-NEW = {
-    "Fmap": "F̂ᵐᵃᵖ",
-    "least_squares": "least squares",
-    "observer": "observer",
-    "repeat": "repeat-aware",
-}
-ESTIMATES = PUBLISHED | NEW
 UNITS = {"F": "N", "n": "Nm"}
 BANDS = (50, 80, 95)  # %
 DURING = {"contact": "in contact", "free": "free", "all": "whole run"}
@@ -96,15 +89,14 @@ def summary(results: Results) -> Body:
 
 
 def _told(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
-    """The errors of a component by estimate; "undetermined" for a moment no better than none."""
+    """The errors of a component by estimate; "undetermined" where a new one tells no moment."""
     marks = extremes(found["mae"].to_dict())
+    unknown = found["component"].str.startswith("n") & (found["determined"] == "no")
     for name in known:
-        if name not in found.index:
-            yield Cell("–")
-        elif found.loc[name, "component"][0] == "n" and found.loc[name, "determined"] == "no":
-            yield Cell("undetermined")
+        if name in NEW and unknown.get(name, False):
+            yield Cell(UNDETERMINED)
         else:
-            yield number(found.loc[name, "mae"], 2, marks[name])
+            yield number(found["mae"].get(name, math.nan), 2, marks.get(name))
 
 
 def errors(results: Results, of: str) -> Body:
@@ -180,7 +172,7 @@ def bands(results: Results, of: str) -> Body:
         [
             Cell(ESTIMATES[row.estimate]),
             _component(row.component),
-            number(row.skill, 2) if row.determined == "yes" else Cell("undetermined"),
+            number(row.skill, 2) if row.determined == "yes" else Cell(UNDETERMINED),
             *(number(getattr(row, name), 2) for name in ("correlation", "slope")),
             *(number(100 * getattr(row, f"coverage{x}"), 0) for x in BANDS),
             number(row.interval_score95, 1),

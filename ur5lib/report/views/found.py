@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import ESTIMATES, NEW, PUBLISHED, PUSHES, leading, pushes_found
+from ur5lib.report.views.forces import PUSHES, leading, pushes_found
 
 MOST_TOLD = 4  # recordings that get a sentence of their own
 
@@ -253,24 +254,29 @@ def loads_taken_up(results: Results) -> Iterator[str]:
 
 
 def _detection(results: Results) -> Iterator[str]:
-    """How many contacts are found, and how small a push."""
-    rows = results.rows("detection", estimate="Fmap")
+    """How many contacts are found, how many made up, and how small a push is detected."""
+    rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
     counted = rows.groupby("force_class_n")[["found", "contacts"]].sum()
     if len(counted):
         parts = [
             f"{row.found:.0f} of {row.contacts:.0f} that reach {row.Index:.0f} N"
             for row in counted.itertuples()
         ]
-        once = rows[rows["force_class_n"].notna()].drop_duplicates("recording")
         yield (
-            f"Of the contacts by the force sensors, {ESTIMATES['Fmap']} finds {', '.join(parts)}, "
-            "each by an alarm of its own. False alarms per minute: "
-            f"{once['false_alarms_per_min'].mean():.1f}."
+            f"Of the contacts that force sensors saw, {name} finds {', '.join(parts)}, each by an "
+            "alarm of its own."
+        )
+    free = rows[rows["recording"].isin(results.with_role("validate"))]
+    free = free[~free["recording"].isin(loaded(results)["recording"])]
+    if len(free):
+        yield (
+            f"On contact-free recordings not fitted on, {name} raises "
+            f"{free['alarms_per_min'].mean():.1f} false alarms a minute, on the mean."
         )
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield (
-            f"{ESTIMATES['Fmap']} detects pushes above {_list(smallest, 0)} N along x, y, z with a "
+            f"{name} detects pushes above {_list(smallest, 0)} N along x, y, z with a "
             "probability of 95 % (median over motions without contact)."
         )
 
