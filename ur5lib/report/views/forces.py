@@ -200,7 +200,7 @@ def contact_errors(results: Results, of: str) -> Body:
         ]
         for row in rows.itertuples()
     ]
-    header = ["contact [s]", "peak [N]", "missed by [N]", "impulse [N s]", "missed by [N s]"]
+    header = ["contact [s]", "peak [N]", "its error [N]", "impulse [N s]", "its error [N s]"]
     return Body([*header, "onset late by [s]"], body)
 
 
