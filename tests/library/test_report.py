@@ -318,8 +318,8 @@ def test_the_summary_never_averages_contact_and_free() -> None:
     assert [*in_contact(force)] == [
         "On run, in contact (above 5 N by the sensor), F̂ᵐᵃᵖ errs by 4.0, 4.0, 4.0 N in x, y, z "
         "(95 % intervals 3.0 to 5.0, 3.0 to 5.0, 3.0 to 5.0 N), where the mean force is 10.0, "
-        "10.0, 10.0 N. Its 95 % bands hold 90, 90, 90 % of the readings in contact. Free of contact, "
-        "F̂ᵐᵃᵖ errs by 0.10, 0.10, 0.10 N."
+        "10.0, 10.0 N. Its 95 % bands hold 90, 90, 90 % of the readings in contact. Free of "
+        "contact, F̂ᵐᵃᵖ errs by 0.10, 0.10, 0.10 N."
     ]
     (told,) = undetermined_moments(force)
     assert told.startswith("The moments ny, nz are undetermined")
