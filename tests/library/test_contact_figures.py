@@ -151,6 +151,16 @@ def test_an_estimate_that_feels_nothing_has_no_onset() -> None:
     assert whole["peak_error"] == -whole["peak"]
 
 
+def test_an_estimate_unknown_in_part_of_a_contact_is_not_called_too_weak() -> None:
+    reference = pushed(2)[:, :3]
+    estimate = reference.copy()
+    estimate[230] = np.nan
+    time = PERIOD * np.arange(len(reference))
+    rows = [row for row in contact_errors(estimate, reference, time) if row["component"] == "Fx"]
+    assert [np.isnan(row["peak_error"]) for row in rows] == [True, False]
+    assert [row["impulse"] > 0 for row in rows] == [True, True]
+
+
 def test_a_dip_divides_contacts_and_noise_makes_none() -> None:
     force = np.array([0, 6, 1.9, 6, 0, 2.5, 0, 4, np.nan])
     assert contacts(force) == [(1, 2), (3, 4), (7, 8)]

@@ -103,12 +103,13 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[d
     estimate, reference: forces (N, 3) [N]; time: (N,) [s]. A row for each contact and direction:
     an axis, or "norm", all three. peak: the largest force [N]; impulse: the size of the force's
     integral [N s]; errors are the estimate's part along the sensor's direction less that: below
-    zero, it is too weak. onset_error_s: how much later the estimate passes the sensor's levels.
+    zero, it is too weak; NaN where it is unknown in part of the contact. onset_error_s: how much
+    later the estimate passes the sensor's levels.
     """
     felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
     for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
         first, last = span
-        e, f = (np.nan_to_num(force[first:last]) for force in (estimate, reference))
+        e, f = estimate[first:last], reference[first:last]
         place = {"contact": number, "start_s": time[first], "end_s": time[last - 1]}
         step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
         for axis, name in enumerate(("Fx", "Fy", "Fz")):
