@@ -37,14 +37,14 @@ def skill(estimate: Array, reference: Array) -> Array:
         return 1 - mean_absolute_error(estimate, reference) / zero
 
 
-def gain(estimate: Array, reference: Array) -> Array:
-    """Slope of each column of the estimate over its reference, least squares with an offset."""
-    both = np.isfinite(estimate) & np.isfinite(reference)
-    x = np.where(both, reference, np.nan)
-    y = np.where(both, estimate, np.nan)
+def slope(estimate: Array, reference: Array) -> Array:
+    """Slope of each column of the estimate over its reference, least squares through the origin.
+
+    An estimate that shows 0.8 of every force has a slope of 0.8.
+    """
+    x = np.where(np.isfinite(estimate), reference, np.nan)
     with np.errstate(invalid="ignore", divide="ignore"):
-        x = x - np.nanmean(x, axis=0)
-        return np.nansum(x * y, axis=0) / np.nansum(x**2, axis=0)
+        return np.nansum(x * estimate, axis=0) / np.nansum(x**2, axis=0)
 
 
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
@@ -53,3 +53,21 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
     both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
     inside = both & (np.abs(reference - estimate) <= band)
     return inside.sum(axis=0) / both.sum(axis=0)
+
+
+def interval_score(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
+    """Mean Winkler score of each column's band: its width, and 2 / (1 - stated) times each miss.
+
+    Lower is better; a band gains nothing by being wider or narrower than it should (Gneiting and
+    Raftery 2007, Equation 43).
+    """
+    half = ndtri(0.5 + stated / 2) * std
+    missed = np.maximum(np.abs(reference - estimate) - half, 0.0)
+    return np.nanmean(2 * half + 2 / (1 - stated) * missed, axis=0)
+
+
+def zero_interval_score(reference: Array, stated: float = 0.95) -> Array:
+    """The score of the band around zero that holds just `stated` of each column's references."""
+    half = np.nanquantile(np.abs(reference), stated, axis=0)
+    scale = ndtri(0.5 + stated / 2)
+    return interval_score(np.zeros_like(reference), half / scale, reference, stated)

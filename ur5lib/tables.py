@@ -103,6 +103,7 @@ UNITS = {  # of a channel, by its name without suffix
     "momentum": "Nm s",
     "payload_torque": "Nm",
     "log_odds": "1",
+    "causal_log_odds": "1",
     "tau_motor": "Nm",
     "predicted_current": "A",
     "current_band": "A",
@@ -116,6 +117,7 @@ UNITS = {  # of a channel, by its name without suffix
     "corrected": "N, Nm",
     "compensated": "N, Nm",
     "Fmap": "N, Nm",
+    "least_squares": "N, Nm",
     "observer": "N, Nm",
     "repeat": "N, Nm",
 }

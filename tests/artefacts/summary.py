@@ -10,7 +10,8 @@ from statistics import mean, median
 from typing import Any
 
 Row = dict[str, str]
-ESTIMATES = ("Fmap", "observer", "repeat")
+NEW = ("Fmap", "least_squares", "observer", "repeat")
+ESTIMATES = (*NEW, "Fu", "F", "F*")
 
 
 def check_summary(report: Path, study: dict[str, Any]) -> None:
@@ -29,6 +30,7 @@ def check_summary(report: Path, study: dict[str, Any]) -> None:
 def without_names(sentence: str, roles: dict[str, str]) -> str:
     """A sentence without the digits of names, of what is fixed, and of bounds' signs."""
     fixed = ["joints 1 to 6", "below 2 Hz", "95 % interval", "95 % bands", "probability of 95 %"]
+    fixed += ["above 5 N"]
     for words in [*sorted(roles, key=len, reverse=True), *fixed]:
         sentence = sentence.replace(words, "")
     return sentence
@@ -60,8 +62,8 @@ def expected(tables: Path, roles: dict[str, str]) -> Iterator[list[str]]:
         if rows := [row for row in force if row[f"printed_{figure}"]]:
             yield [widest(rows, estimate, figure) for estimate in ("Fu", "F", "F*")]
     contacts = read(tables / "contacts.csv")
-    detection = [row for row in read(tables / "detection.csv") if row["recording"] in free]
-    yield from forces(force, detection, contacts, roles)
+    detection = read(tables / "detection.csv")
+    yield from forces(force, detection, contacts, free, roles)
     yield quality(read(tables / "quality.csv"))
     if (tables / "truth.csv").exists() and (stated := [
         row["within95"] for row in read(tables / "truth.csv") if row["within95"]
@@ -102,36 +104,104 @@ def acceleration(rows: list[Row]) -> list[str]:
 
 
 def forces(
-    force: list[Row], detection: list[Row], found: list[Row], roles: dict[str, str]
+    force: list[Row],
+    detection: list[Row],
+    found: list[Row],
+    free: set[str],
+    roles: dict[str, str],
 ) -> Iterator[list[str]]:
     rows = [r for r in force if r["kind"] == "compensated" and r["component"].startswith("F")]
-    beaten = []
-    for recording in dict.fromkeys(row["recording"] for row in rows):
+    touched = [row for row in rows if row["during"] == "contact"]
+    better = []
+    for recording in dict.fromkeys(row["recording"] for row in touched):
         here = [row for row in rows if row["recording"] == recording]
-        by_estimate = {
-            name: [row for row in here if row["estimate"] == name]
-            for name in dict.fromkeys(row["estimate"] for row in here)
-        }
-        best = min(by_estimate.values(), key=lambda part: mean(float(row["mae"]) for row in part))
-        mae, zero = (sum(float(row[name]) for row in best) for name in ("mae", "zero_mae"))
-        beaten.append(mae < zero)
-        if len(beaten) <= 4:
-            yield [shown(float(row[name]), 2) for name in ("mae", "zero_mae") for row in best]
-    if len(beaten) > 4:
-        yield [str(sum(beaten)), str(len(beaten))]
-    held = [
-        f"{100 * mean(values):.0f}"
-        for name in ESTIMATES
-        if (values := [float(r["coverage95"]) for r in rows if r["estimate"] == name])
-    ]
+        lead = next(name for name in ESTIMATES if any(r["estimate"] == name for r in here))
+        contact = chosen(here, lead, "contact")
+        mae, zero = (sum(float(row[name]) for row in contact) for name in ("mae", "mean_force"))
+        better.append(mae < zero)
+        if len(better) <= 4:
+            yield in_contact(here, contact, lead)
+    if len(better) > 4:
+        yield [str(sum(better)), str(len(better))]
+    if any(row["determined"] == "no" for row in moments(force)):
+        told = {row["component"] for row in moments(force) if row["determined"] == "yes"}
+        if len(told) < 3:
+            yield []
+    if held := bands(rows):
+        yield held
     sensed = {row["recording"] for row in force}
     felt = [name for name, role in roles.items() if role == "contact" and name not in sensed]
-    yield from (told for name in felt[:4] if (told := largest(found, name)))
-    if held:
-        yield held
+    contacts = [row for row in found if row["kind"] == "contact"]
+    yield from (told for name in felt[:4] if (told := largest(contacts, name)))
+    loads = [row for row in found if row["kind"] == "load" and row["estimate"] == "Fmap"]
+    for row in loads[:4]:
+        numbers = (row["load_mass"], 2), (row["load_mass_std"], 2), (row["start_s"], 1)
+        yield [f"{float(value):.{digits}f}" for value, digits in numbers]
+    yield from detected([row for row in detection if row["estimate"] == "Fmap"], free, roles)
+
+
+def chosen(rows: list[Row], estimate: str, during: str) -> list[Row]:
+    return [row for row in rows if row["estimate"] == estimate and row["during"] == during]
+
+
+def in_contact(rows: list[Row], contact: list[Row], lead: str) -> list[str]:
+    """Errors and their intervals, mean force, bands, the baseline, and errors free of contact."""
+
+    def values(part: list[Row], *names: str, digits: int = 1) -> list[str]:
+        return [shown(float(row[name]), digits) for row in part for name in names]
+
+    numbers = values(contact, "mae")
+    if all(row["mae_low"] for row in contact):
+        numbers += values(contact, "mae_low", "mae_high")
+    numbers += values(contact, "mean_force")
+    if all(row["coverage95"] for row in contact):
+        numbers += [f"{100 * float(row['coverage95']):.0f}" for row in contact]
+    if lead != "least_squares":
+        numbers += values(chosen(rows, "least_squares", "contact"), "mae")
+    return numbers + values(chosen(rows, lead, "free"), "mae", digits=2)
+
+
+def moments(force: list[Row]) -> list[Row]:
+    """Of the leading estimate, in contact."""
+    rows = [r for r in force if r["kind"] == "compensated" and r["during"] == "contact"]
+    lead = next((name for name in ESTIMATES if any(r["estimate"] == name for r in rows)), "")
+    return [r for r in rows if r["estimate"] == lead and r["component"].startswith("n")]
+
+
+def bands(rows: list[Row]) -> list[str]:
+    """What the bands of each new estimate hold in contact, and free of it."""
+    numbers = []
+    for name in NEW:
+        parts = [
+            [float(row["coverage95"]) for row in chosen(rows, name, during)]
+            for during in ("contact", "free")
+        ]
+        if all(parts):
+            numbers += [f"{100 * mean(part):.0f}" for part in parts]
+    return numbers
+
+
+def detected(rows: list[Row], free: set[str], roles: dict[str, str]) -> Iterator[list[str]]:
+    """Contacts found by their force, false alarms, and the smallest pushes."""
+    classes: dict[str, list[Row]] = defaultdict(list)
+    for row in rows:
+        if row["force_class_n"]:
+            classes[row["force_class_n"]].append(row)
+    if classes:
+        yield [
+            number
+            for force, part in sorted(classes.items(), key=lambda item: float(item[0]))
+            for number in (
+                *(f"{sum(float(row[name]) for row in part):.0f}" for name in ("found", "contacts")),
+                f"{float(force):.0f}",
+            )
+        ]
+    quiet = [r for r in rows if roles[r["recording"]] == "validate" and r["recording"] in free]
+    if quiet:
+        yield [f"{mean(float(row['alarms_per_min']) for row in quiet):.1f}"]
     columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
-    pushes = [row for row in detection if row["estimate"] == "Fmap" and all(map(row.get, columns))]
-    yield [f"{median(float(row[c]) for row in pushes):.0f}" for c in columns]
+    if pushes := [r for r in rows if r["recording"] in free and all(map(r.get, columns))]:
+        yield [f"{median(float(row[c]) for row in pushes):.0f}" for c in columns]
 
 
 def largest(found: list[Row], recording: str) -> list[str]:

@@ -18,10 +18,12 @@ from ur5lib.force.sensor import bias, move_to_frame_6, wrench_of_environment
 from ur5lib.metrics import (
     correlation,
     coverage,
-    gain,
+    interval_score,
     largest_error,
     mean_absolute_error,
     skill,
+    slope,
+    zero_interval_score,
 )
 from ur5lib.robots.description import Robot
 
@@ -156,10 +158,12 @@ def test_skill_compares_with_saying_nothing() -> None:
     assert skill(-reference, reference) == pytest.approx(-1)
 
 
-def test_gain_is_the_slope() -> None:
-    x = RANDOM.normal(size=(50, 2))
-    np.testing.assert_allclose(gain(0.7 * x + 3, x), 0.7)
-    assert np.isnan(gain(x, np.ones_like(x))).all()
+def test_the_slope_is_what_an_estimate_shows_of_each_force() -> None:
+    x = RANDOM.normal(3, 1, size=(50, 2))
+    np.testing.assert_allclose(slope(0.7 * x, x), 0.7)
+    beside = np.where(np.arange(50)[:, None] < 10, np.nan, 0.7 * x)
+    np.testing.assert_allclose(slope(beside, x), 0.7)
+    assert np.isnan(slope(x, np.zeros_like(x))).all()
 
 
 @pytest.mark.parametrize("stated", [0.5, 0.8, 0.95])
@@ -168,3 +172,26 @@ def test_a_true_band_covers_what_it_states(stated: float) -> None:
     estimate, std = np.zeros_like(reference), np.full_like(reference, 2.0)
     assert coverage(estimate, std, reference, stated) == pytest.approx(stated, abs=0.01)
     assert coverage(estimate, std / 2, reference, stated) < stated - 0.1
+
+
+def test_no_other_band_scores_better_than_the_true_one() -> None:
+    reference = np.random.default_rng(1).normal(0, 2, size=(20000, 1))
+    zero = np.zeros_like(reference)
+    scores = [interval_score(zero, np.full_like(reference, std), reference)[0] for std in (1, 2, 4)]
+    assert scores[1] < min(scores[0], scores[2])
+    assert interval_score(zero + 1, zero + 2, reference)[0] > scores[1]
+
+
+def test_the_score_is_the_width_where_all_is_held() -> None:
+    reference = RANDOM.normal(size=(100, 2))
+    wide = np.full_like(reference, 100.0)
+    np.testing.assert_allclose(
+        interval_score(reference, wide, reference), 2 * 1.96 * 100, rtol=1e-4
+    )
+
+
+def test_the_band_around_zero_holds_what_it_states() -> None:
+    """95 of 100 references are 1, five are 3: a width of 2, and 40 times 5 misses of 2 in 100."""
+    reference = np.concatenate([np.ones(951), np.full(49, 3.0)])[:, None]
+    expected = 2 + 40 * 2 * 49 / 1000
+    assert zero_interval_score(reference)[0] == pytest.approx(expected)

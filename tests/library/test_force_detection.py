@@ -1,13 +1,20 @@
 """Alarms and how they are judged."""
 
+from random import Random
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ur5lib.force.detection import (
     alarm_threshold,
     alarms,
     compare,
+    match,
+    overlap,
     pushes,
+    raised_live,
     receiver_curve,
     smallest_force,
     spans,
@@ -46,23 +53,82 @@ def test_a_threshold_is_never_against_the_odds() -> None:
     assert alarm_threshold([np.full(1000, -3.0)], 0.01, 1.0) == 0.0
 
 
+def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:
+    odds = np.array([-5, -1, 1, 3, -1, -5.0])
+    assert alarms(odds, 0.0) == [(1, 5)]
+    assert raised_live(odds, 0.0) == [(2, 5)]
+    assert raised_live(odds, 2.0) == [(3, 4)]
+
+
 def test_contacts_found_missed_and_made_up() -> None:
     detection = compare(
-        alarm=[(12, 20), (50, 60), (80, 90)],
-        strong=[(10, 20), (30, 40)],
-        any_contact=[(10, 20), (30, 40), (79, 82)],
-        period=0.1,
+        alarm=[(12, 20), (50, 60), (79, 90)], contact=[(10, 20), (30, 40), (80, 82)], period=0.1
     )
-    assert (detection.contacts, detection.found) == (2, 1)
-    assert (detection.alarms, detection.false) == (3, 1)
-    assert detection.recall() == 0.5
+    assert (detection.contacts, detection.found) == (3, 2)
+    assert (detection.alarms, detection.extra, detection.false) == (3, 0, 1)
+    assert detection.recall() == pytest.approx(2 / 3)
     assert detection.precision() == pytest.approx(2 / 3)
-    np.testing.assert_allclose(detection.delays, [0.2])
+    np.testing.assert_allclose(detection.delays, [0.2, -0.1])
 
 
 def test_without_contacts_there_is_no_recall() -> None:
-    assert np.isnan(compare([], [], [], 0.1).recall())
-    assert np.isnan(compare([], [], [], 0.1).precision())
+    assert np.isnan(compare([], [], 0.1).recall())
+    assert np.isnan(compare([], [], 0.1).precision())
+    assert compare([(1, 2)], [], 0.1).false == 1
+
+
+BOUNDS = st.lists(st.integers(0, 60), max_size=20, unique=True).map(sorted)
+SPANS = BOUNDS.map(lambda edges: [*zip(edges[::2], edges[1::2], strict=False)])
+
+
+@given(SPANS)
+def test_an_alarm_that_never_ends_finds_at_most_one_contact(contact: list) -> None:
+    detection = compare([(0, 100)], contact, 0.1)
+    assert detection.found == min(1, len(contact))
+    assert detection.false == (not contact)
+
+
+@given(SPANS, SPANS, st.randoms(use_true_random=False))
+def test_the_order_of_alarms_and_contacts_does_not_matter(
+    alarm: list, contact: list, random: Random
+) -> None:
+    detection = compare(alarm, contact, 0.1)
+    shuffled = random.sample(alarm, len(alarm)), random.sample(contact, len(contact))
+    again = compare(*shuffled, 0.1)
+    for name in ("found", "extra", "false"):
+        assert getattr(again, name) == getattr(detection, name)
+
+
+@given(SPANS, SPANS)
+def test_every_alarm_is_found_extra_or_false(alarm: list, contact: list) -> None:
+    detection = compare(alarm, contact, 0.1)
+    assert detection.found + detection.extra + detection.false == len(alarm)
+    pairs = match(alarm, contact)
+    assert len({i for i, _ in pairs}) == len({j for _, j in pairs}) == len(pairs)
+    assert all(overlap(alarm[i], contact[j]) for i, j in pairs)
+
+
+@given(SPANS, SPANS)
+def test_no_other_matching_finds_more(alarm: list, contact: list) -> None:
+    """Stretches in order: who ends first is matched first, which is the most there can be."""
+    left, found = [*contact], 0
+    for a in alarm:
+        meeting = [c for c in left if overlap(a, c)]
+        if meeting:
+            left.remove(min(meeting, key=lambda c: c[1]))
+            found += 1
+    assert len(match(alarm, contact)) == found
+
+
+def test_the_longest_overlap_is_matched() -> None:
+    assert match([(0, 50)], [(0, 5), (10, 40), (45, 60)]) == [(0, 1)]
+
+
+@given(st.integers(1, 10))
+def test_an_alarm_in_pieces_is_found_once_and_the_rest_is_extra(pieces: int) -> None:
+    split = [(10 * i, 10 * i + 5) for i in range(pieces)]
+    detection = compare(split, [(0, 100)], 0.1)
+    assert (detection.found, detection.extra, detection.false) == (1, pieces - 1, 0)
 
 
 def test_the_receiver_curve_of_a_perfect_and_a_blind_detector() -> None:

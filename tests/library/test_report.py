@@ -28,13 +28,27 @@ from ur5lib.report.document import (
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
-from ur5lib.report.result_tables import torque_errors
+from ur5lib.report.result_tables import force_errors, torque_errors
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.currents import remarks
-from ur5lib.report.views.forces import PUSHES, contacts, smallest_pushes
-from ur5lib.report.views.found import contacts_found, left_out_fits, loads_found
+from ur5lib.report.views.forces import (
+    PUSHES,
+    contacts,
+    detections,
+    headline,
+    smallest_pushes,
+    summary,
+)
+from ur5lib.report.views.found import (
+    contacts_found,
+    in_contact,
+    left_out_fits,
+    loads_found,
+    loads_taken_up,
+    undetermined_moments,
+)
 from ur5lib.report.views.provenance import configuration, configuration_heading
 from ur5lib.tables import named
 
@@ -214,6 +228,122 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     first, second = contacts(results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
+
+
+def test_a_load_taken_up_is_no_contact() -> None:
+    alarm = {
+        "start": 4.0,
+        "end": 9.0,
+        "peak": 5.0,
+        "force": [0.0, 0.0, -20.0],
+        "force_std": [1] * 3,
+    }
+    load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
+    rows = contact_rows("grasp", {"Fmap": {"raised": [alarm, load]}})
+    tables = {"contacts": pd.DataFrame(rows), "force_mae": pd.DataFrame({"recording": []})}
+    study = {"recordings": [{"name": "grasp", "role": "contact"}]}
+    results = Results(study, tables, Path())
+    (told,) = contacts_found(results)
+    assert told.startswith("On grasp, without a force sensor, F̂ᵐᵃᵖ finds contacts: 1.")
+    assert [*loads_taken_up(results)] == [
+        "On grasp, the arm carries a load of 2.04 ± 0.05 kg from 4.0 s on, by the currents."
+    ]
+    header, rows = contacts(results, "grasp")
+    assert header[-1] == "load [kg]"
+    assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]
+
+
+# Forces beside the sensor
+
+WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
+
+
+def force_summary() -> dict:
+    """Errors of 4 N in contact and 0.1 N free; of moments, only nx is told."""
+
+    def figures(mae: float, mean: float, **more: float) -> dict:
+        same = {"mae": mae, "zero_mae": mean, "mean_force": mean, "slope": 0.9, "skill": 0.6}
+        same |= {"coverage95": 0.9, "interval_score95": 30.0, "zero_interval_score95": 50.0}
+        return {name: dict.fromkeys(WRENCH, value) for name, value in (same | more).items()}
+
+    contact = figures(4.0, 10.0, mae_low=3.0, mae_high=5.0, skill_low=0.5)
+    contact["skill_low"] |= {"ny": -0.1, "nz": 0.0}
+    during = {"all": figures(1.0, 2.5), "contact": contact, "free": figures(0.1, 0.1)}
+    kinds = {
+        "compensated": {"Fmap": during, "Fu": {"all": figures(9.0, 2.5)}},
+        "printed": {"Fu": during},
+    }
+    return {"errors": kinds}
+
+
+def force_results() -> Results:
+    printed = PrintedTable(source="6.1", recording="run", values={"Fu": (1.0,) * 6})
+    rows = force_errors("run", force_summary(), printed, None)
+    return Results({}, {"force_mae": pd.DataFrame(rows)}, Path())
+
+
+def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
+    rows = force_results().rows("force_mae", kind="compensated", estimate="Fmap")
+    known = rows.groupby("component")["determined"].unique().map(list)
+    assert {name for name, told in known.items() if told == ["no"]} == {"ny", "nz"}
+    assert (
+        force_results()
+        .rows("force_mae", kind="compensated", estimate="Fu")["determined"]
+        .isna()
+        .all()
+    )
+    told = {row[1].text: row[3].text for row in summary(force_results()).rows}
+    assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
+    assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
+
+
+def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
+    rows = force_results().tables["force_mae"]
+    printed = rows[rows["printed_mae"].notna()]
+    assert set(printed["kind"]) == {"printed"}
+    assert set(printed["during"]) == {"all"}
+
+
+def test_the_headline_sets_contact_beside_free() -> None:
+    header, rows = headline(force_results())
+    cells = dict(zip(header, (cell.text for cell in rows[0]), strict=True))
+    assert cells["mean force"] == "10.0"
+    assert cells["error (95 %)"] == "4.0 (3.0\u00a0to\u00a05.0)"
+    assert cells["free: error"] == "0.10"
+    assert len(rows) == 3
+
+
+def test_the_summary_never_averages_contact_and_free() -> None:
+    force = force_results().tables["force_mae"]
+    assert [*in_contact(force)] == [
+        "On run, in contact (above 5 N by the sensor), F̂ᵐᵃᵖ errs by 4.0, 4.0, 4.0 N in x, y, z "
+        "(95 % intervals 3.0 to 5.0, 3.0 to 5.0, 3.0 to 5.0 N), where the mean force is 10.0, "
+        "10.0, 10.0 N. Its 95 % bands hold 90, 90, 90 % of the readings in contact. Free of "
+        "contact, F̂ᵐᵃᵖ errs by 0.10, 0.10, 0.10 N."
+    ]
+    (told,) = undetermined_moments(force)
+    assert told.startswith("The moments ny, nz are undetermined")
+
+
+def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
+    force = force_results().tables["force_mae"]
+    results = Results({}, {"force_mae": force[force["during"] != "contact"]}, Path())
+    assert headline(results).rows == summary(results).rows == []
+    assert [*in_contact(results.tables["force_mae"])] == []
+
+
+def test_contacts_are_counted_by_their_force() -> None:
+    part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay": 0.1, "causal_delay": np.nan}
+    found = {"raised": [], "alarms_per_min": 1.0, "time_in_alarm": 0.5, "extra": 2}
+    found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
+    found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
+    rows = pd.DataFrame(detection_rows("run", {"Fmap": found, "observer": found}))
+    assert rows["force_class_n"].tolist() == [3, 15] * 2
+    assert rows["extra_alarms"].eq(2).all()
+    header, body = detections(Results({}, {"detection": rows}, Path()))
+    cells = dict(zip(header, (cell.text for cell in body[0]), strict=True))
+    assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
+    assert (cells["delay [s]"], cells["causal delay [s]"]) == ("0.10", "–")
 
 
 def test_pushes_never_found_are_told_as_such() -> None:

@@ -106,7 +106,7 @@ def test_the_corrected_estimate_finds_the_force(results: tuple) -> None:
 
 
 def test_without_friction_the_estimate_is_off(results: tuple) -> None:
-    assert results[1]["errors"]["corrected"]["F"]["mae"]["Fx"] > 5
+    assert results[1]["errors"]["corrected"]["F"]["all"]["mae"]["Fx"] > 5
 
 
 def test_the_sensor_is_put_right(results: tuple) -> None:
@@ -120,7 +120,7 @@ def test_the_sensor_is_put_right(results: tuple) -> None:
 
 def test_the_printed_kind_keeps_the_bias_and_the_delay(results: tuple) -> None:
     forces, summary = results
-    assert summary["errors"]["printed"]["Fu"]["zero_mae"]["Fx"] > 1
+    assert summary["errors"]["printed"]["Fu"]["all"]["zero_mae"]["Fx"] > 1
     rising = np.argmax(wrench_of(forces, "corrected_F*")[:, 2] > 4) * PERIOD
     late = np.argmax(wrench_of(forces, "printed_F*")[125:, 2] > 4) * PERIOD + 1
     assert late - rising == pytest.approx(0.35, abs=0.1)
@@ -128,6 +128,6 @@ def test_the_printed_kind_keeps_the_bias_and_the_delay(results: tuple) -> None:
 
 def test_an_estimate_of_zero_stands_beside(results: tuple) -> None:
     expected = np.abs(truth()[3]).mean(0)[:3]
-    figures = results[1]["errors"]["corrected"]["F*"]["zero_mae"]
+    figures = results[1]["errors"]["corrected"]["F*"]["all"]["zero_mae"]
     np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=1e-6)
-    assert results[1]["errors"]["corrected"]["Fu"]["mae"]["Fx"] == pytest.approx(1.0)
+    assert results[1]["errors"]["corrected"]["Fu"]["all"]["mae"]["Fx"] == pytest.approx(1.0)

@@ -93,28 +93,35 @@ def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz
 
 
 def calibration_panels(
-    stated: Sequence[float], held: Mapping[str, Array], components: Sequence[str]
+    stated: Sequence[float],
+    held: Mapping[str, Mapping[str, Array]],
+    components: Sequence[str],
 ) -> Drawing:
     """What stated bands hold: a panel an estimate, a line a component; right on the diagonal.
 
-    stated: (K,) [%]; held: by estimate, (K, M) [%], a column for each of the M components.
+    stated: (K,) [%]; held: by estimate and by period (the first drawn solid, the second dotted),
+    (K, M) [%], a column for each of the M components.
     """
     if not held:
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
         axes = figure.subplots(1, len(held), sharey=True, squeeze=False)[0]
-        for axis, (estimate, shares) in zip(axes, held.items(), strict=True):
+        for axis, (estimate, during) in zip(axes, held.items(), strict=True):
             axis.plot([0, 100], [0, 100], color="black", linewidth=0.8)
-            for values, name, colour in zip(shares.T, components, JOINTS, strict=False):
-                axis.plot(stated, values, "o-", color=colour, markersize=3, label=name)
+            for (name, shares), line in zip(during.items(), ("o-", "o:"), strict=False):
+                for values, part, colour in zip(shares.T, components, JOINTS, strict=False):
+                    label = f"{part} {name}"
+                    axis.plot(stated, values, line, color=colour, markersize=3, label=label)
             axis.set(title=estimate, xlabel="stated [%]", xlim=(40, 100), ylim=(0, 101))
         axes[0].set_ylabel("held [%]")
-        axes[0].legend(loc="lower right", frameon=False, ncols=2)
+        lines, labels = axes[0].get_legend_handles_labels()
+        figure.legend(lines, labels, loc="outside lower center", frameon=False, ncols=6)
     columns = {
-        f"{estimate}, {name} [%]": shares[:, i]
-        for estimate, shares in held.items()
-        for i, name in enumerate(components)
+        f"{estimate}, {part} {name} [%]": shares[:, i]
+        for estimate, during in held.items()
+        for name, shares in during.items()
+        for i, part in enumerate(components)
     }
     return Drawing(figure, pd.DataFrame({"stated [%]": [*stated], **columns}))
 

@@ -94,30 +94,45 @@ def payload_rows(recording: str, payload: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
-    """Contacts by each estimate, from detection.json."""
+    """Contacts by each estimate and by the force they reach, from detection.json.
+
+    Without a force sensor, one row an estimate and no force.
+    """
     for estimate, found in detection.items():
         smallest = found.get("smallest_force_95", {})
-        yield {
-            "recording": recording,
-            "estimate": estimate,
-            **{name: found.get(name) for name in ("contacts", "found", "precision", "recall")},
-            "false_alarms_per_min": found.get("false_per_min"),
-            "median_delay_s": found.get("median_delay"),
-            **{f"smallest_force_95_{a}": smallest.get(a, {}).get("force") for a in "xyz"},
-            "alarms": len(found["raised"]),
-            "alarms_per_min": found["alarms_per_min"],
-            "roc_area": found.get("roc_area"),
+        pushes = {
+            f"smallest_force_95_{axis}": figures["force"] for axis, figures in smallest.items()
         }
+        for i, part in enumerate(found.get("classes", [{}])):
+            yield {
+                "recording": recording,
+                "estimate": estimate,
+                "force_class_n": part.get("force"),
+                **{name: part.get(name) for name in ("contacts", "found", "recall")},
+                "false_alarms_per_min": found.get("false_per_min"),
+                "extra_alarms": found.get("extra"),
+                **{name: found.get(name) for name in ("time_in_alarm", "free_time_in_alarm")},
+                "median_delay_s": part.get("median_delay"),
+                "causal_delay_s": part.get("causal_delay"),
+                **(pushes if i == 0 else {}),
+                "precision": found.get("precision"),
+                "alarms": len(found["raised"]),
+                "alarms_per_min": found["alarms_per_min"],
+                "roc_area": found.get("roc_area"),
+            }
 
 
 def contact_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
-    """Each alarm: when, and the largest force in it, from detection.json."""
+    """Each alarm: when, the largest force in it, and the mass of a load, from detection.json."""
     for estimate, found in detection.items():
         for alarm in found["raised"]:
             values = zip("xyz", alarm["force"], alarm["force_std"], strict=True)
             yield {
                 "recording": recording,
                 "estimate": estimate,
+                "kind": alarm.get("kind", "contact"),
+                "load_mass": alarm.get("load_mass"),
+                "load_mass_std": alarm.get("load_mass_std"),
                 "start_s": alarm["start"],
                 "end_s": alarm["end"],
                 "peak_s": alarm["peak"],

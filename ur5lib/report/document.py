@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 Mark = Literal["lowest", "highest"]
+UNDETERMINED = "undetermined"  # stands for a number that the data do not tell
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Cell:
 
 
 def _is_number(cell: Cell) -> bool:
-    return not re.search(r"[A-Za-z]|\d–", cell.text)
+    return cell.text == UNDETERMINED or not re.search(r"[A-Za-z]|\d–", cell.text)
 
 
 @dataclass(frozen=True)

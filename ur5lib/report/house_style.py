@@ -18,6 +18,7 @@ STYLES: dict[str, Any] = {
     "first": {"color": "#0072B2", "linewidth": 1.0, "linestyle": (0, (5, 1.2))},
     "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
     "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
+    "fourth": {"color": "#CC79A7", "linewidth": 1.0, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
     "joint": {"color": JOINTS, "linewidth": 1.0},  # each joint in its own colour
 }
 HOUSE_STYLE: Any = {
@@ -38,7 +39,6 @@ FITTED_DOTS: Any = {"markersize": 0.8, "rasterized": True}
 BAND: Any = {"color": "#009E73", "alpha": 0.25, "linewidth": 0}
 GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linewidth": 0}
 SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
-ESTIMATES = {"Fmap": "F̂ᵐᵃᵖ", "observer": "momentum observer", "repeat": "repeat-aware"}
 WIDTH = 7.2  # inches, of A4 between margins
 DPI = 130  # of what is an image inside a figure
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller

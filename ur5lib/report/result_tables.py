@@ -193,21 +193,39 @@ def force_errors(
     printed_max: PrintedTable | None,
 ) -> Iterator[Row]:
     """Errors of the force estimates against the sensor, from forces.json."""
-    published_mae = published(printed_mae, recording)
-    published_max = published(printed_max, recording)
+    tables = {"mae": published(printed_mae, recording), "max": published(printed_max, recording)}
     for kind, estimates in summary["errors"].items():
-        for estimate, figures in estimates.items():
-            for i, component in enumerate(figures["mae"]):
-                print_mae, print_max = (
-                    table[estimate][i] if kind == "printed" and estimate in table else None
-                    for table in (published_mae, published_max)
-                )
-                yield {
-                    "recording": recording,
-                    "kind": kind,
-                    "estimate": estimate,
-                    "component": component,
-                    **{name: values[component] for name, values in figures.items()},
-                    "printed_mae": print_mae,
-                    "printed_max": print_max,
-                }
+        for estimate, periods in estimates.items():
+            known = _determined(periods.get("contact"))
+            for during, figures in periods.items():
+                printed = tables if (kind, during) == ("printed", "all") else {}
+                for i, component in enumerate(figures["mae"]):
+                    yield {
+                        "recording": recording,
+                        "kind": kind,
+                        "estimate": estimate,
+                        "during": during,
+                        "component": component,
+                        **{name: values[component] for name, values in figures.items()},
+                        "determined": known.get(component),
+                        **{
+                            f"printed_{figure}": table[estimate][i]
+                            for figure, table in printed.items()
+                            if estimate in table
+                        },
+                    }
+
+
+def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, str]:
+    """Which components an estimate tells: its skill in contact is above zero, for certain."""
+    if not in_contact:
+        return {}
+    skills = in_contact.get("skill_low", in_contact["skill"])
+    return {name: "yes" if (skill or 0) > 0 else "no" for name, skill in skills.items()}
+
+
+def contact_error_rows(recording: str, summary: Mapping[str, Any]) -> Iterator[Row]:
+    """What each estimate misses of each contact that the sensor saw, from forces.json."""
+    for estimate, contacts in summary.get("contacts", {}).items():
+        for row in contacts:
+            yield {"recording": recording, "estimate": estimate, **row}

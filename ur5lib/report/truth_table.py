@@ -20,7 +20,7 @@ MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
 WRENCH_COMPONENTS = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
-WRENCHES = {"Fmap": ("Fmap_", "Fmap_std_"), "observer": ("observer_", "observer_std_")}
+WRENCHES = {name: (f"{name}_", f"{name}_std_") for name in ("Fmap", "least_squares", "observer")}
 PARTS = 8  # of an only recording, in a jackknife
 INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
 

@@ -33,6 +33,7 @@ TABLES = [
     "cross_validation",
     "payload",
     "force_mae",
+    "contact_errors",
     "detection",
     "contacts",
 ]

@@ -1,4 +1,4 @@
-"""Every estimate of the contact wrench against the force sensor."""
+"""Every estimate of the contact wrench against the force sensor: in contact, free, overall."""
 
 from dataclasses import asdict
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import (
     SensorOffset,
@@ -15,15 +16,7 @@ from ur5lib.force.sensor import (
     offset_doubt,
     wrench_of_environment,
 )
-from ur5lib.metrics import (
-    Array,
-    correlation,
-    coverage,
-    gain,
-    largest_error,
-    mean_absolute_error,
-    skill,
-)
+from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import (
@@ -38,7 +31,7 @@ from ur5lib.tables import (
 )
 
 SENSOR = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
-NEW = ["Fmap", "observer", "repeat"]
+NEW = ["Fmap", "least_squares", "observer", "repeat"]
 
 
 def compare_forces(input: Any, output: Any, params: Any) -> None:
@@ -58,12 +51,9 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
         summary["offset"] = account(offset, signals, params)
         summary["offset_doubt"] = offset_doubt(offset)
         summary["mounting_doubt"] = doubt(references["compensated"], forces, rotation, offset)
+        summary |= against_sensor(references, signals, published, forces)
         for kind, reference in references.items():
             columns |= labelled(reference, kind, WRENCH)
-            summary["errors"][kind] = {
-                name: error_figures(*estimate, reference)
-                for name, estimate in estimates(kind, published, forces).items()
-            }
     write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.sensor)
     write_json(summary, output.summary)
 
@@ -126,24 +116,40 @@ def estimates(
     return found
 
 
-def error_figures(
-    estimate: Array, std: Array | None, reference: Array
-) -> dict[str, dict[str, float]]:
-    """Errors by component, beside those of an estimate that always says "no force"."""
-    zero = np.zeros_like(reference)
-    figures = {
-        "mae": mean_absolute_error(estimate, reference),
-        "max": largest_error(estimate, reference),
-        "zero_mae": mean_absolute_error(zero, reference),
-        "zero_max": largest_error(zero, reference),
-        "skill": skill(estimate, reference),
-        "correlation": correlation(estimate, reference),
-        "gain": gain(estimate, reference),
+def against_sensor(
+    references: dict[str, Array],
+    signals: pd.DataFrame,
+    published: pd.DataFrame,
+    forces: pd.DataFrame,
+) -> dict[str, Any]:
+    """Errors by kind of reference and estimate, and contact by contact.
+
+    What is in contact and what is free, the sensor less bias and tool weight says.
+    """
+    best = references["compensated"]
+    force, step = np.linalg.norm(best[:, :3], axis=1), period(signals)
+    known = {kind: estimates(kind, published, forces) for kind in references}
+    return {
+        "errors": {
+            kind: {
+                name: by_component(figures_by_contact(*estimate, references[kind], force, step))
+                for name, estimate in found.items()
+            }
+            for kind, found in known.items()
+        },
+        "contacts": {
+            name: [*contact_errors(wrench[:, :3], best[:, :3], signals["time"].to_numpy())]
+            for name, (wrench, _) in known["compensated"].items()
+        },
     }
-    if std is not None:
-        for stated in (0.5, 0.8, 0.95):
-            figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
-    return {name: dict(zip(WRENCH, values, strict=True)) for name, values in figures.items()}
+
+
+def by_component(figures: dict[str, dict[str, Array]]) -> dict[str, dict[str, dict[str, float]]]:
+    """Figures (6,) with the names of their components, by period."""
+    return {
+        during: {name: dict(zip(WRENCH, values, strict=True)) for name, values in part.items()}
+        for during, part in figures.items()
+    }
 
 
 def band_widths(forces: pd.DataFrame) -> dict[str, dict[str, float]]:

@@ -5,25 +5,27 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from ur5lib.force.detection import (
     Span,
     alarms,
     compare,
+    raised_live,
     receiver_curve,
     smallest_force,
-    spans,
     try_pushes,
 )
 from ur5lib.force.hypotheses import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.force.wrench_estimate import estimate_wrench
 from ur5lib.force_run import force_run
 from ur5lib.metrics import Array
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, labelled_channel, period, read_json, read_table, write_json
 
-STRONG, TOUCH, NOTHING = 15.0, 3.0, 1.0  # N: a contact; any contact; where it is over
+CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 AXES = ["Fx", "Fy", "Fz"]
 TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
 
@@ -42,9 +44,12 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
             "threshold": threshold,
             "raised": [strongest(span, forces, name) for span in raised],
             "alarms_per_min": len(raised) / minutes,
+            "time_in_alarm": float(marked(raised, len(odds)).mean()),
         }
         if "compensated_Fx" in sensor:
-            summary[name] |= against_sensor(odds, raised, sensor, minutes)
+            live = f"causal_log_odds_{name}"
+            causal = raised_live(forces[live].to_numpy(), threshold) if live in forces else None
+            summary[name] |= against_sensor(odds, raised, causal, sensor)
     if params.role == "validate" and "Fmap" in summary:
         threshold = thresholds["Fmap"]
         raised = alarms(forces["log_odds_Fmap"].to_numpy(), threshold)
@@ -68,21 +73,57 @@ def strongest(span: Span, forces: pd.DataFrame, name: str) -> dict[str, Any]:
 
 
 def against_sensor(
-    odds: Array, raised: list[Span], sensor: pd.DataFrame, minutes: float
+    odds: Array, raised: list[Span], causal: list[Span] | None, sensor: pd.DataFrame
 ) -> dict[str, Any]:
-    """Contacts that the sensor saw, how many were found and when, and the ROC by sample."""
+    """Contacts that the sensor saw, by the force they reach, and what the alarms make of them.
+
+    causal: the alarms that are raised while the recording runs, None where that is not known.
+    """
     force = np.linalg.norm(labelled_channel(sensor, "compensated", AXES), axis=1)
-    known = np.nan_to_num(force)
     step = period(sensor)
-    found = compare(raised, spans(known, STRONG, TOUCH), spans(known, TOUCH, NOTHING), step)
-    wrong, right = receiver_curve(odds, known >= TOUCH)
-    return asdict(found) | {
-        "recall": found.recall(),
-        "precision": found.precision(),
-        "median_delay": float(np.median(found.delays)) if len(found.delays) else None,
-        "false_per_min": found.false / minutes,
+    free = is_free(force, step)
+    any_contact = compare(raised, contacts(force), step)
+    wrong, right = receiver_curve(odds, force >= TOUCH)
+    return {
+        "classes": [by_class(least, force, raised, causal, step) for least in CLASSES],
+        "precision": any_contact.precision(),
+        "false_per_min": any_contact.false / (len(odds) * step / 60),
+        "extra": any_contact.extra,
+        "free_time_in_alarm": float(marked(raised, len(odds))[free].mean()) if free.any() else None,
         "roc_area": float(np.trapezoid(right, wrong)),
     }
+
+
+def by_class(
+    least: float, force: Array, raised: list[Span], causal: list[Span] | None, step: float
+) -> dict[str, Any]:
+    """How many of the contacts that reach a force are found, each by an alarm of its own, and when.
+
+    force: (N,) [N], of the sensor; step: [s].
+    """
+    strong = contacts(force, least)
+    found = compare(raised, strong, step)
+    live = None if causal is None else compare(causal, strong, step).delays
+    return {
+        "force": least,
+        "contacts": found.contacts,
+        "found": found.found,
+        "recall": found.recall(),
+        "median_delay": median(found.delays),
+        "causal_delay": None if live is None else median(live),
+    }
+
+
+def median(delays: Array) -> float | None:
+    return float(np.median(delays)) if len(delays) else None
+
+
+def marked(stretches: list[Span], count: int) -> NDArray[np.bool_]:
+    """Samples (N,) inside any of the stretches."""
+    inside = np.zeros(count, bool)
+    for span in stretches:
+        inside[slice(*span)] = True
+    return inside
 
 
 def smallest_forces(

@@ -1,27 +1,38 @@
-"""What the stated bands of the force estimates hold."""
+"""What the stated bands of the force estimates hold, in contact and free."""
 
 from typing import Any
 
-import numpy as np
+import pandas as pd
 
+from ur5lib.metrics import Array
 from ur5lib.report.charts import calibration_panels
-from ur5lib.report.house_style import ESTIMATES, save
+from ur5lib.report.estimates import NEW
+from ur5lib.report.house_style import save
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
 
 BANDS = [50, 80, 95]  # %
+DURING = {"contact": "in contact", "free": "free"}
 
 
 def draw_calibration(input: Any, output: Any, params: Any) -> None:
     errors = read_csv(input.errors)
     rows = errors[(errors["kind"] == "compensated") & errors["coverage95"].notna()]
-    components = rows["component"].unique()
+    components = [*rows["component"].unique()]
     held = {
-        ESTIMATES[str(estimate)]: 100
-        * np.array([part.groupby("component")[f"coverage{b}"].mean()[components] for b in BANDS])
+        NEW[str(estimate)]: {
+            label: shares_held(part[part["during"] == during], components)
+            for during, label in DURING.items()
+        }
         for estimate, part in rows.groupby("estimate", sort=False)
     }
     save(calibration_panels(BANDS, held, components), output.calibration)
+
+
+def shares_held(rows: pd.DataFrame, components: list[str]) -> Array:
+    """What bands hold [%], (bands, components), on the mean over the recordings."""
+    mean = rows.groupby("component")[[f"coverage{band}" for band in BANDS]].mean()
+    return 100 * mean.reindex(components).to_numpy().T
 
 
 if __name__ == "__main__":

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import ESTIMATES, save
+from ur5lib.report.estimates import NEW
+from ur5lib.report.house_style import save
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
@@ -22,7 +23,7 @@ from ur5lib.tables import WRENCH as COMPONENTS
 from ur5lib.tables import channel, labelled_channel, read_table
 
 BAND = 1.96  # standard deviations that hold 95 %
-THREE = ("first", "second", "third")  # styles of estimates
+DRAWN = ("third", "first", "second", "fourth")  # styles of estimates; the first has the band's
 PUBLISHED = {
     "Fu": ("controller's estimate", "first"),
     "F": ("without friction", "second"),
@@ -125,16 +126,17 @@ def draw_published(published: pd.DataFrame, sensor: pd.DataFrame, output: Any) -
 
 
 def draw_estimates(forces: pd.DataFrame, sensor: pd.DataFrame, hidden: Any, output: Any) -> None:
-    """The new estimates, the band of the last, the sensor, and where a force hides."""
+    """The new estimates, the band of F̂ᵐᵃᵖ, the sensor, and where a force hides."""
     measured = wrench(sensor, "compensated")
     series = {} if measured is None else {"force sensor": (measured, "measured")}
     band = None
-    for (name, label), style in zip(ESTIMATES.items(), THREE, strict=True):
+    for (name, label), style in zip(NEW.items(), DRAWN, strict=True):
         values = wrench(forces, name)
         if values is not None:
             series[label] = values, style
-            half = BAND * unbroken(forces, labelled_channel(forces, f"{name}_std", COMPONENTS))
-            band = values - half, values + half
+            if name == "Fmap":
+                half = BAND * wrench(forces, f"{name}_std")
+                band = values - half, values + half
     time = unbroken(forces, forces["time"].to_numpy())
     traces = Traces(time, series, errors(series, measured), band, unbroken(forces, hidden))
     save(draw_traces(traces, WRENCH), output.forces_estimated)

@@ -26,6 +26,7 @@ from ur5lib.report.motion_tables import acceleration_errors, calibration_rows, i
 from ur5lib.report.reference import Printed, read_reference
 from ur5lib.report.result_tables import (
     clock_table,
+    contact_error_rows,
     file_table,
     force_errors,
     quality_table,
@@ -54,12 +55,17 @@ COLUMNS = {
     "current_rmse": "model recording fitted joint rmse rmse_2hz mae r2 coverage95",
     "cross_validation": "robot fitted_on tested_on joint rmse_2hz",
     "payload": "recording mass std_error low high",
-    "force_mae": "recording kind estimate component mae max zero_mae zero_max skill correlation "
-    "gain coverage50 coverage80 coverage95 printed_mae printed_max",
-    "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std",
-    "detection": "recording estimate contacts found precision recall false_alarms_per_min "
-    "median_delay_s smallest_force_95_x smallest_force_95_y "
-    "smallest_force_95_z alarms alarms_per_min roc_area",
+    "force_mae": "recording kind estimate during component mae max zero_mae zero_max mean_force "
+    "slope skill correlation coverage50 coverage80 coverage95 interval_score95 "
+    "zero_interval_score95 mae_low mae_high skill_low determined printed_mae printed_max",
+    "contact_errors": "recording estimate contact start_s end_s component peak peak_error impulse "
+    "impulse_error onset_error_s",
+    "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std "
+    "kind load_mass load_mass_std",
+    "detection": "recording estimate force_class_n contacts found precision recall "
+    "false_alarms_per_min extra_alarms time_in_alarm free_time_in_alarm median_delay_s "
+    "causal_delay_s smallest_force_95_x smallest_force_95_y smallest_force_95_z alarms "
+    "alarms_per_min roc_area",
 }
 
 Rows = Iterable[Mapping[str, object]]
@@ -104,6 +110,7 @@ def recording_rows(input: Any, recordings: list[str], printed: Printed) -> dict[
         "current_rmse": each(current_rows, input.currents),
         "detection": each(detection_rows, input.detection),
         "contacts": each(contact_rows, input.detection),
+        "contact_errors": each(contact_error_rows, input.forces),
         "force_mae": each(
             force_errors,
             input.forces,

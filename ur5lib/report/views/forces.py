@@ -1,19 +1,20 @@
 """Contact forces against the force sensor, their bands, and detected contacts."""
 
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
-from ur5lib.report.cells import extremes, interval, number, signed, with_error
-from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results, shown
+from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
+from ur5lib.report.document import UNDETERMINED, Cell
+from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
+from ur5lib.report.results import NOTHING, Body, Results, shown
 from ur5lib.report.views.currents import loaded
 
-PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}
-NEW = {"Fmap": "F̂ᵐᵃᵖ", "observer": "observer", "repeat": "repeat-aware"}
-ESTIMATES = PUBLISHED | NEW
 UNITS = {"F": "N", "n": "Nm"}
 BANDS = (50, 80, 95)  # %
+DURING = {"contact": "in contact", "free": "free", "all": "whole run"}
 PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 
 
@@ -29,34 +30,94 @@ def printed(results: Results) -> list[str]:
     return results.printed("force_mae", "printed_mae")
 
 
-def summary(results: Results) -> Body:
-    """Mean error over x, y, z of each estimate, a row a recording, beside no force."""
-    rows = results.rows("force_mae", kind="compensated")
+def headline(results: Results) -> Body:
+    """The leading estimate in contact, beside the mean force there, and where the arm is free."""
+    rows = leading(results.rows("force_mae", kind="compensated"))
     forces = rows[rows["component"].str.startswith("F")]
-    known = _known(forces)
+    free = forces[forces["during"] == "free"].set_index(["recording", "component"])
     body = []
-    for recording, part in forces.groupby("recording", sort=False):
-        mean = part.groupby("estimate")["mae"].mean()
-        marks = extremes(dict(mean))
-        zero = part.drop_duplicates("component")["zero_mae"].mean()
-        values = [number(mean.get(name, float("nan")), 2, marks.get(name)) for name in known]
-        body.append([Cell(str(recording)), *values, number(zero, 2)])
-    return Body(["recording", *(ESTIMATES[name] for name in known), "zero"], body)
+    for row in forces[forces["during"] == "contact"].itertuples():
+        beside = free.reindex([(row.recording, row.component)]).iloc[0]
+        body.append(
+            [
+                Cell(row.recording),
+                _component(row.component),
+                number(row.mean_force, 1),
+                Cell(with_interval(row)),
+                number(row.slope, 2),
+                number(100 * row.coverage95, 0),
+                number(row.interval_score95, 0),
+                number(row.zero_interval_score95, 0),
+                number(beside["mae"], 2),
+                number(100 * beside["coverage95"], 0),
+            ]
+        )
+    header = ["recording", "component", "mean force", "error (95 %)", "slope", "in 95 % band [%]"]
+    header += ["band's score", "zero's score", "free: error", "free: in band [%]"]
+    return Body(header, body)
+
+
+def with_interval(row: Any) -> str:
+    """An error in contact, and its 95 % interval where contacts were resampled."""
+    mae = fixed(row.mae, 1)
+    return mae if math.isnan(row.mae_low) else f"{mae} ({interval(row.mae_low, row.mae_high, 1)})"
+
+
+def leading(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the estimate that the report leads with: the first of its order."""
+    known = {*rows["estimate"]}
+    first = next((name for name in [*NEW, *PUBLISHED] if name in known), None)
+    return rows[rows["estimate"] == first]
+
+
+def summary(results: Results) -> Body:
+    """The error of each estimate in contact, beside the mean force there."""
+    rows = results.rows("force_mae", kind="compensated", during="contact")
+    known = _known(rows)
+    body = []
+    for (recording, component), part in rows.groupby(["recording", "component"], sort=False):
+        found = part.set_index("estimate")
+        body.append(
+            [
+                Cell(str(recording)),
+                _component(str(component)),
+                number(part["mean_force"].iloc[0], 2),
+                *_told(found, known),
+            ]
+        )
+    return Body(["recording", "component", "mean there", *(ESTIMATES[x] for x in known)], body)
+
+
+def _told(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
+    """The errors of a component by estimate; "undetermined" where a new one tells no moment."""
+    marks = extremes(found["mae"].to_dict())
+    unknown = found["component"].str.startswith("n") & (found["determined"] == "no")
+    for name in known:
+        if name in NEW and unknown.get(name, False):
+            yield Cell(UNDETERMINED)
+        else:
+            yield number(found["mae"].get(name, math.nan), 2, marks.get(name))
 
 
 def errors(results: Results, of: str) -> Body:
-    """Every estimate against the sensor less bias and tool weight."""
-    return _errors(results.rows("force_mae", recording=of, kind="compensated"), "mae")
+    """Every estimate against the sensor less bias and tool weight: in contact, free, whole run."""
+    rows = results.rows("force_mae", recording=of, kind="compensated")
+    parts = [(label, rows[rows["during"] == during]) for during, label in DURING.items()]
+    bodies = [(label, _errors(part, "mae")) for label, part in parts if len(part)]
+    if not bodies:
+        return NOTHING
+    lines = [[Cell(label), *line] for label, body in bodies for line in body.rows]
+    return Body(["during", *bodies[-1][1].header], lines)
 
 
 def errors_from_start(results: Results, of: str) -> Body:
-    """Every estimate against the sensor less its reading at the start."""
-    return _errors(results.rows("force_mae", recording=of, kind="corrected"), "mae")
+    """Every estimate against the sensor less its reading at the start, over the whole run."""
+    return _errors(results.rows("force_mae", recording=of, kind="corrected", during="all"), "mae")
 
 
 def largest_errors(results: Results, of: str) -> Body:
     """The largest error of every estimate against the sensor less bias and tool weight."""
-    return _errors(results.rows("force_mae", recording=of, kind="compensated"), "max")
+    return _errors(results.rows("force_mae", recording=of, kind="compensated", during="all"), "max")
 
 
 def _errors(rows: pd.DataFrame, figure: str) -> Body:
@@ -73,12 +134,12 @@ def _errors(rows: pd.DataFrame, figure: str) -> Body:
 
 def printed_errors(results: Results, of: str) -> Body:
     """Table 6.1: mean errors, printed, rebuilt, their difference."""
-    return _printed(results.rows("force_mae", recording=of, kind="printed"), "mae")
+    return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "mae")
 
 
 def printed_largest_errors(results: Results, of: str) -> Body:
     """Table 6.2: largest errors, printed, rebuilt, their difference."""
-    return _printed(results.rows("force_mae", recording=of, kind="printed"), "max")
+    return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "max")
 
 
 def _printed(rows: pd.DataFrame, figure: str) -> Body:
@@ -103,41 +164,78 @@ def _printed(rows: pd.DataFrame, figure: str) -> Body:
 
 
 def bands(results: Results, of: str) -> Body:
-    """The new estimates: skill, gain, correlation, and what their bands hold."""
+    """The new estimates in contact: skill, slope, correlation, and what their bands hold."""
     rows = results.rows("force_mae", recording=of, kind="compensated")
+    rows = rows[rows["coverage95"].notna()]
+    free = rows[rows["during"] == "free"].set_index(["estimate", "component"])["coverage95"]
     body = [
         [
             Cell(ESTIMATES[row.estimate]),
             _component(row.component),
-            *(number(getattr(row, name), 2) for name in ("skill", "correlation", "gain")),
+            number(row.skill, 2) if row.determined == "yes" else Cell(UNDETERMINED),
+            *(number(getattr(row, name), 2) for name in ("correlation", "slope")),
             *(number(100 * getattr(row, f"coverage{x}"), 0) for x in BANDS),
+            number(row.interval_score95, 1),
+            number(row.zero_interval_score95, 1),
+            number(100 * free.get((row.estimate, row.component), math.nan), 0),
         ]
-        for row in rows[rows["coverage95"].notna()].itertuples()
+        for row in rows[rows["during"] == "contact"].itertuples()
     ]
-    header = ["estimate", "component", "skill", "correlation", "gain"]
-    return Body([*header, *(f"in {x} % band [%]" for x in BANDS)], body)
+    header = ["estimate", "component", "skill", "correlation", "slope"]
+    header += [f"in {x} % band [%]" for x in BANDS]
+    return Body([*header, "band's score", "zero's score", "free: in 95 % band [%]"], body)
+
+
+def contact_errors(results: Results, of: str) -> Body:
+    """Peak, impulse and onset of each contact, and what the leading estimate misses of them."""
+    rows = leading(results.rows("contact_errors", recording=of, component="norm"))
+    body = [
+        [
+            Cell(interval(row.start_s, row.end_s, 2)),
+            number(row.peak, 1),
+            signed(row.peak_error, 1),
+            number(row.impulse, 1),
+            signed(row.impulse_error, 1),
+            signed(row.onset_error_s, 2),
+        ]
+        for row in rows.itertuples()
+    ]
+    header = ["contact [s]", "peak [N]", "its error [N]", "impulse [N s]", "its error [N s]"]
+    return Body([*header, "onset late by [s]"], body)
 
 
 def detections(results: Results) -> Body:
-    """Contacts of at least 15 N by the sensor: found, false alarms, delay."""
+    """Contacts found by the force they reach, false alarms, delay."""
     rows = results.tables["detection"]
-    body = [
-        [
-            Cell(row.recording),
-            Cell(ESTIMATES[row.estimate]),
-            Cell(f"{row.found:.0f} of {row.contacts:.0f}"),
-            number(row.precision, 2),
-            number(row.false_alarms_per_min, 1),
-            number(row.median_delay_s, 2),
-        ]
-        for row in rows[rows["contacts"].notna()].itertuples()
-    ]
-    header = ["recording", "estimate", "found", "precision", "false alarms [1/min]"]
-    return Body([*header, "median delay [s]"], body)
+    rows = rows[rows["force_class_n"].notna()]
+    classes = [*rows["force_class_n"].unique()]
+    body = []
+    for (recording, estimate), part in rows.groupby(["recording", "estimate"], sort=False):
+        by_force = part.set_index("force_class_n")
+        first = part.iloc[0]
+        body.append(
+            [
+                Cell(str(recording)),
+                Cell(ESTIMATES[str(estimate)]),
+                *(_share(by_force.loc[force]) for force in classes),
+                number(first["false_alarms_per_min"], 1),
+                number(first["extra_alarms"], 0),
+                number(100 * first["free_time_in_alarm"], 0),
+                number(first["median_delay_s"], 2),
+                number(first["causal_delay_s"], 2),
+            ]
+        )
+    header = ["recording", "estimate", *(f"≥ {force:.0f} N" for force in classes)]
+    header += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]", "causal delay [s]"]
+    return Body(header, body)
+
+
+def _share(row: pd.Series) -> Cell:
+    return Cell(f"{row['found']:.0f} of {row['contacts']:.0f}")
 
 
 def contacts(results: Results, of: str) -> Body:
-    """When F̂ᵐᵃᵖ finds a contact on a recording, and the largest force in each."""
+    """When F̂ᵐᵃᵖ finds a contact on a recording, the largest force in each, and loads taken up."""
     rows = results.rows("contacts", recording=of, estimate="Fmap")
     body = [
         [
@@ -147,16 +245,20 @@ def contacts(results: Results, of: str) -> Body:
                 with_error(force, std, 1)
                 for force, std in ((row.Fx, row.Fx_std), (row.Fy, row.Fy_std), (row.Fz, row.Fz_std))
             ),
+            with_error(row.load_mass, row.load_mass_std, 2) if row.kind == "load" else Cell("–"),
         ]
         for row in rows.itertuples()
     ]
-    return Body(["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]"], body)
+    header = ["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]", "load [kg]"]
+    if (rows["kind"] != "load").all():
+        header, body = header[:-1], [line[:-1] for line in body]
+    return Body(header, body)
 
 
 def alarms(results: Results) -> Body:
     """Alarms a minute by each estimate where no sensor tells of contacts."""
     rows = results.tables["detection"]
-    rows = rows[rows["contacts"].isna()]
+    rows = rows[rows["force_class_n"].isna()]
     known, roles = _known(rows), results.roles()
     alarms = rows.set_index(["recording", "estimate"])["alarms_per_min"]
     body = [

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import ESTIMATES, NEW, PUBLISHED, PUSHES, pushes_found
+from ur5lib.report.views.forces import PUSHES, leading, pushes_found
 
 MOST_TOLD = 4  # recordings that get a sentence of their own
 
@@ -22,9 +23,12 @@ def findings(results: Results) -> list[str]:
         *_currents(results),
         *loads_found(results),
         *_against_printed_forces(force),
-        *_against_no_force(force),
+        *in_contact(force),
+        *undetermined_moments(force),
+        *bands_held(force),
         *contacts_found(results),
-        *_trusted_force(force, results),
+        *loads_taken_up(results),
+        *_detection(results),
         _data_quality(results.tables["quality"]),
         *beside_truth(results.tables.get("truth")),
     ]
@@ -150,40 +154,79 @@ def _against_printed_forces(force: pd.DataFrame) -> Iterator[str]:
             yield f"The published {name} force errors are met: {', '.join(parts)}."
 
 
-def _against_no_force(force: pd.DataFrame) -> Iterator[str]:
-    """Whether any estimate is better than saying "no force"."""
+def in_contact(force: pd.DataFrame) -> Iterator[str]:
+    """The leading estimate where something touches the arm, and where nothing does."""
     forces = _forces(force)
-    beaten = []
+    better = []
     for recording, rows in forces.groupby("recording", sort=False):
-        zero = rows.drop_duplicates("component")["zero_mae"]
-        mean = rows.groupby("estimate", sort=False)["mae"].mean()
-        best = rows[rows["estimate"] == mean.idxmin()]
-        beaten.append(best["mae"].mean() < best["zero_mae"].mean())
-        if len(beaten) <= MOST_TOLD:
-            yield (
-                f"On {recording}, {ESTIMATES[mean.idxmin()]} comes nearest to the force sensor: "
-                f"wrong by {_list(best['mae'])} N in x, y, z on the mean. It "
-                f"beats an estimate that always says “no force” ({_list(zero)} N) "
-                f"{_axes(best)}."
-            )
-    if len(beaten) > MOST_TOLD:
+        contact, free = (rows[rows["during"] == during] for during in ("contact", "free"))
+        if contact.empty:
+            continue
+        lead = leading(contact)
+        better.append(lead["mae"].mean() < lead["mean_force"].mean())
+        if len(better) <= MOST_TOLD:
+            yield " ".join(_told_of_contact(str(recording), lead, contact, leading(free)))
+    if len(better) > MOST_TOLD:
         yield (
-            f"On {sum(beaten)} of all {len(beaten)} recordings with a force sensor, the best "
-            "estimate beats “no force” on the mean over x, y, z."
+            f"In contact, on {sum(better)} of all {len(better)} recordings with a force sensor, "
+            "the error is smaller than that of saying “no force”, on the mean over x, y, z."
         )
 
 
-def _axes(errors: pd.DataFrame) -> str:
-    """On which axes errors are smaller than those of no force."""
-    better = errors["component"].str[-1][errors["mae"] < errors["zero_mae"]]
-    every = {0: "on no axis", 3: "on every axis"}
-    return every.get(len(better), f"on {' and '.join(better)} alone")
+def _told_of_contact(
+    recording: str, lead: pd.DataFrame, contact: pd.DataFrame, free: pd.DataFrame
+) -> Iterator[str]:
+    """One recording's errors in contact, their intervals and bands; then its free ones."""
+    name = lead["estimate"].iloc[0]
+    ends = zip(lead["mae_low"], lead["mae_high"], strict=True)
+    ranges = ", ".join(f"{rounded(low, 1)} to {rounded(high, 1)}" for low, high in ends)
+    known = "" if lead["mae_low"].isna().any() else f" (95 % intervals {ranges} N)"
+    yield (
+        f"On {recording}, in contact (above 5 N by the sensor), {ESTIMATES[name]} errs by "
+        f"{_list(lead['mae'], 1)} N in x, y, z{known}, where the mean force is "
+        f"{_list(lead['mean_force'], 1)} N."
+    )
+    if lead["coverage95"].notna().all():
+        yield f"Its 95 % bands hold {_percent(lead['coverage95'])} % of the readings in contact."
+    baseline = contact[contact["estimate"] == "least_squares"]
+    if len(baseline) and name != "least_squares":
+        yield f"Least squares without a prior errs by {_list(baseline['mae'], 1)} N there."
+    if len(free):
+        yield f"Free of contact, {ESTIMATES[name]} errs by {_list(free['mae'])} N."
+
+
+def undetermined_moments(force: pd.DataFrame) -> Iterator[str]:
+    """The moments of which the leading estimate knows nothing on any recording."""
+    rows = leading(force[(force["kind"] == "compensated") & (force["during"] == "contact")])
+    moments = rows[rows["component"].str.startswith("n")]
+    known = moments[moments["determined"] == "yes"]
+    unknown = [name for name in moments["component"].unique() if name not in {*known["component"]}]
+    if unknown:
+        yield (
+            f"The moments {', '.join(unknown)} are undetermined: on no recording is "
+            f"{ESTIMATES[rows['estimate'].iloc[0]]} in contact certainly better than “no moment”."
+        )
+
+
+def bands_held(force: pd.DataFrame) -> Iterator[str]:
+    """What the stated bands hold, in contact beside free."""
+    rows = _forces(force)
+    held = rows.pivot_table("coverage95", "estimate", "during", aggfunc="mean").reindex([*NEW])
+    if {"contact", "free"} <= {*held}:
+        parts = [
+            f"{ESTIMATES[row.Index]} {100 * row.contact:.0f} % ({100 * row.free:.0f} %)"
+            for row in held.dropna(subset=["contact", "free"]).itertuples()
+        ]
+        yield (
+            "Of the force sensors' readings in contact (in brackets: free of contact), the stated "
+            f"95 % bands hold, on the mean over recordings and axes: {', '.join(parts)}."
+        )
 
 
 def contacts_found(results: Results) -> Iterator[str]:
     """What touches the arm where no sensor tells."""
     sensed = {*results.tables["force_mae"]["recording"]}
-    contacts = results.rows("contacts", estimate="Fmap")
+    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
     felt = [name for name in results.with_role("contact") if name not in sensed]
     for recording in felt[:MOST_TOLD]:
         rows = contacts[contacts["recording"] == recording]
@@ -200,21 +243,41 @@ def contacts_found(results: Results) -> Iterator[str]:
             )
 
 
-def _trusted_force(force: pd.DataFrame, results: Results) -> Iterator[str]:
-    """How much the stated bands hold, and how small a push is still found."""
-    rows = _forces(force)
-    held = rows.groupby("estimate")["coverage95"].mean().reindex([*NEW]).dropna()
-    if len(held):
-        parts = [f"{ESTIMATES[name]} {100 * share:.0f} %" for name, share in held.items()]
+def loads_taken_up(results: Results) -> Iterator[str]:
+    """What the arm picked up in mid-run."""
+    contacts = results.rows("contacts", estimate="Fmap", kind="load")
+    for row in contacts[:MOST_TOLD].itertuples():
         yield (
-            "Of the force sensor's readings in x, y, z, the stated 95 % bands hold, on the mean: "
-            f"{', '.join(parts)}."
+            f"On {row.recording}, the arm carries a load of {rounded(row.load_mass, 2)} ± "
+            f"{rounded(row.load_mass_std, 2)} kg from {row.start_s:.1f} s on, by the currents."
+        )
+
+
+def _detection(results: Results) -> Iterator[str]:
+    """How many contacts are found, how many made up, and how small a push is detected."""
+    rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
+    counted = rows.groupby("force_class_n")[["found", "contacts"]].sum()
+    if len(counted):
+        parts = [
+            f"{row.found:.0f} of {row.contacts:.0f} that reach {row.Index:.0f} N"
+            for row in counted.itertuples()
+        ]
+        yield (
+            f"Of the contacts that force sensors saw, {name} finds {', '.join(parts)}, each by an "
+            "alarm of its own."
+        )
+    free = rows[rows["recording"].isin(results.with_role("validate"))]
+    free = free[~free["recording"].isin(loaded(results)["recording"])]
+    if len(free):
+        yield (
+            f"On contact-free recordings not fitted on, {name} raises "
+            f"{free['alarms_per_min'].mean():.1f} false alarms a minute, on the mean."
         )
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield (
-            f"By {ESTIMATES['Fmap']}, a push of {_list(smallest, 0)} N along x, y, z is found with "
-            "a probability of 95 % (median over motions without contact)."
+            f"{name} detects pushes above {_list(smallest, 0)} N along x, y, z with a "
+            "probability of 95 % (median over motions without contact)."
         )
 
 
@@ -251,6 +314,11 @@ def _model(name: str) -> str:
 
 def _listed(models: list[str]) -> str:
     return " and ".join(map(_model, models))
+
+
+def _percent(shares: pd.Series) -> str:
+    """Shares in per cent."""
+    return ", ".join(f"{100 * share:.0f}" for share in shares)
 
 
 def _list(values: pd.Series, digits: int = 2) -> str:

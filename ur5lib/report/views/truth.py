@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.document import Cell
+from ur5lib.report.estimates import ESTIMATES
 from ur5lib.report.results import NOTHING, Body, Results
 from ur5lib.report.truth_table import COLUMNS
-from ur5lib.report.views.forces import ESTIMATES
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 QUANTITIES = {

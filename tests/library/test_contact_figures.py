@@ -1,0 +1,167 @@
+"""Figures of force by contact, on pushes whose errors are known."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ur5lib.force.contact_figures import (
+    contact_errors,
+    figures_by_contact,
+    periods,
+    resampled_figures,
+)
+from ur5lib.force.sensed_contacts import contacts, is_free
+
+PERIOD = 0.01
+RANDOM = np.random.default_rng(0)
+
+
+def pushed(count: int, height: float = 20.0) -> np.ndarray:
+    """Wrenches (N, 6) of triangular pushes of a second along x, two seconds apart."""
+    push = height * (1 - np.abs(np.linspace(-1, 1, 100)))
+    force = np.tile(np.concatenate([np.zeros(200), push]), count)
+    return np.concatenate([force, np.zeros(200)])[:, None] * np.eye(6)[0]
+
+
+def norm(wrench: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(wrench[:, :3], axis=1)
+
+
+def test_a_sample_is_in_contact_or_free_or_neither() -> None:
+    force = norm(pushed(3))
+    during = periods(force, PERIOD)
+    assert during["all"].all()
+    assert not (during["contact"] & during["free"]).any()
+    assert (force[during["contact"]] > 5).all()
+    assert (force[during["free"]] < 1).all()
+    assert 0 < during["contact"].mean() < 1 / 3 < during["free"].mean() < 2 / 3
+
+
+def test_free_samples_keep_away_from_any_touch() -> None:
+    force = np.zeros(301)
+    force[150] = 4.0
+    np.testing.assert_array_equal(np.flatnonzero(~is_free(force, PERIOD)), np.arange(100, 201))
+
+
+def test_what_the_sensor_did_not_measure_is_neither_in_contact_nor_free() -> None:
+    during = periods(np.full(10, np.nan), PERIOD)
+    assert not during["contact"].any()
+    assert not during["free"].any()
+
+
+def test_errors_in_contact_are_not_thinned_by_free_samples() -> None:
+    reference = pushed(3)
+    figures = figures_by_contact(0.8 * reference, None, reference, norm(reference), PERIOD)
+    assert figures["contact"]["slope"][0] == pytest.approx(0.8)
+    assert figures["contact"]["skill"][0] == pytest.approx(0.8)
+    assert figures["contact"]["mean_force"][0] == pytest.approx(12.5, abs=0.2)
+    assert figures["contact"]["mae"][0] == pytest.approx(2.5, abs=0.1)
+    assert figures["free"]["mae"][0] < 0.2
+    longer = np.concatenate([reference, np.zeros((5000, 6))])
+    again = figures_by_contact(0.8 * longer, None, longer, norm(longer), PERIOD)
+    assert again["contact"]["mae"][0] == figures["contact"]["mae"][0]
+    assert again["all"]["mae"][0] < 0.5 * figures["all"]["mae"][0]
+
+
+def test_a_band_that_is_right_when_free_may_be_wrong_in_contact() -> None:
+    reference = pushed(3)
+    std = np.full_like(reference, 0.5)
+    figures = figures_by_contact(0.5 * reference, std, reference, norm(reference), PERIOD)
+    assert figures["free"]["coverage95"][0] == 1
+    assert figures["contact"]["coverage95"][0] == 0
+    assert figures["contact"]["interval_score95"][0] > 100
+
+
+def test_without_contact_there_are_no_figures_in_contact() -> None:
+    still = np.zeros((100, 6))
+    figures = figures_by_contact(still, None, still, norm(still), PERIOD)
+    assert set(figures) == {"all", "free"}
+
+
+def test_samples_without_an_estimate_count_for_neither() -> None:
+    reference = pushed(2)
+    estimate = 0.8 * reference
+    estimate[:300] = np.nan
+    figures = figures_by_contact(estimate, None, reference, norm(reference), PERIOD)
+    assert figures["all"]["zero_mae"][0] == pytest.approx(np.abs(reference[300:, 0]).mean())
+
+
+def test_the_interval_by_contacts_is_as_wide_as_contacts_differ() -> None:
+    reference = pushed(12)
+    alike = resampled_figures(0.8 * reference, reference, norm(reference))
+    each = np.repeat(RANDOM.uniform(0, 0.4, 13), 300)[: len(reference), None]
+    unlike = resampled_figures((1 - each) * reference, reference, norm(reference))
+    assert alike["mae_high"][0] - alike["mae_low"][0] < 1e-9
+    assert alike["skill_low"][0] == pytest.approx(0.8)
+    mean = np.abs(each * reference)[norm(reference) > 5, 0].mean()
+    assert unlike["mae_low"][0] < mean < unlike["mae_high"][0]
+    assert unlike["mae_high"][0] - unlike["mae_low"][0] > 0.5
+
+
+def test_skill_by_the_luck_of_one_contact_is_not_certain() -> None:
+    """Nine contacts are estimated wrong by their own size and more, one is right."""
+    reference = pushed(10)
+    factor = np.repeat([1.0] + [-0.02] * 9 + [0], 300)[: len(reference), None]
+    figures = figures_by_contact(factor * reference, None, reference, norm(reference), PERIOD)
+    assert figures["contact"]["skill"][0] > 0
+    assert figures["contact"]["skill_low"][0] < 0
+
+
+def test_two_contacts_tell_no_interval() -> None:
+    reference = pushed(2)
+    assert resampled_figures(reference, reference, norm(reference)) == {}
+
+
+@given(st.floats(0.1, 2.0))
+def test_peak_and_impulse_of_a_scaled_estimate(scale: float) -> None:
+    reference = pushed(4)[:, :3]
+    time = PERIOD * np.arange(len(reference))
+    rows = [*contact_errors(scale * reference, reference, time)]
+    assert [row["contact"] for row in rows] == [number for number in range(1, 5) for _ in range(4)]
+    for row in rows[::4] + rows[3::4]:  # along x, and norm
+        assert row["peak"] == pytest.approx(20, abs=0.5)
+        assert row["peak_error"] == pytest.approx((scale - 1) * row["peak"])
+        assert row["impulse"] == pytest.approx(10, abs=0.5)
+        assert row["impulse_error"] == pytest.approx((scale - 1) * row["impulse"])
+
+
+def test_errors_have_the_same_sign_whatever_the_pushs() -> None:
+    reference = -pushed(1)[:, :3]
+    time = PERIOD * np.arange(len(reference))
+    (x, *_, whole) = contact_errors(0.5 * reference, reference, time)
+    assert x["peak_error"] == whole["peak_error"] < 0
+    assert x["impulse_error"] == whole["impulse_error"] < 0
+
+
+@pytest.mark.parametrize("late", [-20, 0, 30])
+def test_the_onset_of_a_late_estimate(late: int) -> None:
+    reference = pushed(3)[:, :3]
+    time = PERIOD * np.arange(len(reference))
+    rows = [*contact_errors(np.roll(reference, late, axis=0), reference, time)]
+    onsets = [row["onset_error_s"] for row in rows if row["component"] == "norm"]
+    np.testing.assert_allclose(onsets, late * PERIOD)
+
+
+def test_an_estimate_that_feels_nothing_has_no_onset() -> None:
+    reference = pushed(1)[:, :3]
+    time = PERIOD * np.arange(len(reference))
+    (*_, whole) = contact_errors(np.zeros_like(reference), reference, time)
+    assert whole["onset_error_s"] is None
+    assert whole["peak_error"] == -whole["peak"]
+
+
+def test_an_estimate_unknown_in_part_of_a_contact_is_not_called_too_weak() -> None:
+    reference = pushed(2)[:, :3]
+    estimate = reference.copy()
+    estimate[230] = np.nan
+    time = PERIOD * np.arange(len(reference))
+    rows = [row for row in contact_errors(estimate, reference, time) if row["component"] == "Fx"]
+    assert [np.isnan(row["peak_error"]) for row in rows] == [True, False]
+    assert [row["impulse"] > 0 for row in rows] == [True, True]
+
+
+def test_a_dip_divides_contacts_and_noise_makes_none() -> None:
+    force = np.array([0, 6, 1.9, 6, 0, 2.5, 0, 4, np.nan])
+    assert contacts(force) == [(1, 2), (3, 4), (7, 8)]
+    assert contacts(force, 5.0) == [(1, 2), (3, 4)]

@@ -1,0 +1,136 @@
+"""How far an estimate of the contact wrench is from the force sensor: in contact, free, overall."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ur5lib.force.detection import overlap
+from ur5lib.force.sensed_contacts import CONTACT, contacts, in_contact, is_free
+from ur5lib.metrics import (
+    correlation,
+    coverage,
+    interval_score,
+    largest_error,
+    mean_absolute_error,
+    skill,
+    slope,
+    zero_interval_score,
+)
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+STATED = (0.5, 0.8, 0.95)  # what bands are said to hold
+DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and how many contacts they need
+TAILS = [0.025, 0.975]
+TINY = 1e-12  # N, N s: instead of a zero to divide by
+
+
+def periods(force: Array, period: float) -> dict[str, Mask]:
+    """Which samples (N,) figures are about; force: (N,) [N], of the sensor; period: [s]."""
+    everywhere = np.ones(len(force), bool)
+    return {"all": everywhere, "contact": in_contact(force), "free": is_free(force, period)}
+
+
+def figures_by_contact(
+    estimate: Array, std: Array | None, reference: Array, force: Array, period: float
+) -> dict[str, dict[str, Array]]:
+    """Figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
+
+    reference: the sensor's wrench (N, 6); force: (N,) [N], of the sensor, which tells contacts;
+    period: [s]. Samples without an estimate count for neither; a period without any known sample
+    has no figures.
+    """
+    known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
+    figures = {
+        name: error_figures(estimate[rows], None if std is None else std[rows], reference[rows])
+        for name, within in periods(force, period).items()
+        if (rows := within & known).any()
+    }
+    if "contact" in figures:
+        figures["contact"] |= resampled_figures(estimate, reference, force)
+    return figures
+
+
+def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[str, Array]:
+    """Errors of each column (6,), beside those of an estimate that always says "no force"."""
+    zero = np.zeros_like(reference)
+    mean = mean_absolute_error(zero, reference)
+    figures = {
+        "mae": mean_absolute_error(estimate, reference),
+        "max": largest_error(estimate, reference),
+        "zero_mae": mean,
+        "zero_max": largest_error(zero, reference),
+        "mean_force": mean,
+        "slope": slope(estimate, reference),
+        "skill": skill(estimate, reference),
+        "correlation": correlation(estimate, reference),
+        "zero_interval_score95": zero_interval_score(reference),
+    }
+    if std is not None:
+        figures["interval_score95"] = interval_score(estimate, std, reference)
+        for stated in STATED:
+            figures[f"coverage{100 * stated:.0f}"] = coverage(estimate, std, reference, stated)
+    return figures
+
+
+def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
+    """95 % interval (6,) of the error in contact, and the skill's lower end, resampling contacts.
+
+    estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor.
+    Neighbouring samples err alike, whole contacts hardly do. Nothing with fewer than three.
+    """
+    known = np.isfinite(estimate - reference).all(axis=1) & in_contact(force)
+    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
+    if len(spans) < FEWEST:
+        return {}
+    pair = np.where(known[:, None], (reference - estimate, reference), 0.0)
+    sums = np.array([np.abs(pair[:, a:b]).sum(axis=1) for a, b in spans])  # (contacts, 2, 6)
+    counts = np.array([known[a:b].sum() for a, b in spans])
+    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
+    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None, None]
+    error, zero = means[:, 0], means[:, 1]
+    low, high = np.quantile(error, TAILS, axis=0)
+    skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
+    return {"mae_low": low, "mae_high": high, "skill_low": skill_low}
+
+
+def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[dict[str, Any]]:
+    """Peak, impulse and onset of each contact by the sensor, and how an estimate misses them.
+
+    estimate, reference: forces (N, 3) [N]; time: (N,) [s]. A row for each contact and direction:
+    an axis, or "norm", all three. peak: the largest force [N]; impulse: the size of the force's
+    integral [N s]; errors are the estimate's part along the sensor's direction less that: below
+    zero, it is too weak; NaN where it is unknown in part of the contact. onset_error_s: how much
+    later the estimate passes the sensor's levels.
+    """
+    felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
+    for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
+        first, last = span
+        e, f = estimate[first:last], reference[first:last]
+        place = {"contact": number, "start_s": time[first], "end_s": time[last - 1]}
+        step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
+        for axis, name in enumerate(("Fx", "Fy", "Fz")):
+            yield place | {"component": name} | _misses(e[:, [axis]], f[:, [axis]], step)
+        onset = next((start for start, end in felt if overlap((start, end), span)), None)
+        late = None if onset is None else time[onset] - time[first]
+        yield place | {"component": "norm", **_misses(e, f, step), "onset_error_s": late}
+
+
+def _misses(estimate: Array, reference: Array, step: float) -> dict[str, float]:
+    """Peak and impulse of a contact, along the directions the sensor has them in.
+
+    estimate, reference: (M, D) [N]; step: [s].
+    """
+    top = reference[np.argmax(np.linalg.norm(reference, axis=1))]
+    peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
+    along = estimate @ (top / max(peak, TINY))
+    pushed = step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, TINY))
+    return {
+        "peak": float(peak),
+        "peak_error": float(along.max() - peak),
+        "impulse": float(impulse),
+        "impulse_error": float(pushed - impulse),
+    }
