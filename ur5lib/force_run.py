@@ -11,6 +11,6 @@ def force_run(currents: pd.DataFrame, motion: pd.DataFrame, torque: str) -> Run 
     """Measured motion and the external torque of a name; None where no currents were recorded."""
     if f"{torque}_0" not in currents:
         return None
-    qd, segment = channel(motion, "qd"), motion["segment"].to_numpy()
-    states = joint_states(qd, segment, period(motion))
-    return Run(channel(motion, "q"), qd, channel(currents, torque), states, segment)
+    qd, segment, step = channel(motion, "qd"), motion["segment"].to_numpy(), period(motion)
+    states = joint_states(qd, segment, step)
+    return Run(channel(motion, "q"), qd, channel(currents, torque), states, segment, step)

@@ -228,10 +228,7 @@ class EstimateForces(Strict):
     """What is known of a contact before any measurement."""
 
     contact_force_n: float = Field(
-        10.0, gt=0, le=1000, description="standard deviation of each component"
-    )
-    contact_lever_m: float = Field(
-        0.05, ge=0, le=1, description="how far from the flange it acts; 0: no moment"
+        15.0, gt=0, le=1000, description="a usual contact; each contact's own data override it"
     )
 
 

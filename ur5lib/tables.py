@@ -97,6 +97,8 @@ UNITS = {  # of a channel, by its name without suffix
     "J": "m, 1",
     "sigma_min": "1",
     "tau_ext": "Nm",
+    "tau_background": "Nm",
+    "load_regressor": "Nm/kg, Nm/(kg m)",
     "tau_observer": "Nm",
     "coriolis_torque": "Nm",
     "gravity_torque": "Nm",

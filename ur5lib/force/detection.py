@@ -39,13 +39,14 @@ def raised_live(log_odds: Array, threshold: float) -> list[Span]:
     ]
 
 
-def alarm_threshold(contact_free: list[Array], period: float, per_minute: float) -> float:
+def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
     """Log-odds above which contact-free recordings raise at most so many alarms a minute.
 
-    contact_free: log-odds (N,) of each recording; period: [s]. At least 0: no contact is called
-    where it is the less likely of both.
+    contact_free: log-odds (N,) of each recording, at its period [s]. At least 0: no contact is
+    called where it is the less likely of both.
     """
-    minutes = sum(len(odds) for odds in contact_free) * period / 60
+    pairs = zip(contact_free, periods, strict=True)
+    minutes = sum(len(odds) * period for odds, period in pairs) / 60
     allowed = int(per_minute * minutes)
     peaks = sorted(peak for odds in contact_free for peak in _peaks(odds))
     above = peaks[-allowed - 1] if allowed < len(peaks) else -np.inf

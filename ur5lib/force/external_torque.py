@@ -4,16 +4,18 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter1d
+from scipy.ndimage import binary_opening, maximum_filter1d
 
 Array = NDArray[np.float64]
 States = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-MOVING, TURNING, RESTING = range(3)
-STATES = 3
-SLOW = 0.03  # rad/s, where Coulomb friction changes its side (width of the fitted tanh)
-SETTLING = 1.0  # s, how long a joint's friction goes on relaxing after a stop
+MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
+STATES = 5
+SLOW = 0.03  # rad/s, where Coulomb friction changes its side
+STOP = 0.4  # s; a joint that is slow for less than this only turns round
+RELAXING = 1.0  # s, how long a joint's friction goes on relaxing after a stop
+REACH = 0.25  # s, how far a low-pass at 2 Hz carries what friction does at a reversal
 
 
 def external_torque(torque_constant: Array, current: Array, modelled: Array) -> Array:
@@ -48,19 +50,36 @@ def without_edges(values: Array, segment: NDArray[np.int64], samples: int) -> Ar
 
 
 def joint_states(qd: Array, segment: NDArray[np.int64], period: float) -> States:
-    """MOVING, TURNING (slow, or at rest for less than a second) or RESTING, each joint by itself.
+    """The state (N, 6) of each joint, by which its friction is known well or badly.
 
-    qd: (N, 6) [rad/s]; period: [s]. Returns (N, 6).
+    MOVING; REVERSING, near a change of direction; SETTLING, stopped for less than a second or about
+    to start; RESTING while another joint moves; STILL, when all joints rest. qd: (N, 6) [rad/s];
+    period: [s].
     """
     states = np.empty(qd.shape, np.int64)
-    window = 2 * round(SETTLING / period) + 1
-    for stretch in unbroken(segment):
-        moving = np.abs(qd[stretch]) >= SLOW
-        near = maximum_filter1d(moving.astype(np.int64), window, axis=0, mode="nearest") > 0
-        states[stretch] = np.where(moving, MOVING, np.where(near, TURNING, RESTING))
+    for rows in unbroken(segment):
+        states[rows] = _stretch_states(np.abs(qd[rows]) < SLOW, period)
     return states
 
 
-def at_rest(states: States) -> Mask:
-    """(N,) where all joints rest."""
-    return np.asarray((states == RESTING).all(axis=1))
+def _stretch_states(slow: Mask, period: float) -> States:
+    stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
+    relaxing = stopped & _near(~stopped, RELAXING, period)
+    states = np.full(slow.shape, MOVING)
+    states[_near(slow & ~stopped, REACH, period)] = REVERSING
+    states[_near(relaxing, REACH, period)] = SETTLING
+    states[stopped & ~relaxing] = RESTING
+    states[(states == RESTING).all(axis=1)] = STILL
+    return states
+
+
+def _near(where: Mask, seconds: float, period: float) -> Mask:
+    """Samples at most so many seconds from one where it holds."""
+    window = 2 * round(seconds / period) + 1
+    near = maximum_filter1d(where.astype(np.uint8), window, axis=0, mode="nearest")
+    return np.asarray(near > 0)
+
+
+def is_still(states: States) -> Mask:
+    """(N,) where no joint moves."""
+    return np.asarray((states % STATES == STILL).all(axis=1))

@@ -1,4 +1,4 @@
-"""Contact or not, as a hidden Markov chain of two states."""
+"""Which of several states a recording is in at each sample, as a hidden Markov chain."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,29 +6,48 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def log_odds(evidence: Array, start: float, stop: float) -> Array:
-    """Log-odds of "contact" against "free" at each sample, given all samples.
+def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
+    """Probability (N, K) of each state at each sample, given all samples.
 
-    evidence: (N,), log-likelihood ratio contact : free of each sample alone; start, stop:
-    probability that a contact starts, or stops, from one sample to the next. Forward-backward
-    recursion [Rabiner 1989], written in log-odds: they neither under- nor overflow.
+    evidence: (N, K), log-likelihood of each sample alone; transitions: (K, K), probability to go
+    from one state (row) to another (column) by the next sample; start: (K,), before the first.
+    Forward-backward recursion [Rabiner 1989], in logarithms: they neither under- nor overflow.
     """
-    forward, backward = np.empty_like(evidence), np.zeros_like(evidence)
-    starts, stops, pauses, lasts = np.log([start, stop, 1 - start, 1 - stop])
-    forward[0] = np.log(start / stop) + evidence[0]
-    for t in range(1, len(evidence)):
-        forward[t] = evidence[t] + _mixed(forward[t - 1], starts, lasts, pauses, stops)
+    steps = _logarithm(transitions)
+    forward, backward = filtered(evidence, transitions, start), np.zeros_like(evidence)
     for t in range(len(evidence) - 2, -1, -1):
-        later = evidence[t + 1] + backward[t + 1]
-        backward[t] = _mixed(later, stops, lasts, pauses, starts)
-    return forward + backward
+        backward[t] = _log_sum(steps + (evidence[t + 1] + backward[t + 1]), axis=1)
+        backward[t] -= backward[t].max()
+    return _normalised(forward + backward)
 
 
-def _mixed(odds: float, a: float, b: float, c: float, d: float) -> float:
-    """log (a + b e^odds) / (c + d e^odds), of the logarithms of a to d."""
-    return float(np.logaddexp(a, odds + b) - np.logaddexp(c, odds + d))
+def filtered(evidence: Array, transitions: Array, start: Array) -> Array:
+    """Log-probability (N, K) of each state, given the samples up to each; arguments as above."""
+    steps, forward = _logarithm(transitions), np.empty_like(evidence)
+    before = _logarithm(start)
+    for t in range(len(evidence)):
+        forward[t] = before + evidence[t]
+        forward[t] -= _log_sum(forward[t], axis=0)
+        before = _log_sum(forward[t][:, None] + steps, axis=0)
+    return forward
 
 
-def probability(odds: Array) -> Array:
-    """Of log-odds."""
-    return 1 / (1 + np.exp(-np.clip(odds, -50, 50)))
+def log_odds(probability: Array) -> Array:
+    """Log-odds of probabilities (N,), finite."""
+    known = np.clip(probability, 1e-15, 1 - 1e-15)
+    return np.log(known) - np.log1p(-known)
+
+
+def _logarithm(probability: Array) -> Array:
+    return np.log(np.maximum(probability, 1e-300))
+
+
+def _log_sum(values: Array, axis: int) -> Array:
+    largest = values.max(axis=axis, keepdims=True)
+    total = np.log(np.exp(values - largest).sum(axis=axis))
+    return np.asarray(total + largest.squeeze(axis))
+
+
+def _normalised(values: Array) -> Array:
+    weight = np.exp(values - values.max(axis=1, keepdims=True))
+    return np.asarray(weight / weight.sum(axis=1, keepdims=True))

@@ -1,21 +1,38 @@
 """How far the external torque is from zero where nothing touches the arm."""
 
-from dataclasses import asdict, dataclass
-from typing import Any, Self
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
+from scipy.special import ndtri, stdtrit
 
 from ur5lib.errors import InputError
-from ur5lib.force.external_torque import STATES, TURNING, States, finite_rows
+from ur5lib.force.external_torque import (
+    MOVING,
+    REVERSING,
+    SETTLING,
+    STATES,
+    Mask,
+    States,
+    finite_rows,
+)
 
 Array = NDArray[np.float64]
-Stretch = tuple[Array, States]  # external torque (N, 6) [Nm] and joint states (N, 6), no gap
 
 SHORT, LONG = 0.5, 2.0  # s: half a push of a hand, and twice one
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, between which the slow part renews itself
 LEAST = 1e-3  # Nm, no joint repeats better
+
+
+class Stretch(NamedTuple):
+    """External torque (N, 6) [Nm] and joint states (N, 6) without a gap; period: [s]."""
+
+    torque: Array
+    states: States
+    period: float
 
 
 @dataclass(frozen=True)
@@ -25,7 +42,8 @@ class ResidualModel:
     spread, change: (S, 6) [Nm], by joint state: standard deviation of the whole, and of what
     changes within half a push, the quick part; rate: (S,) [1/s], at which the slow part renews
     itself; correlation: (6, 6), between joints; independent: [s], between two values of the quick
-    part that know nothing of each other.
+    part that know nothing of each other; breakaway: (6,) [Nm], up to which dry friction holds a
+    joint at rest.
     """
 
     spread: Array
@@ -33,89 +51,106 @@ class ResidualModel:
     rate: Array
     correlation: Array
     independent: float
-
-    def deviation(self, of: Array, states: States) -> Array:
-        """`spread` or `change` at each sample: (N, 6) [Nm]."""
-        return of[states, np.arange(6)]
+    breakaway: Array
 
     def covariance(self, of: Array, states: States) -> Array:
         """D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
-        deviation = self.deviation(of, states)
+        deviation = of[states, np.arange(6)]
         return deviation[:, :, None] * self.correlation * deviation[:, None, :]
+
+    def wider(self, factor: float) -> "ResidualModel":
+        """The same model with all deviations multiplied."""
+        return replace(self, spread=factor * self.spread, change=factor * self.change)
 
     def beside(self, repeated: "ResidualModel") -> "ResidualModel":
         """Both models as one: the states of `repeated` are counted on from this model's."""
-        return ResidualModel(
+        return replace(
+            self,
             spread=np.concatenate([self.spread, repeated.spread]),
             change=np.concatenate([self.change, repeated.change]),
             rate=np.concatenate([self.rate, repeated.rate]),
-            correlation=self.correlation,
-            independent=self.independent,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain numbers and lists, for JSON."""
+        """Return the model as plain numbers and lists, for JSON."""
         return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """What `to_dict` gave."""
+        """Return the model that `to_dict` was called on."""
         arrays = {k: np.array(v) for k, v in data.items() if isinstance(v, list)}
         return cls(**arrays, independent=data["independent"])
 
 
-def fit_residual_model(stretches: list[Stretch], period: float, cutoff: float) -> ResidualModel:
-    """Moments of the external torque, over unbroken contact-free stretches.
+def fit_residual_model(
+    stretches: Sequence[Stretch], cutoff: float, breakaway: Array
+) -> ResidualModel:
+    """Moments of the external torque over contact-free stretches.
 
-    period: [s]; cutoff: [Hz], of the low-pass behind the torques: it leaves one independent value
-    each 1 / (2 cutoff). The variogram E[(x(t + h) - x(t))²] / 2 at two lags parts quick from slow.
-    A state that no stretch shows is given the largest deviations of the others. Raises InputError
-    when there is no stretch as long as the longer lag.
+    cutoff: [Hz], of the low-pass behind the torques: it leaves one independent value each
+    1 / (2 cutoff); breakaway: (6,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags parts
+    quick from slow. A state that no stretch shows is given the largest deviations of the others.
+    Raises InputError where no stretch is as long as the longer lag, or a joint never moves.
     """
-    short, long = (_differences(stretches, round(lag / period)) for lag in (SHORT, LONG))
+    short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
     whole, near, far = _moments(stretches), _moments(short), _moments(long)
     if not np.isfinite(far).any():
         raise InputError(f"no contact-free stretch is as long as {LONG:g} s; name more recordings")
+    still = [f"{joint + 1}" for joint in range(6) if np.isnan(whole[MOVING, joint])]
+    if still and not np.isnan(whole[MOVING]).all():
+        raise InputError(
+            f"no contact-free recording moves joint {', '.join(still)}: what its motor needs in "
+            "motion is unknown; record one in which all joints move"
+        )
     change = np.sqrt(_filled(near))
     return ResidualModel(
-        spread=np.sqrt(_filled(whole)),
+        spread=np.maximum(np.sqrt(_filled(whole)), change),
         change=change,
         rate=_rates((far - near) / whole / (LONG - SHORT)),
         correlation=_correlation(short, change),
         independent=1 / (2 * cutoff),
+        breakaway=breakaway,
     )
 
 
+def few_paths(paths: int) -> float:
+    """By how much a 95 % band widens when so few paths told its width (Student's t).
+
+    One path cannot tell how far others differ: it counts as two.
+    """
+    return float(stdtrit(max(1, paths - 1), 0.975) / ndtri(0.975))
+
+
 def _rates(growth: Array) -> Array:
-    """Median over the joints, (3,) [1/s]; where no joint tells, the slow part stays."""
+    """Median over the joints, (S,) [1/s]; where no joint tells, the slow part stays."""
     told = [row[np.isfinite(row)] for row in growth]
     return np.array([np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in told])
 
 
-def _differences(stretches: list[Stretch], lag: int) -> list[Stretch]:
-    """(x(t + h) - x(t)) / sqrt 2; a joint that turns in between is in the state TURNING."""
-    pairs = []
-    for torque, states in stretches:
-        if len(torque) > lag:
-            turns = maximum_filter1d((states == TURNING).astype(np.int64), lag + 1, axis=0) > 0
-            middle = slice(lag // 2, lag // 2 + len(torque) - lag)
-            between = np.where(turns, TURNING, states)[middle]
-            pairs.append(((torque[lag:] - torque[:-lag]) / np.sqrt(2), between))
-    return pairs
+def _differences(stretch: Stretch, seconds: float) -> Stretch:
+    """(x(t + h) - x(t)) / sqrt 2, in the least known state that the joint passes in between."""
+    lag = round(seconds / stretch.period)
+    torque, states = stretch.torque, stretch.states
+    middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
+    for state in (REVERSING, SETTLING):
+        states = np.where(_passed(stretch.states == state, lag), state, states)
+    change = (torque[lag:] - torque[: max(0, len(torque) - lag)]) / np.sqrt(2)
+    return Stretch(change, states[middle], stretch.period)
 
 
-def _moments(stretches: list[Stretch]) -> Array:
-    """Mean squares (3, 6) by state and joint; NaN for a state that is not there."""
-    moments = np.full((STATES, 6), np.nan)
-    if not stretches:
-        return moments
-    torque, states = (np.concatenate(parts) for parts in zip(*stretches, strict=True))
-    for state in range(STATES):
-        here = (states == state) & np.isfinite(torque)
-        count = here.sum(axis=0)
-        total = np.where(here, torque, 0.0) ** 2
-        moments[state] = np.where(count > 0, total.sum(axis=0) / np.maximum(count, 1), np.nan)
-    return moments
+def _passed(where: Mask, lag: int) -> Mask:
+    return np.asarray(maximum_filter1d(where.astype(np.uint8), lag + 1, axis=0) > 0)
+
+
+def _moments(stretches: Sequence[Stretch]) -> Array:
+    """Mean squares (S, 6) over time by state and joint; NaN for a state that is not there."""
+    total, seconds = np.zeros((STATES, 6)), np.zeros((STATES, 6))
+    for torque, states, period in stretches:
+        for state in range(STATES):
+            here = (states == state) & np.isfinite(torque)
+            total[state] += period * (np.where(here, torque, 0.0) ** 2).sum(axis=0)
+            seconds[state] += period * here.sum(axis=0)
+    return np.where(seconds > 0, total / np.maximum(seconds, 1e-9), np.nan)
 
 
 def _filled(moments: Array) -> Array:
@@ -123,7 +158,7 @@ def _filled(moments: Array) -> Array:
     return np.maximum(np.where(np.isfinite(moments), moments, largest), LEAST**2)
 
 
-def _correlation(differences: list[Stretch], deviation: Array) -> Array:
-    parts = [torque / deviation[states, np.arange(6)] for torque, states in differences]
+def _correlation(differences: Sequence[Stretch], deviation: Array) -> Array:
+    parts = [one.torque / deviation[one.states, np.arange(6)] for one in differences]
     scaled = np.concatenate(parts)
     return np.asarray(np.corrcoef(scaled[finite_rows(scaled)].T))

@@ -6,43 +6,48 @@ one's external torque is taken off. Friction warms and cools from run to run: ho
 is learned by taking contact-free runs of the trajectory off each other.
 """
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from ur5lib.force.external_torque import (
     RESTING,
     STATES,
     Mask,
     States,
-    at_rest,
     finite_rows,
+    is_still,
     unbroken,
 )
-from ur5lib.force.residual_model import ResidualModel, fit_residual_model
+from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
+from ur5lib.trajectories import SAME, nearest, place
 
 Array = NDArray[np.float64]
-
-NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
-SAME = 0.9  # share of a run's motion that must match
 
 
 @dataclass(frozen=True)
 class Run:
-    """q, qd, external torque, joint states, (N, 6) each, NaN where unknown; segment: (N,)."""
+    """q, qd, external torque, joint states, (N, 6) each, NaN where unknown; segment: (N,).
+
+    period: [s].
+    """
 
     q: Array
     qd: Array
     torque: Array
     states: States
     segment: NDArray[np.int64]
+    period: float
 
     def moves(self) -> Mask:
         """(N,) where it moves and its motion is known."""
-        return finite_rows(self.q) & finite_rows(self.qd) & ~at_rest(self.states)
+        return finite_rows(self.q) & finite_rows(self.qd) & ~is_still(self.states)
+
+    def with_torque(self, torque: Array, states: States) -> Self:
+        """The same motion with another torque, and states of another model."""
+        return replace(self, torque=torque, states=states)
 
 
 class Repeated(NamedTuple):
@@ -54,13 +59,13 @@ class Repeated(NamedTuple):
 
 
 def repeat_aware(
-    run: Run, contact_free: list[Run], model: ResidualModel, period: float, cutoff: float
+    run: Run, contact_free: list[Run], model: ResidualModel, cutoff: float
 ) -> Repeated | None:
     """What `estimate_wrench` needs for the repeat-aware estimate of a run.
 
-    contact_free: other runs without contact, of any trajectory; model: of contact-free residuals
-    without template, which goes on holding where nothing matches; period: [s]; cutoff: [Hz].
-    None where no run is of the same trajectory. Where only one is, nothing tells how well it
+    contact_free: other runs without contact and with the same payload, of any trajectory; model: of
+    contact-free residuals without template, which goes on holding where nothing matches; cutoff:
+    [Hz]. None where no run is of the same trajectory. Where only one is, nothing tells how well it
     repeats, and `model` holds everywhere.
     """
     same = [free for free in contact_free if same_trajectory(run, free)]
@@ -71,21 +76,24 @@ def repeat_aware(
     torque = np.where(matched, left, run.torque)
     if len(same) < 2:
         return Repeated(torque, run.states, model)
-    repeated = matched & (run.states != RESTING)
+    repeated = matched & (run.states < RESTING)
     states = np.where(repeated, run.states + STATES, run.states)
-    return Repeated(torque, states, model.beside(learn_repeats(same, period, cutoff)))
+    return Repeated(torque, states, model.beside(learn_repeats(same, cutoff, model.breakaway)))
 
 
-def learn_repeats(runs: list[Run], period: float, cutoff: float) -> ResidualModel:
+def learn_repeats(runs: list[Run], cutoff: float, breakaway: Array) -> ResidualModel:
     """Residual model of contact-free runs of one trajectory, each less the template of the others.
 
-    period: [s]; cutoff: [Hz]. Raises InputError for runs that are too short.
+    cutoff: [Hz]; breakaway: (6,) [Nm]. As wide as so few runs allow (Student's t). Raises
+    InputError for runs that are too short.
     """
     stretches = []
     for index, run in enumerate(runs):
         left = run.torque - template(run, runs[:index] + runs[index + 1 :])
-        stretches += [(left[rows], run.states[rows]) for rows in unbroken(run.segment)]
-    return fit_residual_model(stretches, period, cutoff)
+        stretches += [
+            Stretch(left[rows], run.states[rows], run.period) for rows in unbroken(run.segment)
+        ]
+    return fit_residual_model(stretches, cutoff, breakaway).wider(few_paths(len(runs)))
 
 
 def same_trajectory(run: Run, contact_free: Run) -> bool:
@@ -101,16 +109,12 @@ def template(run: Run, contact_free: list[Run]) -> Array:
     NaN where the run rests, or none of their samples is near.
     """
     known = [free.moves() & finite_rows(free.torque) for free in contact_free]
-    places = [_place(free)[rows] for free, rows in zip(contact_free, known, strict=True)]
-    torques = [free.torque[rows] for free, rows in zip(contact_free, known, strict=True)]
+    pairs = [*zip(contact_free, known, strict=True)]
+    places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
+    torques = np.concatenate([free.torque[rows] for free, rows in pairs])
     result = np.full_like(run.torque, np.nan)
     moves = np.flatnonzero(run.moves())
-    tree = cKDTree(np.concatenate(places))
-    distance, index = tree.query(_place(run)[moves], distance_upper_bound=1.0)
-    near = np.isfinite(distance)
-    result[moves[near]] = np.concatenate(torques)[index[near]]
+    if len(places) and len(moves):
+        near, index = nearest(place(run.q, run.qd)[moves], places)
+        result[moves[near]] = torques[index[near]]
     return result
-
-
-def _place(run: Run) -> Array:
-    return np.concatenate([run.q / NEAR_POSITION, run.qd / NEAR_VELOCITY], axis=1)

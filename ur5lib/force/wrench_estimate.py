@@ -1,23 +1,30 @@
 """The contact wrench over a recording, its band, and the odds that there is a contact.
 
-tau_ext = J^T F + b + e, with the slow part b and the quick part e of `ResidualModel`. Smoothing b
-with contacts left out, and weighing at each sample whether there is one, take turns.
+tau_ext = J^T F + b + e, with the slow part b and the quick part e of `ResidualModel`. The gate says
+when there is a contact and what b is; each contact's own samples then say how large it is.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation
 
-from ur5lib.force.background import Smoothed, smooth
-from ur5lib.force.external_torque import RESTING, STATES, States, finite_rows, unbroken
-from ur5lib.force.hidden_markov import log_odds, probability
-from ur5lib.force.hypotheses import ContactPrior, Hypotheses
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
+from ur5lib.force.detection import Span, spans
+from ur5lib.force.external_torque import Mask, States, finite_rows, unbroken
+from ur5lib.force.gate import Noise, find_contacts
+from ur5lib.force.hidden_markov import log_odds
+from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 
 Array = NDArray[np.float64]
 
-ROUNDS = 6  # from five on, forces change by less than 1 N, also at rest
+STEP = 0.032  # s between the samples that are weighed: torques hold nothing above some 2 Hz
+OPENS, CLOSES = 0.5, 0.1  # probability from which a contact is one, and to which it lasts
+MARGIN = 0.15  # s, that a contact begins before and ends after the gate is sure
+INSIDE = 0.999  # probability of contact that counts inside
 
 
 @dataclass(frozen=True)
@@ -25,13 +32,18 @@ class WrenchEstimate:
     """Environment on arm, base axes, at the origin of frame 6.
 
     wrench, std: (N, 6) [N, Nm], wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact
-    against none; background: (N, 6) [Nm], the slow part of the external torque.
+    against none, by all samples; causal_log_odds: (N,), by those up to each; background: (N, 6)
+    [Nm], the slow part of the external torque; least_squares, least_squares_std: (N, 6), the same
+    contacts without any prior, zero elsewhere.
     """
 
     wrench: Array
     std: Array
     log_odds: Array
+    causal_log_odds: Array
     background: Array
+    least_squares: Array
+    least_squares_std: Array
 
 
 def estimate_wrench(
@@ -52,49 +64,96 @@ def estimate_wrench(
     posed = finite_rows(jacobian.reshape(-1, 36))
     torque = np.where(posed[:, None], torque, np.nan)
     jacobian = np.where(posed[:, None, None], jacobian, 0.0)
+    every = max(1, round(STEP / period))
     parts = []
     for rows in unbroken(segment):
-        hypotheses = Hypotheses.of(jacobian[rows], states[rows], model, prior)
-        parts.append(_estimate(torque[rows], states[rows], period, model, hypotheses))
+        thin = slice(rows.start, rows.stop, every)
+        problem = torque[thin], jacobian[thin], states[thin], every * period
+        own = _estimate(*problem, model, prior)
+        parts.append([_at_all(own, column.name, every, rows) for column in fields(own)])
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     for column in columns:
         column[~posed] = np.nan
     return WrenchEstimate(*columns)
 
 
+def _at_all(thin: WrenchEstimate, name: str, every: int, rows: slice) -> Array:
+    """A quantity at all samples of a stretch, linearly between those that were weighed."""
+    values = getattr(thin, name)
+    at, known = np.arange(rows.stop - rows.start), every * np.arange(len(values))
+    if values.ndim == 1:
+        return np.interp(at, known, values)
+    return np.column_stack([np.interp(at, known, column) for column in values.T])
+
+
 def _estimate(
-    torque: Array, states: States, period: float, model: ResidualModel, hypotheses: Hypotheses
-) -> tuple[Array, Array, Array, Array]:
-    prior = hypotheses.prior
-    worth = period / model.independent  # of an independent value, that each sample has
-    free, contact = hypotheses.when_free(), hypotheses.in_contact()
-    spread = model.covariance(model.spread, states)
-    resting = states % STATES == RESTING  # where a push redraws what stiction holds
-    likely = np.full(len(torque), prior.share())
-    for _ in range(ROUNDS):
-        noise = free + likely[:, None, None] * (contact - free)
-        redrawn = resting * likely[:, None] / prior.duration
-        decay = np.exp(-period * (model.rate[states] + redrawn))
-        slow = smooth(torque, noise / worth, spread, decay)
-        evidence = worth * hypotheses.evidence(torque - slow.mean, slow.covariance)
-        odds = log_odds(evidence, period / prior.pause, period / prior.duration)
-        likely = probability(odds)
-    wrench, std = _mixture(torque, slow, likely, hypotheses)
-    return wrench, std, odds, slow.mean
+    torque: Array,
+    jacobian: Array,
+    states: States,
+    period: float,
+    model: ResidualModel,
+    prior: ContactPrior,
+) -> WrenchEstimate:
+    gate = find_contacts(torque, jacobian, states, period, model, prior)
+    noise = Noise.of(states, model, prior)
+    contacts = contact_spans(gate.probability, period)
+    inside = _inside(contacts, len(torque))
+    likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)
+    rest = np.nan_to_num(torque - gate.background.mean)
+    # What joints err by is taken as independent: correlations learnt without contact mislead in it.
+    left = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
+    worth = min(1.0, period / model.independent)
+    chosen, plain = _nothing(torque), _nothing(torque)
+    for span in contacts:
+        part = slice(*span)
+        own = rest[part], jacobian[part], left[part]
+        _put(chosen, part, contact_wrench(*own, worth, period, prior))
+        _put(plain, part, least_squares_wrench(*own))
+    unnoticed = _unnoticed(jacobian, noise, prior)
+    wrench = likely[:, None] * chosen.mean
+    second = chosen.variance + chosen.mean**2
+    second = likely[:, None] * second + (1 - likely[:, None]) * unnoticed
+    return WrenchEstimate(
+        wrench=wrench,
+        std=np.sqrt(np.maximum(second - wrench**2, 0.0)),
+        log_odds=log_odds(gate.probability),
+        causal_log_odds=log_odds(gate.causal),
+        background=gate.background.mean,
+        least_squares=plain.mean,
+        least_squares_std=np.sqrt(plain.variance),
+    )
 
 
-def _mixture(
-    torque: Array, slow: Smoothed, likely: Array, hypotheses: Hypotheses
-) -> tuple[Array, Array]:
-    """Mean and standard deviation: in contact F̂ᵐᵃᵖ, otherwise none but what may be hidden."""
-    contact = hypotheses.contact_wrench(torque - slow.mean)
-    by_slow = contact.gain @ slow.covariance @ contact.gain.mT
-    in_contact = _diagonal(contact.covariance + by_slow) + contact.mean**2
-    hidden = _diagonal(hypotheses.hidden_wrench(torque))
-    wrench = likely[:, None] * contact.mean
-    second = likely[:, None] * in_contact + (1 - likely[:, None]) * hidden
-    return wrench, np.sqrt(np.maximum(second - wrench**2, 0.0))
+def contact_spans(probability: Array, period: float) -> list[Span]:
+    """Contacts by their probability (N,), a little longer than the gate is sure; period: [s]."""
+    found = _inside(spans(probability, OPENS, CLOSES), len(probability))
+    reach = np.ones(2 * round(MARGIN / period) + 1, bool)
+    return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
-def _diagonal(matrices: Array) -> Array:
-    return np.diagonal(matrices, axis1=1, axis2=2)
+def _inside(contacts: list[Span], count: int) -> Mask:
+    inside = np.zeros(count, bool)
+    for span in contacts:
+        inside[slice(*span)] = True
+    return inside
+
+
+def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:
+    """Variance (N, 6) of what may act though the gate is shut.
+
+    In motion a contact that grows slowly passes for background, up to a few of its standard
+    deviations; at rest it may be what friction holds.
+    """
+    resting = np.asarray(noise.still.all(axis=1))[:, None, None]
+    hidden = np.where(resting, noise.quick + noise.hidden, prior.unnoticed**2 * noise.spread)
+    nothing = np.zeros(jacobian.shape[:2])
+    free = regularised_wrench(nothing, jacobian, hidden, prior.unknown()).covariance
+    return np.diagonal(free, axis1=1, axis2=2)
+
+
+def _nothing(torque: Array) -> Wrench:
+    return Wrench(np.zeros_like(torque), np.zeros_like(torque))
+
+
+def _put(whole: Wrench, part: slice, own: Wrench) -> None:
+    whole.mean[part], whole.variance[part] = own

@@ -30,6 +30,7 @@ from ur5lib.identification.samples import (
     Smooth,
     design,
     joint_samples,
+    record_paths,
 )
 from ur5lib.identification.selection import (
     FEWEST,
@@ -44,6 +45,11 @@ Array = NDArray[np.float64]
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
 COVERED = 0.95
+FOLDS = 10  # of cross-fitting
+LEAST_FRICTION = 0.1  # Nm
+ONE_PATH = (
+    "moves along one path only: no term is chosen, error bars are untested; record another path"
+)
 
 
 @dataclass(frozen=True)
@@ -71,7 +77,7 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The six joints' maps; units: the recordings, or among few the stretches, they rest on."""
+    """The six joints' maps; units: the paths, or among few the stretches, they rest on."""
 
     joints: tuple[JointFit, ...]
     units: int
@@ -102,7 +108,7 @@ def fit_currents(
     family: Sequence[Term] = FAMILY,
     seed: int = 0,
 ) -> CurrentFit:
-    """Fit all joints over contact-free recordings; choose friction by recordings left out.
+    """Fit all joints over contact-free recordings; choose friction by paths left out.
 
     smooth: a zero-phase low-pass, at 2 Hz say: above, the measured current is noise.
     """
@@ -117,6 +123,52 @@ def fit_currents(
     estimates = [*map(beside_fuller, estimates, estimate_together(samples, fuller, prior, seed)[0])]
     joints = zip(samples, terms, alone, estimates, strict=True)
     return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
+
+
+def fit_without_each_path(
+    records: Sequence[Record], smooth: Smooth, prior: Prior, family: Sequence[Term] = FAMILY
+) -> list[tuple[list[str], CurrentFit]]:
+    """Fits that have not seen some paths, each after the names of all recordings along these.
+
+    So that nothing that judges comes from what was fitted on. At most FOLDS fits: of many paths,
+    several are left out together. None where there is one path only.
+    """
+    path = record_paths(records)
+    if path.max(initial=0) == 0:
+        return []
+    fits = []
+    for fold in range(min(FOLDS, path.max() + 1)):
+        out = path % FOLDS == fold
+        others = [record for record, left in zip(records, out, strict=True) if not left]
+        names = [record.name for record, left in zip(records, out, strict=True) if left]
+        fits.append((names, fit_currents(others, smooth, prior, family)))
+    return fits
+
+
+def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:
+    """The fit that has not seen a recording's path, from friction.json; of one path, the only."""
+    for fold in friction["left_out"]:
+        if recording in fold["recordings"]:
+            return CurrentFit.from_plain(fold["fit"])
+    return CurrentFit.from_plain(friction["fit"])
+
+
+def breakaway_torque(fit: CurrentFit) -> Array:
+    """Coulomb friction (6,) [Nm], up to which dry friction holds a joint; at least LEAST_FRICTION.
+
+    Of the terms that turn with the direction of motion, those that do not depend on the load.
+    """
+    place = [names.index("coulomb") for names in (joint.names() for joint in fit.joints)]
+    torque = [
+        physical(joint.estimate.coefficients)[own]
+        for joint, own in zip(fit.joints, place, strict=True)
+    ]
+    return np.maximum(np.array(torque), LEAST_FRICTION)
+
+
+def torque_constants(fit: CurrentFit) -> Array:
+    """Torque constants (6,) [Nm/A] of the joints."""
+    return np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
 
 
 def predict(fit: CurrentFit, record: Record) -> Array:
@@ -174,7 +226,7 @@ def _joint_fit(
     """What stands beside the estimate of a joint: friction at rest, bands, remarks."""
     coefficients = estimate.coefficients
     residual = left_out_residuals(samples, terms, prior)
-    if not np.isfinite(residual).any():  # the only recording: of the fit itself, then
+    if not np.isfinite(residual).any():  # the only path: of the fit itself, then
         residual = samples.current - samples.design(terms) @ coefficients
     return JointFit(
         terms,
@@ -199,14 +251,14 @@ def _band(residual: Array, record: Labels) -> float:
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[str, ...]:
-    moved = len(np.unique(samples.record[samples.moving]))
+    moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
     if moved == 0:
         remarks.append("does not move: no friction, and the torque constant is the prior's")
     elif moved == 1:
-        remarks.append("moves in one recording only: no term is chosen, the band is of the fit")
+        remarks.append(ONE_PATH)
     elif moved < FEW:
-        remarks.append(f"moves in {moved} recordings: how far recordings differ is hardly known")
+        remarks.append(f"moves along {moved} paths: how far paths differ is hardly known")
     away = (estimate.coefficients[0] - prior.inverse) / prior.std
     if abs(away) > CONFLICT:
         remarks.append(f"torque constant {abs(away):.1f} standard deviations off what was known")

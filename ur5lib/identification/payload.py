@@ -1,7 +1,8 @@
 """The mass on the flange, from motor currents alone.
 
 What an arm carries beyond its model adds a torque linear in the payload's mass and first moments.
-Friction grows with it too, so torque and friction are found in turn.
+Friction grows with it too, so torque and friction are found in turn. How well that repeats from
+run to run, runs tell that carry nothing.
 """
 
 from dataclasses import dataclass, replace
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 
 ROUNDS = 5
 DRAWS = 50
+GEARS = 0.03  # relative: by which the gears' efficiency differs from run to run and pose to pose
+PARTS = 3  # of a run, in each of which a load has to show
 WIDE = 100.0  # kg, kg m; what a payload may be
 
 
@@ -27,12 +30,43 @@ class Payload:
     """parameters, std_error: (P,) of the regressor's columns [kg, kg m, ...], the mass first.
 
     The errors count the recording's blocks, other draws of the recordings fitted on, and what
-    may be known beforehand; mass_interval: 95 % [kg].
+    may be known beforehand, but not how far runs differ; parts: masses [kg] by each part of the
+    run alone.
     """
 
     parameters: Array
     std_error: Array
-    mass_interval: tuple[float, float]
+    parts: Array
+
+
+@dataclass(frozen=True)
+class Load:
+    """mass, std_error [kg]; interval: 95 % [kg]; certain: whether it is there, all along."""
+
+    mass: float
+    std_error: float
+    interval: tuple[float, float]
+    certain: bool
+
+
+def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
+    """Standard deviation (P,) of what runs without any load seem to carry, beyond their errors.
+
+    parameters, std_error: (R, P) of unloaded runs under fits that have not seen them; paths: how
+    many trajectories they are of. Of few paths it is inflated by Student's t.
+    """
+    beyond = np.mean(parameters**2, axis=0) - np.mean(std_error**2, axis=0)
+    factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
+    return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
+
+
+def judge(payload: Payload, spread: float) -> Load:
+    """What a payload's mass is worth; spread: of the mass from run to run [kg]."""
+    mass = float(payload.parameters[0])
+    error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
+    half = error * stats.norm.ppf(0.975)
+    lasting = bool((payload.parts > mass / 2).all())
+    return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
 
 
 def estimate_payload(
@@ -73,9 +107,11 @@ def estimate_payload(
         )
         for _ in range(DRAWS)
     ]
-    error = spread(np.array(draws))
-    half = error[0] * stats.norm.ppf(0.975)
-    return Payload(solution, error, (solution[0] - half, solution[0] + half))
+    parts = [
+        solve(fit, solution, np.where(np.isin(np.arange(len(once)), part), once, 0), nothing)[0]
+        for part in np.array_split(np.unique(block), PARTS)
+    ]
+    return Payload(solution, spread(np.array(draws)), np.array(parts))
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:

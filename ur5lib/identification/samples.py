@@ -20,6 +20,7 @@ from ur5lib.identification.friction import (
     friction_direction,
     resting,
 )
+from ur5lib.trajectories import Passed, group_by_path
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -27,7 +28,7 @@ Labels = NDArray[np.int64]
 
 STEP = 0.1  # s between samples
 BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
-FEW = 5  # recordings, or stretches; of fewer, smaller parts tell how far a result is certain
+FEW = 5  # paths, or stretches; of fewer, smaller parts tell how far a result is certain
 STRETCH = 5  # blocks
 
 
@@ -64,8 +65,9 @@ class Samples:
     columns: (n, P), one below the other those of the torque, of an offset, and of `terms`, under
     a distance of presliding [rad]; held: (n,), direction of the friction that holds a joint at
     rest; current: (n,) [A]; moving: (n,), false at rest and while starting or stopping; block,
-    record: (n,) labels;
-    unit: (n,) labels of what a result's certainty is judged over: recordings, or where they are few
+    record, path: (n,) labels; recordings of one trajectory share a path: what is left out is left
+    out with all of it;
+    unit: (n,) labels of what a result's certainty is judged over: paths, or where they are few
     stretches of 10 s, or where these are few too, blocks.
     """
 
@@ -77,6 +79,7 @@ class Samples:
     moving: Mask
     block: Labels
     record: Labels
+    path: Labels
     unit: Labels
 
     @cached_property
@@ -93,7 +96,7 @@ class Samples:
 
     def where(self, rows: Mask) -> "Samples":
         """Some of the samples."""
-        names = ("columns", "held", "current", "moving", "block", "record", "unit")
+        names = ("columns", "held", "current", "moving", "block", "record", "path", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
@@ -111,6 +114,7 @@ def joint_samples(
         _record_samples(record, smooth, terms, presliding, first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
     ]
+    paths = record_paths(records)
     joints = []
     for joint in range(6):
         rows = [part[joint] for part in parts]
@@ -118,9 +122,17 @@ def joint_samples(
         columns, held, current, moving, block = (
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
-        rest = held, current, moving, block, record, _unit(record, block)
+        path = paths[record]
+        rest = held, current, moving, block, record, path, _unit(path, block)
         joints.append(Samples(terms, presliding[joint], columns, *rest))
     return joints
+
+
+def record_paths(records: Sequence[Record]) -> Labels:
+    """Labels (R,) of recordings by their trajectory."""
+    return group_by_path(
+        [Passed.of(own.q, own.qd, max(1, round(STEP / own.period))) for own in records]
+    )
 
 
 def design(
@@ -161,9 +173,9 @@ def _record_samples(
     return joints
 
 
-def _unit(record: Labels, block: Labels) -> Labels:
+def _unit(path: Labels, block: Labels) -> Labels:
     """The largest parts of which there are enough."""
-    parts = (record, block // STRETCH)
+    parts = (path, block // STRETCH)
     return next((labels for labels in parts if len(np.unique(labels)) >= FEW), block)
 
 

@@ -76,14 +76,14 @@ def left_out_errors(samples: Samples, terms: Sequence[Term], prior: JointPrior) 
 
 
 def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
-    """Measured minus predicted current (n,) [A], each recording predicted from the others.
+    """Measured minus predicted current (n,) [A], each path predicted from the others.
 
-    NaN where there is no other recording.
+    NaN where there is no other path.
     """
     residual = np.full(len(samples.current), np.nan)
-    present = np.unique(samples.record)
+    present = np.unique(samples.path)
     for one in present if len(present) > 1 else []:
-        test = samples.record == one
+        test = samples.path == one
         others, here = samples.where(~test), samples.where(test)
         coefficients = regress_samples(others, terms, prior).coefficients
         held = held_current(others, terms, coefficients)

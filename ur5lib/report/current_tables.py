@@ -58,8 +58,8 @@ def current_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
 def remark_rows(robot: str, steps: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
     """What fits say of themselves, by joint, and why one made nothing; steps: summaries by name."""
     for step, summary in steps.items():
-        if "refused" in summary:
-            yield {"robot": robot, "step": step, "remark": summary["refused"]}
+        for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
+            yield {"robot": robot, "step": step, "remark": remark}
         for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
             for remark in fit["remarks"]:
                 yield {"robot": robot, "step": step, "joint": joint, "remark": remark}
@@ -80,16 +80,20 @@ def cross_validation_rows(robot: str, friction: Mapping[str, Any]) -> Iterator[R
                 }
 
 
-def payload_rows(recording: str, payload: Mapping[str, Any]) -> Iterator[Row]:
-    """The mass on the flange beyond the arm's model, from payload.json."""
-    if payload:
-        low, high = payload["mass_interval"]
+def payload_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
+    """What the flange carries beyond the known payload, from currents.json; none at rest."""
+    if load := currents.get("load"):
+        low, high = load["interval"]
+        center = zip("xyz", load["center_of_mass"], strict=True)
         yield {
             "recording": recording,
-            "mass": payload["parameters"][0],
-            "std_error": payload["std_error"][0],
+            "mass": load["mass"],
+            "std_error": load["std_error"],
             "low": low,
             "high": high,
+            **{f"center_of_mass_{axis}": value for axis, value in center},
+            "configured": load["configured"],
+            "taken": "yes" if load["taken"] else "no",
         }
 
 

@@ -33,7 +33,6 @@ STUDY_YAML = yaml.safe_dump(
     STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
 )
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
-VALIDATED = [name for name, recording in RECORDINGS.items() if recording.role == "validate"]
 ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
 
 
@@ -87,6 +86,15 @@ def fitted_results(name):
     """The same file of each recording that an arm's parameters are fitted on."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{recording}/{name}" for recording in fitted_on(wildcards)
+    ]
+
+
+def results_of_fitted(name):
+    """The same file of each recording that the arm of a recording is fitted on."""
+    return lambda wildcards: [
+        f"{RESULTS}/recordings/{other}/{name}"
+        for other, recording in RECORDINGS.items()
+        if recording.role == "fit" and recording.robot == recording_of(wildcards).robot
     ]
 
 
@@ -217,15 +225,7 @@ def tables(names):
 
 def of_every_job(kind):
     """The output, the log or the benchmark of every job of the rules so far."""
-    recordings = {"estimate_payload": VALIDATED}
-    files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
-    patterns = {
-        re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(pattern)): recordings.get(name, RECORDINGS)
-        for name, found in files.items()
-        for pattern in ([found] if isinstance(found, str) else found)
-    }
-    return [
-        path
-        for pattern, names in patterns.items()
-        for path in expand(pattern, recording=names, robot=ROBOTS)
-    ]
+    found = [getattr(step, kind) or [] for step in workflow.rules]
+    files = [file for own in found for file in ([own] if isinstance(own, str) else own)]
+    patterns = [re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)) for file in files]
+    return [*dict.fromkeys(expand(patterns, recording=RECORDINGS, robot=ROBOTS))]

@@ -24,6 +24,7 @@ rule fit_residuals:
     input:
         currents=fitted_results("currents.parquet"),
         motion=fitted_results("motion.parquet"),
+        friction=parameter("friction.json"),
         code=code("fit_residuals"),
     output:
         residuals=parameter("residuals.json"),
@@ -45,6 +46,8 @@ rule estimate_forces:
         residuals=parameter_of("residuals.json"),
         free_currents=contact_free_results("currents.parquet"),
         free_motion=contact_free_results("motion.parquet"),
+        load=result("currents.json"),
+        free_loads=contact_free_results("currents.json"),
         code=code("estimate_forces"),
     output:
         forces=result("forces.parquet"),
@@ -55,7 +58,6 @@ rule estimate_forces:
     params:
         cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
         contact_force_n=SETTINGS.estimate_forces.contact_force_n,
-        contact_lever_m=SETTINGS.estimate_forces.contact_lever_m,
     script:
         "../scripts/estimate_forces.py"
 
@@ -106,6 +108,7 @@ rule detect_contacts:
         motion=result("motion.parquet"),
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
+        regressor=result("load_regressor.parquet"),
         residuals=parameter_of("residuals.json"),
         threshold=parameter_of("threshold.json"),
         code=code("detect_contacts"),
@@ -118,6 +121,5 @@ rule detect_contacts:
     params:
         role=lambda wildcards: recording_of(wildcards).role,
         contact_force_n=SETTINGS.estimate_forces.contact_force_n,
-        contact_lever_m=SETTINGS.estimate_forces.contact_lever_m,
     script:
         "../scripts/detect_contacts.py"

@@ -81,11 +81,39 @@ rule fit_friction:
         "../scripts/fit_friction.py"
 
 
+rule estimate_payload:
+    input:
+        signals=result("signals.parquet"),
+        motion=result("motion.parquet"),
+        torques=result("torques.parquet"),
+        friction=parameter_of("friction.json"),
+        arm=parameter_of("arm.yaml"),
+        code=code("estimate_payload"),
+    output:
+        payload=result("payload.json"),
+        regressor=result("load_regressor.parquet"),
+    log:
+        f"{RESULTS}/logs/estimate_payload/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/estimate_payload/{{recording}}.tsv"
+    params:
+        recording="{recording}",
+        gravity=gravity_of,
+        order=SETTINGS.fit_friction.order,
+        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+    script:
+        "../scripts/estimate_payload.py"
+
+
 rule predict_currents:
     input:
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
         torques=result("torques.parquet"),
+        load=result("torques.json"),
+        payload=result("payload.json"),
+        regressor=result("load_regressor.parquet"),
+        unloaded=results_of_fitted("payload.json"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
         code=code("predict_currents"),
@@ -98,30 +126,8 @@ rule predict_currents:
         f"{RESULTS}/benchmarks/predict_currents/{{recording}}.tsv"
     params:
         recording="{recording}",
+        role=lambda wildcards: recording_of(wildcards).role,
         order=SETTINGS.fit_friction.order,
         cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
     script:
         "../scripts/predict_currents.py"
-
-
-rule estimate_payload:
-    input:
-        signals=result("signals.parquet"),
-        motion=result("motion.parquet"),
-        torques=result("torques.parquet"),
-        friction=parameter_of("friction.json"),
-        arm=parameter_of("arm.yaml"),
-        code=code("estimate_payload"),
-    output:
-        payload=result("payload.json"),
-    log:
-        f"{RESULTS}/logs/estimate_payload/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_payload/{{recording}}.tsv"
-    params:
-        recording="{recording}",
-        gravity=gravity_of,
-        order=SETTINGS.fit_friction.order,
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
-    script:
-        "../scripts/estimate_payload.py"

@@ -84,7 +84,6 @@ rule make_tables:
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
         detection=results("detection.json"),
-        payload=expand(rules.estimate_payload.output, recording=VALIDATED),
         code=code("make_tables"),
     output:
         **tables(TABLES),
@@ -95,7 +94,6 @@ rule make_tables:
     params:
         recordings=list(RECORDINGS),
         robots=ROBOTS,
-        validated=VALIDATED,
     script:
         "../scripts/make_tables.py"
 

@@ -1,5 +1,6 @@
 """Contacts by each estimate: alarms, what the sensor says of them, the smallest force found."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -7,6 +8,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import (
     Span,
     alarms,
@@ -16,7 +18,8 @@ from ur5lib.force.detection import (
     smallest_force,
     try_pushes,
 )
-from ur5lib.force.hypotheses import ContactPrior
+from ur5lib.force.external_torque import MOVING
+from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.force.wrench_estimate import estimate_wrench
@@ -34,6 +37,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     forces, sensor = read_table(input.forces), read_table(input.sensor)
     thresholds = read_json(input.threshold)
     summary: dict[str, Any] = {}
+    kind = load_finder(input, forces, params)
     for name, threshold in thresholds.items():
         if f"log_odds_{name}" not in forces:
             continue
@@ -42,7 +46,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         minutes = len(odds) * period(forces) / 60
         summary[name] = {
             "threshold": threshold,
-            "raised": [strongest(span, forces, name) for span in raised],
+            "raised": [strongest(span, forces, name) | kind(span) for span in raised],
             "alarms_per_min": len(raised) / minutes,
             "time_in_alarm": float(marked(raised, len(odds)).mean()),
         }
@@ -55,6 +59,27 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         raised = alarms(forces["log_odds_Fmap"].to_numpy(), threshold)
         summary["Fmap"]["smallest_force_95"] = smallest_forces(input, threshold, raised, params)
     write_json(summary, output.detection)
+
+
+def load_finder(input: Any, forces: pd.DataFrame, params: Any) -> Callable[[Span], dict[str, Any]]:
+    """What says of a contact whether it is a load that was grasped, and of which mass."""
+    currents, regressor = read_table(input.currents), read_table(input.regressor)
+    if "tau_ext_0" not in currents or "tau_background_0" not in forces:
+        return lambda _: {"kind": "contact"}
+    torque = channel(currents, "tau_ext") - channel(forces, "tau_background")
+    per_load = channel(regressor, "load_regressor", 24).reshape(-1, 6, 4)
+    model = ResidualModel.from_dict(read_json(input.residuals)["tau_ext"])
+    prior, step = ContactPrior(force=params.contact_force_n), period(forces)
+
+    def kind(span: Span) -> dict[str, Any]:
+        part = slice(*span)
+        known = torque[part], per_load[part], model.spread[MOVING]
+        load = grasped_load(*known, step, prior.efficiency)
+        if load is None:
+            return {"kind": "contact"}
+        return {"kind": "load", "load_mass": load.mass, "load_mass_std": load.std_error}
+
+    return kind
 
 
 def strongest(span: Span, forces: pd.DataFrame, name: str) -> dict[str, Any]:
@@ -136,7 +161,7 @@ def smallest_forces(
         return {}
     jacobian = channel(read_table(input.kinematics), "J", 36).reshape(-1, 6, 6)
     model = ResidualModel.from_dict(read_json(input.residuals)["tau_ext"])
-    prior = ContactPrior(force=params.contact_force_n, lever=params.contact_lever_m)
+    prior = ContactPrior(force=params.contact_force_n)
     step = period(motion)
 
     def log_odds_of(pushed: Array) -> Array:

@@ -3,16 +3,19 @@
 from dataclasses import asdict
 from typing import Any
 
+import pandas as pd
 import torch
 
 from ur5lib.current_record import current_record, smoother
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.regressor import regressor
 from ur5lib.identification import payload
-from ur5lib.identification.currents import CurrentFit
+from ur5lib.identification.currents import fit_for
+from ur5lib.identification.samples import smoothed_moving
+from ur5lib.metrics import Array
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, read_json, read_table, write_json
+from ur5lib.tables import channel, named, read_json, read_table, write_json, write_table
 
 LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of link 6
 
@@ -23,12 +26,16 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
     model = robot.fullest_model()
     record = current_record(params.recording, signals, motion, torques, model)
     summary: dict[str, Any] = {}
+    columns: dict[str, Array] = {}
     if record is not None and friction["from"]:
         states = [torch.from_numpy(channel(motion, name)) for name in ("q", "qd", "qdd")]
-        columns = regressor(build_arm(robot, model), *states).numpy()[:, :, LINK_6]
-        fit = CurrentFit.from_plain(friction["fit"])
+        per_load = regressor(build_arm(robot, model), *states).numpy()[:, :, LINK_6]
+        columns = named(per_load.reshape(len(per_load), -1), "load_regressor")
         smooth = smoother(params.order, params.cutoff_hz)
-        summary = asdict(payload.estimate_payload(fit, record, columns, smooth))
+        if smoothed_moving(record, smooth).any():  # at rest, friction hides a load
+            fit = fit_for(params.recording, friction)
+            summary = asdict(payload.estimate_payload(fit, record, per_load, smooth))
+    write_table(motion[["time", "segment"]].join(pd.DataFrame(columns)), output.regressor)
     write_json(summary, output.payload)
 
 

@@ -54,7 +54,8 @@ COLUMNS = {
     "remarks": "robot step joint remark",
     "current_rmse": "model recording fitted joint rmse rmse_2hz mae r2 coverage95",
     "cross_validation": "robot fitted_on tested_on joint rmse_2hz",
-    "payload": "recording mass std_error low high",
+    "payload": "recording mass std_error low high center_of_mass_x center_of_mass_y "
+    "center_of_mass_z configured taken",
     "force_mae": "recording kind estimate during component mae max zero_mae zero_max mean_force "
     "slope skill correlation coverage50 coverage80 coverage95 interval_score95 "
     "zero_interval_score95 mae_low mae_high skill_low determined printed_mae printed_max",
@@ -81,8 +82,6 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     write_csv(quality_table(qualities, clocks, forces), output.quality)
     write_csv(clock_table(clocks), output.clocks)
     rows = recording_rows(input, params.recordings, printed) | arm_rows(input, params.robots)
-    payloads = zip(params.validated, map(read_json, input.payload), strict=True)
-    rows["payload"] = [row for pair in payloads for row in payload_rows(*pair)]
     for name, table in rows.items():
         write_csv(pd.DataFrame(table, columns=COLUMNS[name].split()), output[name])
 
@@ -108,6 +107,7 @@ def recording_rows(input: Any, recordings: list[str], printed: Printed) -> dict[
         ),
         "innovations": each(innovation_rows, input.motion),
         "current_rmse": each(current_rows, input.currents),
+        "payload": each(payload_rows, input.currents),
         "detection": each(detection_rows, input.detection),
         "contacts": each(contact_rows, input.detection),
         "contact_errors": each(contact_error_rows, input.forces),

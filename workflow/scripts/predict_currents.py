@@ -1,6 +1,6 @@
 """The current that motion without contact needs, and the torque that is left for a contact."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,8 @@ import pandas as pd
 from ur5lib.current_record import current_record, smoother
 from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
-from ur5lib.identification.currents import CurrentFit, band, predict
+from ur5lib.identification.currents import band, fit_for, predict, torque_constants
+from ur5lib.identification.payload import Payload, judge, run_to_run
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
 from ur5lib.left_over import edge, left_over
@@ -27,22 +28,60 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
     if record is not None and friction["from"]:
         smooth = smoother(params.order, params.cutoff_hz)
-        fit = CurrentFit.from_plain(friction["fit"])
+        load, load_torque = carried_load(input, params, friction)
+        record = replace(record, torque=record.torque + load_torque)
+        fit = fit_for(params.recording, friction)
         half = band(fit, smoothed_moving(record, smooth))
         currents = {"fitted": predict(fit, record)}
         currents |= baselines(record, robot, np.array(friction["least_squares"]))
         if "target_current_0" in signals:
             currents["i_target"] = channel(signals, "target_current")
-        summary["scores"] = scores(record, currents, smooth, half)
-        constant = np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
+        summary |= {"load": load, "scores": scores(record, currents, smooth, half)}
+        constant = torque_constants(fit)
         columns = named(currents["fitted"], "predicted_current") | named(half, "current_band")
         columns |= named(
             left_over(record, currents["fitted"], constant, smooth, params.cutoff_hz), "tau_ext"
         )
-        observed = observer_torque(record, torques, currents["fitted"], constant, params)
+        observed = observer_torque(
+            record, torques, currents["fitted"], load_torque, constant, params
+        )
         columns |= named(observed, "tau_observer")
     write_table(signals[["time", "segment"]].join(pd.DataFrame(columns)), output.currents)
     write_json(summary, output.summary)
+
+
+def carried_load(input: Any, params: Any, friction: Any) -> tuple[dict[str, Any] | None, Array]:
+    """What the arm carries beyond what is known, and the torque (N, 6) that is taken for it.
+
+    A load that is certain is taken into the prediction, unless the study declares another, or the
+    recording is one to fit on, whose payload is taken as it is told.
+    """
+    regressor, found = read_table(input.regressor), read_json(input.payload)
+    nothing = np.zeros((len(regressor), 6))
+    if not found:
+        return None, nothing
+    payload = Payload(**{name: np.array(value) for name, value in found.items()})
+    load = judge(payload, run_to_run_spread(input.unloaded, friction))
+    known = read_json(input.load)
+    declared = known["source"] == "study"
+    taken = load.certain and not declared and params.role != "fit"
+    if taken:
+        columns = channel(regressor, "load_regressor", 24).reshape(-1, 6, 4)
+        nothing = columns @ payload.parameters
+    center = payload.parameters[1:] / load.mass if load.certain else np.full(3, np.nan)
+    configured = known["payload"]["mass"] if known["payload"] else 0.0
+    account = {"configured": configured, "carried": configured + load.mass}
+    return asdict(load) | account | {"taken": taken, "center_of_mass": center}, nothing
+
+
+def run_to_run_spread(unloaded: list[str], friction: Any) -> float:
+    """Standard deviation of the mass [kg] that recordings to fit on seem to carry."""
+    found = [payload for payload in map(read_json, unloaded) if payload]
+    if not found:
+        return 0.0
+    names = ("parameters", "std_error")
+    values, errors = (np.array([own[name] for own in found]) for name in names)
+    return float(run_to_run(values, errors, friction["paths"])[0])
 
 
 def baselines(record: Record, robot: Robot, least_squares: Array) -> dict[str, Array]:
@@ -77,11 +116,16 @@ def scores(
 
 
 def observer_torque(
-    record: Record, torques: pd.DataFrame, predicted: Array, constant: Array, params: Any
+    record: Record,
+    torques: pd.DataFrame,
+    predicted: Array,
+    load_torque: Array,
+    constant: Array,
+    params: Any,
 ) -> Array:
-    """The same by the generalised momentum, which needs no accelerations."""
+    """The same by the generalised momentum, which needs no accelerations but of a found load."""
     rate = momentum_rate(
-        motor=constant * record.current,
+        motor=constant * record.current - load_torque,
         friction=constant * predicted - record.torque,
         coriolis=channel(torques, "coriolis_torque"),
         gravity=channel(torques, "gravity_torque"),

@@ -17,7 +17,7 @@ def set_threshold(input: Any, output: Any, params: Any) -> None:
         known = [table for table in tables if name in table]
         odds = [table[name].to_numpy() for table in known]
         thresholds[name.removeprefix(ODDS)] = alarm_threshold(
-            odds, period(known[0]), params.false_alarms_per_min
+            odds, [period(table) for table in known], params.false_alarms_per_min
         )
     write_json(thresholds, output.threshold)
 

@@ -135,12 +135,12 @@ def _currents(results: Results) -> Iterator[str]:
 
 
 def loads_found(results: Results) -> Iterator[str]:
-    """Which recordings carry more than the arm's model knows."""
+    """Which recordings carry more than was declared."""
     for row in loaded(results)[:MOST_TOLD].itertuples():
         yield (
-            f"On {row.recording}, the currents tell of {rounded(row.mass, 2)} ± "
-            f"{rounded(row.std_error, 2)} kg on the flange that the arm's model lacks: currents "
-            "and forces predicted there miss that load."
+            f"On {row.recording}, the currents tell of a load of {rounded(row.mass, 2)} ± "
+            f"{rounded(row.std_error, 2)} kg on the flange that nobody declared. It is taken into "
+            "the prediction of currents and forces; declare it as `payload` to be sure."
         )
 
 

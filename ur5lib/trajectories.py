@@ -1,0 +1,66 @@
+"""Which recordings pass the same trajectory: those are one sample of the world, not two."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+Array = NDArray[np.float64]
+Labels = NDArray[np.int64]
+
+NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
+SLOW = 0.03  # rad/s, below which a joint may as well rest
+SAME = 0.9  # share of a run that the other passes too
+
+
+def place(q: Array, qd: Array) -> Array:
+    """States (N, 12) in which a distance of one is as far as two may lie apart.
+
+    q, qd: (N, 6) [rad, rad/s].
+    """
+    return np.concatenate([q / NEAR_POSITION, qd / NEAR_VELOCITY], axis=1)
+
+
+def nearest(places: Array, of: Array) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+    """Whether each state (N, 12) lies near one of others (M, 12), and which is nearest (N,)."""
+    distance, index = cKDTree(of).query(places, distance_upper_bound=1.0)
+    return np.isfinite(distance), index
+
+
+@dataclass(frozen=True)
+class Passed:
+    """What a run passes: `place` at samples in motion, or of a run that rests all along at rest."""
+
+    places: Array
+    moves: bool
+
+    @classmethod
+    def of(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
+        """Of positions and velocities (N, 6), each so many samples; NaN rows are left out."""
+        q, qd = q[::every], qd[::every]
+        known = np.isfinite(q + qd).all(axis=1)
+        moving = known & (np.abs(qd) > SLOW).any(axis=1)
+        rows = moving if moving.any() else known
+        return cls(place(q[rows], qd[rows]), bool(moving.any()))
+
+    def same(self, other: "Passed") -> bool:
+        """Whether one passes nearly all of what the other does."""
+        if self.moves != other.moves or not len(self.places) or not len(other.places):
+            return False
+        pairs = (self.places, other.places), (other.places, self.places)
+        return max(nearest(*pair)[0].mean() for pair in pairs) >= SAME
+
+
+def group_by_path(runs: Sequence[Passed]) -> Labels:
+    """Labels (R,) of runs by trajectory, from 0.
+
+    A part of a longer run is of its trajectory, and so is what is the same by way of a third.
+    """
+    labels = np.arange(len(runs))
+    for one in range(len(runs)):
+        for other in range(one):
+            if labels[one] != labels[other] and runs[one].same(runs[other]):
+                labels[labels == labels[one]] = labels[other]
+    return np.unique(labels, return_inverse=True)[1].astype(np.int64)
