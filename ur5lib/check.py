@@ -97,7 +97,7 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
     for device, start in intake.quality["starts"].items():
         table = intake.sensors[device]
         clock, warning = device_clock(table, start, intake.robot, rotation, jacobian)
-        clocks[device] = asdict(clock) | {"warning": warning}
+        clocks[device] = asdict(clock) | {"warning": warning, "stamps": start["seconds"]}
     return clocks
 
 
@@ -105,10 +105,10 @@ def settled(
     study: Study, qualities: Mapping[str, Any], own: Mapping[str, Any]
 ) -> dict[str, dict[str, Any]]:
     """Each recording's clocks.json, by name, from all their own_clocks.json and quality.json."""
-    fitted = [recording for recording in study.recordings if recording.role == "fit"]
+    free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(
-            {r.name: own[r.name] for r in fitted if r.robot == robot and r.name in own},
+            {r.name: own[r.name] for r in free if r.robot == robot and r.name in own},
             study.devices_of_hosts(),
         )
         for robot in {recording.robot for recording in study.recordings}

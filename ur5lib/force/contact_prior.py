@@ -31,14 +31,14 @@ class ContactPrior:
     """
 
     force: float = 15.0
-    lever: float = 0.05
+    lever: float = 0.03
     sizes: tuple[float, ...] = (1 / 3, 1.0, 3.0, 9.0)
     levers: tuple[float, ...] = (0.0, 0.05, 0.15)
     quiet: float = 1.0
     duration: float = 1.0
     pause: float = 10.0
-    efficiency: float = 0.97
-    efficiency_std: float = 0.03
+    efficiency: float = 0.94
+    efficiency_std: float = 0.04
     load_friction: float = 0.15
     stiction: float = 0.5
     rubbing: float = 0.2

@@ -23,14 +23,22 @@ class Wrench(NamedTuple):
 
 
 def contact_wrench(
-    torque: Array, jacobian: Array, noise: Array, worth: float, period: float, prior: ContactPrior
+    torque: Array,
+    jacobian: Array,
+    noise: Array,
+    worth: float,
+    period: float,
+    prior: ContactPrior,
+    size: Array | None = None,
 ) -> Wrench:
     """F̂ᵐᵃᵖ of one contact, and how far it may be off.
 
     torque: external, less its background, (n, 6) [Nm]; jacobian: (n, 6, 6); noise: (n, 6, 6)
-    [Nm²]; worth: of an independent value, that each sample has; period: [s].
+    [Nm²]; worth: of an independent value, that each sample has; period: [s]; size: covariance
+    (6, 6) of the wrench, None to learn it.
     """
-    size = learned_size(torque, jacobian, noise, worth, prior)
+    if size is None:
+        size = learned_size(torque, jacobian, noise, worth, prior)
     estimate = regularised_wrench(torque, jacobian, noise, size)
     wrench = estimate.mean / prior.efficiency
     variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)

@@ -70,8 +70,12 @@ def find_contacts(
     period: float,
     model: ResidualModel,
     prior: ContactPrior,
+    told: Mask | None = None,
 ) -> Gate:
-    """When a stretch without a gap is in contact; arguments as of `estimate_wrench`."""
+    """When a stretch without a gap is in contact; arguments as of `estimate_wrench`.
+
+    told: (N,), where it is by a sensor: then only the background is found.
+    """
     known, worth = finite_rows(torque), min(1.0, period / model.independent)
     filled = np.where(known[:, None], torque, 0.0)
     noise = Noise.of(states, model, prior)
@@ -98,6 +102,7 @@ def find_contacts(
         evidence *= worth * known[:, None]
         weight = hidden_markov.posterior(evidence, chain.transitions, chain.start)
         contact = weight[:, len(free) :].sum(axis=1)
+        contact = contact if told is None else told.astype(float)
         measured = _measurement_noise(free, weight, contact) / worth
         # A push may redraw what stiction holds; where none came, it stays.
         redrawn = noise.still * contact[:, None] / prior.duration

@@ -4,7 +4,7 @@ tau_ext = J^T F + b + e, with the slow part b and the quick part e of `ResidualM
 when there is a contact and what b is; each contact's own samples then say how large it is.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,22 @@ class WrenchEstimate:
     least_squares_std: Array
 
 
+@dataclass(frozen=True)
+class Ablation:
+    """What of the estimate is replaced or left out, to tell what it is worth.
+
+    contacts: (N,), where the arm is in contact, by a sensor instead of the gate; background: whether
+    it is taken off; learning: whether each contact chooses its size, or is taken as a usual one.
+    """
+
+    contacts: Mask | None = None
+    background: bool = True
+    learning: bool = True
+
+
+NOTHING_LEFT_OUT = Ablation()
+
+
 def estimate_wrench(
     torque: Array,
     jacobian: Array,
@@ -54,6 +70,7 @@ def estimate_wrench(
     period: float,
     model: ResidualModel,
     prior: ContactPrior,
+    ablation: Ablation = NOTHING_LEFT_OUT,
 ) -> WrenchEstimate:
     """The wrench of each unbroken stretch, by all of its samples (it is an offline estimate).
 
@@ -69,7 +86,8 @@ def estimate_wrench(
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
         problem = torque[thin], jacobian[thin], states[thin], every * period
-        own = _estimate(*problem, model, prior)
+        told = None if ablation.contacts is None else ablation.contacts[thin]
+        own = _estimate(*problem, model, prior, replace(ablation, contacts=told))
         parts.append([_at_all(own, column.name, every, rows) for column in fields(own)])
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     for column in columns:
@@ -93,13 +111,14 @@ def _estimate(
     period: float,
     model: ResidualModel,
     prior: ContactPrior,
+    ablation: Ablation,
 ) -> WrenchEstimate:
-    gate = find_contacts(torque, jacobian, states, period, model, prior)
+    gate = find_contacts(torque, jacobian, states, period, model, prior, ablation.contacts)
     noise = Noise.of(states, model, prior)
     contacts = contact_spans(gate.probability, period)
     inside = _inside(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)
-    rest = np.nan_to_num(torque - gate.background.mean)
+    rest = np.nan_to_num(torque - ablation.background * gate.background.mean)
     # What joints err by is taken as independent: correlations learnt without contact mislead in it.
     left = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
     worth = min(1.0, period / model.independent)
@@ -107,7 +126,8 @@ def _estimate(
     for span in contacts:
         part = slice(*span)
         own = rest[part], jacobian[part], left[part]
-        _put(chosen, part, contact_wrench(*own, worth, period, prior))
+        usual = None if ablation.learning else prior.usual()
+        _put(chosen, part, contact_wrench(*own, worth, period, prior, usual))
         _put(plain, part, least_squares_wrench(*own))
     unnoticed = _unnoticed(jacobian, noise, prior)
     wrench = likely[:, None] * chosen.mean

@@ -97,6 +97,18 @@ def payload_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
         }
 
 
+def ablation_rows(recording: str, ablation: Mapping[str, Any]) -> Iterator[Row]:
+    """The error in contact with each part of the estimate left out, from ablation.json."""
+    for variant, figures in ablation.items():
+        for i, component in enumerate(("Fx", "Fy", "Fz")):
+            yield {
+                "recording": recording,
+                "variant": variant,
+                "component": component,
+                **{name: values[i] for name, values in figures.items()},
+            }
+
+
 def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
     """Contacts by each estimate and by the force they reach, from detection.json.
 

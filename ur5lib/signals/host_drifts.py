@@ -1,4 +1,4 @@
-"""The drift that all devices of one host share, from the recordings that tell it."""
+"""What the clocks of all devices of one host share, from the recordings that tell it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -14,17 +14,21 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class HostDrift:
-    """How a host's clock drifts against the robot's.
+    """How a host's clock runs against the robot's.
 
     devices: those on this host; drift: its mean over recordings, std_error: of that mean, spread:
-    standard deviation from one recording to the next, all dimensionless; recordings: names of
-    those that tell.
+    standard deviation from one recording to the next, all dimensionless; start, start_std_error,
+    start_spread: the same of how much later a device's clock begins than start stamps say [s];
+    recordings: names of those that tell.
     """
 
     devices: list[str]
     drift: float
     std_error: float
     spread: float
+    start: float
+    start_std_error: float
+    start_spread: float
     recordings: list[str]
 
 
@@ -41,10 +45,13 @@ def pool_drifts(
     for host, devices in hosts.items():
         told = dict(_told(clocks, devices))
         if told:
-            drift, std = (
-                np.array([clock[key] for clock in told.values()]) for key in ("drift", "drift_std")
+            names = ("drift", "drift_std", "offset", "offset_std", "stamps")
+            drift, std, offset, offset_std, stamps = (
+                np.array([clock[name] for clock in told.values()]) for name in names
             )
-            found[host] = HostDrift(list(devices), *pool(drift, std), list(told))
+            # The robot's own start stamp is off too, by what all devices of a host then share.
+            start = pool(offset - stamps, offset_std)
+            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(told))
     return found
 
 
@@ -100,12 +107,19 @@ def read_clock(entry: Mapping[str, Any]) -> Clock:
 
 
 def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:
-    """A clock of start stamps with its host's drift; any other as it is.
+    """A clock of start stamps with its host's start and drift; any other as it is.
 
-    The drift of this one recording is off by the mean's error, by the spread, and by the wander.
+    Those of this one recording are off by the mean's error, by the spread, and by the wander.
     """
     if clock.method == BY_MOTION:
         return clock
     std = float(np.hypot(np.hypot(host.std_error, host.spread), WANDER / duration))
-    method = f"{clock.method}, drift of its host"
-    return replace(clock, drift=host.drift, drift_std=std, method=method)
+    start = clock.offset_std, host.start_std_error, host.start_spread
+    return replace(
+        clock,
+        offset=clock.offset + host.start,
+        offset_std=float(np.linalg.norm(start)),
+        drift=host.drift,
+        drift_std=std,
+        method=f"{clock.method}, start and drift of its host",
+    )

@@ -33,6 +33,7 @@ STUDY_YAML = yaml.safe_dump(
     STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
 )
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
+TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
 ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
 
 
@@ -95,6 +96,22 @@ def results_of_fitted(name):
         f"{RESULTS}/recordings/{other}/{name}"
         for other, recording in RECORDINGS.items()
         if recording.role == "fit" and recording.robot == recording_of(wildcards).robot
+    ]
+
+
+def contact_free(wildcards):
+    """Names of an arm's recordings in which nothing touches it."""
+    return [
+        name
+        for name, recording in RECORDINGS.items()
+        if recording.role != "contact" and recording.robot == wildcards.robot
+    ]
+
+
+def free_results(name):
+    """The same file of each of these."""
+    return lambda wildcards: [
+        f"{RESULTS}/recordings/{recording}/{name}" for recording in contact_free(wildcards)
     ]
 
 
@@ -225,7 +242,15 @@ def tables(names):
 
 def of_every_job(kind):
     """The output, the log or the benchmark of every job of the rules so far."""
-    found = [getattr(step, kind) or [] for step in workflow.rules]
-    files = [file for own in found for file in ([own] if isinstance(own, str) else own)]
-    patterns = [re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)) for file in files]
-    return [*dict.fromkeys(expand(patterns, recording=RECORDINGS, robot=ROBOTS))]
+    only = {"ablate_forces": TOUCHED}
+    files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
+    patterns = {
+        re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)): only.get(name, RECORDINGS)
+        for name, found in files.items()
+        for file in ([found] if isinstance(found, str) else found)
+    }
+    return [
+        path
+        for pattern, names in patterns.items()
+        for path in expand(pattern, recording=names, robot=ROBOTS)
+    ]

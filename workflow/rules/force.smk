@@ -123,3 +123,24 @@ rule detect_contacts:
         contact_force_n=SETTINGS.estimate_forces.contact_force_n,
     script:
         "../scripts/detect_contacts.py"
+
+
+rule ablate_forces:
+    input:
+        sensor=result("sensor.parquet"),
+        forces=result("forces.parquet"),
+        motion=result("motion.parquet"),
+        currents=result("currents.parquet"),
+        kinematics=result("kinematics.parquet"),
+        residuals=parameter_of("residuals.json"),
+        code=code("ablate_forces"),
+    output:
+        ablation=result("ablation.json"),
+    log:
+        f"{RESULTS}/logs/ablate_forces/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/ablate_forces/{{recording}}.tsv"
+    params:
+        contact_force_n=SETTINGS.estimate_forces.contact_force_n,
+    script:
+        "../scripts/ablate_forces.py"

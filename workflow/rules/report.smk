@@ -36,6 +36,7 @@ TABLES = [
     "contact_errors",
     "detection",
     "contacts",
+    "ablation",
 ]
 
 
@@ -84,6 +85,7 @@ rule make_tables:
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
         detection=results("detection.json"),
+        ablation=results("ablation.json", TOUCHED),
         code=code("make_tables"),
     output:
         **tables(TABLES),
@@ -93,6 +95,7 @@ rule make_tables:
         f"{RESULTS}/benchmarks/make_tables.tsv"
     params:
         recordings=list(RECORDINGS),
+        touched=TOUCHED,
         robots=ROBOTS,
     script:
         "../scripts/make_tables.py"

@@ -18,7 +18,7 @@ rule estimate_clocks:
 
 rule pool_drifts:
     input:
-        clocks=fitted_results("own_clocks.json"),
+        clocks=free_results("own_clocks.json"),
         code=code("pool_drifts"),
     output:
         drifts=parameter("drifts.json"),
@@ -27,7 +27,7 @@ rule pool_drifts:
     benchmark:
         f"{RESULTS}/benchmarks/pool_drifts/{{robot}}.tsv"
     params:
-        recordings=fitted_on,
+        recordings=contact_free,
         hosts=STUDY.devices_of_hosts(),
     script:
         "../scripts/pool_drifts.py"

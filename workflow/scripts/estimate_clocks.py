@@ -16,7 +16,7 @@ def estimate_clocks(input: Any, output: Any, params: Any) -> None:
     for device, start in read_json(input.quality)["starts"].items():
         table = read_table(getattr(input, device))
         clock, warning = device_clock(table, start, robot, rotation, jacobian)
-        clocks[device] = asdict(clock) | {"warning": warning}
+        clocks[device] = asdict(clock) | {"warning": warning, "stamps": start["seconds"]}
     write_json(clocks, output.clocks)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.current_tables import (
+    ablation_rows,
     contact_rows,
     cross_validation_rows,
     current_rows,
@@ -61,6 +62,7 @@ COLUMNS = {
     "zero_interval_score95 mae_low mae_high skill_low determined printed_mae printed_max",
     "contact_errors": "recording estimate contact start_s end_s component peak peak_error impulse "
     "impulse_error onset_error_s",
+    "ablation": "recording variant component mae coverage95 interval_score95",
     "contacts": "recording estimate start_s end_s peak_s Fx Fx_std Fy Fy_std Fz Fz_std "
     "kind load_mass load_mass_std",
     "detection": "recording estimate force_class_n contacts found precision recall "
@@ -82,6 +84,8 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     write_csv(quality_table(qualities, clocks, forces), output.quality)
     write_csv(clock_table(clocks), output.clocks)
     rows = recording_rows(input, params.recordings, printed) | arm_rows(input, params.robots)
+    ablations = zip(params.touched, map(read_json, input.ablation), strict=True)
+    rows["ablation"] = [row for pair in ablations for row in ablation_rows(*pair)]
     for name, table in rows.items():
         write_csv(pd.DataFrame(table, columns=COLUMNS[name].split()), output[name])
 

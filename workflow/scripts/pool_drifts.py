@@ -1,4 +1,4 @@
-"""The drift of each host, from the recordings for fitting in which motion told a clock."""
+"""The drift of each host, from contact-free recordings in which motion told a clock."""
 
 from dataclasses import asdict
 from typing import Any

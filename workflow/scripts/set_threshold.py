@@ -11,7 +11,7 @@ ODDS = "log_odds_"
 
 def set_threshold(input: Any, output: Any, params: Any) -> None:
     tables = [read_table(path) for path in input.forces]
-    estimates = sorted({name for table in tables for name in table.filter(like=ODDS)})
+    estimates = sorted({name for table in tables for name in table.filter(regex=f"^{ODDS}")})
     thresholds = {}
     for name in estimates:
         known = [table for table in tables if name in table]

@@ -57,6 +57,39 @@ def headline(results: Results) -> Body:
     return Body(header, body)
 
 
+VARIANTS = {  # what is left out or replaced, as the report words it
+    "whole": "F̂ᵐᵃᵖ",
+    "contacts by the sensor": "contacts by the sensor, not by the gate",
+    "no background": "background not taken off",
+    "usual contact": "size not learnt: every contact a usual one",
+    "efficiency of 1": "gears without loss",
+    "least_squares": "no prior at all (least squares)",
+    "repeat": "residual of earlier runs taken off (repeat-aware)",
+}
+
+
+def ablation(results: Results) -> Body:
+    """Error in contact by x, y, z, a row a variant of F̂ᵐᵃᵖ, a column a recording."""
+    rows = results.tables["ablation"]
+    recordings = [*dict.fromkeys(rows["recording"])]
+    errors = rows.set_index(["variant", "recording", "component"])["mae"].to_dict()
+    body = [
+        [
+            Cell(label),
+            *(Cell(_forces(errors, variant, name)) for name in recordings),
+        ]
+        for variant, label in VARIANTS.items()
+        if variant in {*rows["variant"]}
+    ]
+    return Body(["variant", *recordings], body)
+
+
+def _forces(errors: dict[tuple[str, str, str], float], variant: str, recording: str) -> str:
+    """Errors in x, y, z [N]; a dash where the variant was not made."""
+    values = [errors.get((variant, recording, f"F{axis}")) for axis in "xyz"]
+    return ", ".join("–" if value is None else fixed(value, 1) for value in values)
+
+
 def with_interval(row: Any) -> str:
     """An error in contact, and its 95 % interval where contacts were resampled."""
     mae = fixed(row.mae, 1)
