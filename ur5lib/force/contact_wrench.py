@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import Mask, finite_rows
 from ur5lib.force.gate import diagonal
 from ur5lib.force.map_estimate import Posterior, regularised_wrench
 
@@ -33,7 +34,8 @@ def contact_wrench(
 ) -> Wrench:
     """F̂ᵐᵃᵖ of one contact, and how far it may be off.
 
-    torque: external, less its background, (n, 6) [Nm]; jacobian: (n, 6, 6); noise: (n, 6, 6)
+    torque: external, less its background, (n, 6) [Nm], rows of NaN where it is unknown: there the
+    wrench is zero with the contact's size as its variance; jacobian: (n, 6, 6); noise: (n, 6, 6)
     [Nm²]; worth: of an independent value, that each sample has; period: [s]; size: covariance
     (6, 6) of the wrench, None to learn it.
     """
@@ -43,7 +45,8 @@ def contact_wrench(
     wrench = estimate.mean / prior.efficiency
     variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)
     variance = variance / prior.efficiency**2 + (prior.efficiency_std * wrench) ** 2
-    return Wrench(wrench, variance + (prior.resolution * _change(wrench, period)) ** 2)
+    change = _change(wrench, finite_rows(torque), period)
+    return Wrench(wrench, variance + (prior.resolution * change) ** 2)
 
 
 def learned_size(
@@ -55,6 +58,8 @@ def learned_size(
     independent sample: P = (Σ w E[F Fᵀ] + P_usual) / (w n + 1). Forces have a direction, moments
     only a size: they take up what a force at the origin of frame 6 cannot explain.
     """
+    known = finite_rows(torque)
+    torque, jacobian, noise = torque[known], jacobian[known], noise[known]
     size, count = prior.unknown(), worth * len(torque)
     for _ in range(ROUNDS):
         estimate = regularised_wrench(torque, jacobian, noise, size)
@@ -69,7 +74,8 @@ def learned_size(
 def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench:
     """Prior-free rival of F̂ᵐᵃᵖ: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ, a force without moment.
 
-    Arguments as above. The baseline that a prior has to beat once a contact is known.
+    Arguments as above; NaN where the torque is unknown. The baseline that a prior has to beat once
+    a contact is known.
     """
     linear = jacobian[:, :3]
     weighted = np.linalg.solve(noise, linear.mT).mT
@@ -89,8 +95,11 @@ def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     return _diagonal(estimate.gain @ lost @ estimate.gain.mT)
 
 
-def _change(wrench: Array, period: float) -> Array:
-    return np.gradient(wrench, period, axis=0) if len(wrench) > 1 else np.zeros_like(wrench)
+def _change(wrench: Array, known: Mask, period: float) -> Array:
+    change = np.zeros_like(wrench)
+    if known.sum() > 1:
+        change[known] = np.gradient(wrench[known], period, axis=0)
+    return change
 
 
 def _diagonal(matrices: Array) -> Array:

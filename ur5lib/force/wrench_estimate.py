@@ -34,7 +34,7 @@ class WrenchEstimate:
     wrench, std: (N, 6) [N, Nm], wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact
     against none, by all samples; causal_log_odds: (N,), by those up to each; background: (N, 6)
     [Nm], the slow part of the external torque; least_squares, least_squares_std: (N, 6), the same
-    contacts without any prior, zero elsewhere.
+    contacts without any prior, NaN in them where the torque is unknown, zero elsewhere.
     """
 
     wrench: Array
@@ -118,7 +118,7 @@ def _estimate(
     contacts = contact_spans(gate.probability, period)
     inside = _inside(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)
-    rest = np.nan_to_num(torque - ablation.background * gate.background.mean)
+    rest = torque - ablation.background * gate.background.mean
     # What joints err by is taken as independent: correlations learnt without contact mislead in it.
     left = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
     worth = min(1.0, period / model.independent)

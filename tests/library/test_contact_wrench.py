@@ -1,0 +1,144 @@
+"""The wrench of one contact: its limits, what its size is learnt from, and what gears lose."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.library.made_up_torques import PRIOR, REGULAR, jacobians, torque_of
+from ur5lib.force.contact_wrench import contact_wrench, learned_size, least_squares_wrench
+from ur5lib.force.current_based import wrench_from_torque
+from ur5lib.metrics import coverage
+from ur5lib.robots.description import Robot
+
+COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25
+LOSSLESS = replace(PRIOR, efficiency=1.0, efficiency_std=0.0, load_friction=0.0)
+NOISE = np.array([1.2, 1.5, 1.0, 0.4, 0.3, 0.3])  # Nm
+
+
+def contact(
+    ur5: Robot, wrench: np.ndarray, seed: int, noise: float = 1.0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Torque, Jacobian and noise of 3.2 s around a regular pose."""
+    random = np.random.default_rng(seed)
+    J = jacobians(ur5, REGULAR + random.uniform(-0.1, 0.1, (COUNT, 6)))
+    deviation = noise * NOISE
+    torque = torque_of(J, np.tile(wrench, (COUNT, 1))) + deviation * random.normal(size=(COUNT, 6))
+    return torque, J, np.tile(np.diag(deviation**2), (COUNT, 1, 1))
+
+
+def test_a_large_force_is_what_least_squares_have(ur5: Robot) -> None:
+    """A size that its own samples choose takes nothing off a force that they show clearly."""
+    own = contact(ur5, np.array([300.0, -200, 400, 0, 0, 0]), seed=0)
+    chosen = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).mean[:, :3]
+    plain = least_squares_wrench(*own).mean[:, :3]
+    np.testing.assert_allclose(chosen.mean(axis=0), plain.mean(axis=0), rtol=0.01)
+
+
+def test_a_large_wrench_with_moments_is_what_the_torques_say(ur5: Robot) -> None:
+    own = contact(ur5, np.array([300.0, -200, 400, 30, -40, 50]), seed=1, noise=0.01)
+    chosen = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).mean
+    np.testing.assert_allclose(chosen, wrench_from_torque(own[1], own[0], 1e-6), atol=2.0)
+
+
+def test_least_squares_are_the_normal_equations(ur5: Robot) -> None:
+    """Of the whitened problem, sample by sample, solved by another routine."""
+    torque, J, noise = contact(ur5, np.array([10.0, 20, -5, 1, 0, 2]), seed=2)
+    plain = least_squares_wrench(torque, J, noise)
+    for t in (0, 50, 99):
+        root = np.linalg.inv(np.linalg.cholesky(noise[t]))
+        columns = root @ J[t, :3].T
+        expected = np.linalg.lstsq(columns, root @ torque[t], rcond=None)[0]
+        np.testing.assert_allclose(plain.mean[t, :3], expected, rtol=1e-8)
+        covariance = np.linalg.inv(columns.T @ columns)
+        np.testing.assert_allclose(plain.variance[t, :3], np.diag(covariance))
+    assert (plain.mean[:, 3:] == 0).all()
+
+
+def test_what_gears_lose_is_given_back(ur5: Robot) -> None:
+    """An efficiency of a half doubles the force, and its spread is a share of the force."""
+    own = contact(ur5, np.array([0.0, 60, 0, 0, 0, 0]), seed=3)
+    whole = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
+    half = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, efficiency=0.5))
+    np.testing.assert_allclose(half.mean, 2 * whole.mean)
+    unsure = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, efficiency_std=0.1))
+    np.testing.assert_allclose(unsure.variance - whole.variance, (0.1 * whole.mean) ** 2)
+
+
+def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:
+    """Of a contact twice as strong, it takes up twice as much."""
+    added = []
+    for size in (2000.0, 4000.0):  # so large that the size no longer matters
+        own = contact(ur5, np.array([0.0, size, 0, 0, 0, 0]), seed=4, noise=0.1)
+        without = contact_wrench(*own, WORTH, PERIOD, LOSSLESS).variance
+        with_it = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, load_friction=0.1)).variance
+        added.append(with_it - without)
+        assert (added[-1] >= 0).all()
+    np.testing.assert_allclose(added[1][:, :3], 4 * added[0][:, :3], rtol=0.05)
+
+
+def test_a_force_that_changes_is_told_less_exactly(ur5: Robot) -> None:
+    torque, J, noise = contact(ur5, np.array([0.0, 0, 0, 0, 0, 0]), seed=5, noise=0.05)
+    ramp = np.zeros((COUNT, 6))
+    ramp[50:, 2] = 40.0
+    own = torque + torque_of(J, ramp), J, noise
+    blurred = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.1)).variance
+    sharp = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.0)).variance
+    assert (blurred - sharp)[49:51, 2].min() > 10 * (blurred - sharp)[:40, 2].max()
+
+
+@pytest.mark.parametrize("size", [3.0, 15.0, 80.0])
+@pytest.mark.parametrize("lever", [0.0, 0.15])
+def test_its_band_holds_forces_of_all_sizes(ur5: Robot, size: float, lever: float) -> None:
+    inside = []
+    for seed in range(40):
+        random = np.random.default_rng(100 + seed)
+        force, off = (one / np.linalg.norm(one) for one in random.normal(size=(2, 3)))
+        wrench = size * np.concatenate([force, lever * np.cross(off, force)])
+        torque, J, noise = contact(ur5, wrench, seed)
+        estimate = contact_wrench(0.97 * torque, J, noise, WORTH, PERIOD, PRIOR)
+        inside.append(coverage(estimate.mean, estimate.variance**0.5, np.tile(wrench, (COUNT, 1))))
+    assert np.mean(inside, axis=0)[:3].min() > 0.9
+
+
+# Its size
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("size", [0.0, 5.0, 500.0])
+def test_a_learned_size_is_a_covariance(ur5: Robot, seed: int, size: float) -> None:
+    wrench = size * np.random.default_rng(seed).normal(size=6)
+    learned = learned_size(*contact(ur5, wrench, seed), WORTH, PRIOR)
+    np.testing.assert_allclose(learned, learned.T)
+    assert np.linalg.eigvalsh(learned).min() > 0
+    np.testing.assert_array_equal(learned[3:, 3:], learned[3, 3] * np.eye(3))
+    assert (learned[:3, 3:] == 0).all()
+
+
+def test_a_size_has_the_direction_of_the_force(ur5: Robot) -> None:
+    force = np.array([100.0, 0, 0, 0, 0, 0])
+    learned = learned_size(*contact(ur5, force, seed=6, noise=0.1), WORTH, PRIOR)
+    count = WORTH * COUNT
+    expected = (count * 100**2 + PRIOR.force**2) / (count + 1)
+    assert learned[0, 0] == pytest.approx(expected, rel=0.05)
+    assert learned[0, 0] > 50 * learned[1, 1]
+
+
+def test_what_tells_nothing_keeps_the_usual_size(ur5: Robot) -> None:
+    """Not one sample is known: the contact is a usual one."""
+    _, J, noise = contact(ur5, np.zeros(6), seed=7)
+    unknown = np.full((COUNT, 6), np.nan)
+    learned = learned_size(unknown, J, noise, WORTH, PRIOR)
+    np.testing.assert_allclose(learned, PRIOR.usual())
+
+
+def test_unknown_samples_do_not_shrink_a_contact(ur5: Robot) -> None:
+    """Half of a contact has no torque: the other half is told as if that half were not there."""
+    wrench = np.array([0.0, 50, 0, 0, 0, 0])
+    torque, J, noise = contact(ur5, wrench, seed=8)
+    torque[COUNT // 2 :] = np.nan
+    half = contact_wrench(torque[:50], J[:50], noise[:50], WORTH, PERIOD, PRIOR)
+    whole = contact_wrench(torque, J, noise, WORTH, PERIOD, PRIOR)
+    np.testing.assert_allclose(whole.mean[:48], half.mean[:48], rtol=1e-3, atol=1e-3)
+    assert (whole.mean[50:] == 0).all()
+    assert (whole.variance[50:, 1] > 4 * half.variance[:40, 1].max()).all()

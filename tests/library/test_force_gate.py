@@ -1,0 +1,266 @@
+"""The gate and the wrench behind it, on made-up torques whose contacts are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.library.made_up_torques import (
+    MODEL,
+    PERIOD,
+    PRIOR,
+    WRIST,
+    Free,
+    between,
+    free_run,
+)
+from ur5lib.force.detection import spans
+from ur5lib.force.external_torque import STILL
+from ur5lib.force.gate import Noise, find_contacts
+from ur5lib.force.hidden_markov import log_odds
+from ur5lib.force.wrench_estimate import WrenchEstimate, contact_spans
+from ur5lib.metrics import coverage, slope
+from ur5lib.robots.description import Robot
+
+AXES = np.eye(3)
+SIZES = [5.0, 30.0, 80.0]  # N
+TOOL = np.array([0.0, 0.0, 0.15])  # m, frame 6: the tip of a tool
+
+
+def probability(estimate: WrenchEstimate) -> np.ndarray:
+    return 1 / (1 + np.exp(-estimate.log_odds))
+
+
+def contacts(estimate: WrenchEstimate) -> list[tuple[int, int]]:
+    return spans(probability(estimate), 0.5, 0.1)
+
+
+def push(run: Free, axis: int, size: float, start: float, end: float) -> np.ndarray:
+    """A wrench (N, 6) of a force along one axis."""
+    return run.wrench(size * between(run.time, start, end)[:, None] * AXES[axis])
+
+
+# Found where there is one, none made up
+
+
+@pytest.mark.parametrize("moving", [True, False], ids=["moving", "resting"])
+@pytest.mark.parametrize("seed", range(3))
+def test_without_contact_none_is_made_up(ur5: Robot, seed: int, moving: bool) -> None:
+    estimate = free_run(ur5, seed, moving=moving).estimate()
+    assert (probability(estimate) > 0.5).mean() < 0.01
+    assert np.abs(estimate.wrench[:, :3]).mean() < 0.3
+    assert (np.abs(estimate.wrench) <= 1.96 * estimate.std).mean() >= 0.97
+    assert (estimate.least_squares[probability(estimate) < 0.1] == 0).all()
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_a_push_of_30_n_is_found(ur5: Robot, axis: int) -> None:
+    run = free_run(ur5, seed=10 + axis)
+    wrench = push(run, axis, 30.0, 12.0, 13.5)
+    estimate = run.pushed(wrench).estimate()
+    ((first, last),) = contacts(estimate)
+    np.testing.assert_allclose(run.time[[first, last]], [12.0, 13.5], atol=0.3)
+    during = (run.time > 12.2) & (run.time < 13.3)
+    assert slope(estimate.wrench[during], wrench[during])[axis] == pytest.approx(1, abs=0.25)
+    assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() > 0.9
+    assert estimate.causal_log_odds[first:last].max() > 0
+
+
+def test_a_push_at_rest_is_found_and_so_is_the_next(ur5: Robot) -> None:
+    """Between the two nothing is, though the joints wander by a third of their friction."""
+    run = free_run(ur5, seed=20, moving=False)
+    assert (run.states == STILL).all()
+    wrench = push(run, 2, 40.0, 8.0, 10.0) + push(run, 2, -40.0, 15.0, 17.0)
+    wander = 0.3 * MODEL.breakaway * between(run.time, 10.0, 15.0)[:, None]
+    touched = run.pushed(wrench)
+    estimate = replace(touched, torque=touched.torque + wander).estimate()
+    assert len(contacts(estimate)) == 2
+    pause = (run.time > 10.5) & (run.time < 14.5)
+    assert (probability(estimate)[pause] < 0.5).all()
+    assert np.abs(estimate.wrench[pause, :3]).mean() < 0.5
+    held = coverage(estimate.wrench[pause], estimate.std[pause], wrench[pause])
+    assert held[:3].min() > 0.95
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_release_makes_no_contact_of_its_own(ur5: Robot, share: float) -> None:
+    """After a push a joint springs back by a part of its dry friction, for a quarter second."""
+    run = free_run(ur5, seed=21, moving=False)
+    rebound = -share * MODEL.breakaway * between(run.time, 10.0, 10.25)[:, None]
+    touched = run.pushed(push(run, 2, 40.0, 8.0, 10.0))
+    estimate = replace(touched, torque=touched.torque + rebound).estimate()
+    ((_, last),) = contacts(estimate)
+    assert run.time[last] < 10.6
+
+
+def test_the_background_is_not_what_a_push_leaves(ur5: Robot) -> None:
+    """An offset of 3 Nm that was there all along is no contact; the push on top is told alone."""
+    run = free_run(ur5, seed=22)
+    offset = np.array([0.0, 3.0, -3.0, 0.5, 0.0, 0.0])
+    wrench = push(run, 2, 30.0, 12.0, 14.0)
+    touched = run.pushed(wrench)
+    plain = touched.estimate()
+    offset_too = replace(touched, torque=touched.torque + offset).estimate()
+    assert len(contacts(offset_too)) == 1
+    during = (run.time > 12.2) & (run.time < 13.8)
+    apart = np.abs(offset_too.wrench - plain.wrench)[during, :3]
+    assert apart.mean() < 3
+    assert (apart <= 1.96 * plain.std[during, :3]).mean() > 0.95
+
+
+# A sustained push, of all sizes
+
+
+@pytest.mark.parametrize("off", [np.zeros(3), TOOL], ids=["at the flange", "15 cm off"])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_sustained_push_is_told_at_any_size(ur5: Robot, axis: int, off: np.ndarray) -> None:
+    run = free_run(ur5, seed=30 + axis)
+    on = between(run.time, 5.0, 20.0)
+    told = []
+    for size in SIZES:
+        wrench = run.wrench(size * on[:, None] * AXES[axis], off)
+        estimate = run.pushed(wrench).estimate()
+        told.append(estimate.wrench[on > 0, axis].mean())
+        during = estimate.wrench[on > 0], estimate.std[on > 0], wrench[on > 0]
+        assert coverage(*during)[:3].min() >= 0.9, size
+        assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() >= 0.9, size
+    ratio = np.array(SIZES) @ told / (np.array(SIZES) @ SIZES)
+    assert 0.9 <= ratio <= 1.1
+
+
+@pytest.mark.parametrize("factor", [0.2, 5.0])
+@pytest.mark.parametrize("moving", [True, False], ids=["moving", "resting"])
+def test_the_answer_is_not_the_priors(ur5: Robot, moving: bool, factor: float) -> None:
+    """Its force times or divided by five moves no force in contact beyond the stated band."""
+    prior = replace(PRIOR, force=factor * PRIOR.force)
+    for axis in range(3):
+        run = free_run(ur5, seed=40 + axis, moving=moving)
+        touched = run.pushed(push(run, axis, 50.0, 10.0, 14.0))
+        usual, other = touched.estimate(), touched.estimate(prior)
+        during = (run.time > 10) & (run.time < 14)
+        moved = np.abs(other.wrench - usual.wrench)[during, :3]
+        assert (moved <= 1.96 * usual.std[during, :3]).all()
+
+
+def test_the_gears_efficiency_is_a_gain(ur5: Robot) -> None:
+    run = free_run(ur5, seed=50, scale=0.2)
+    during = between(run.time, 11.0, 14.0) > 0
+    touched = run.pushed(push(run, 0, 80.0, 10.0, 15.0), efficiency=1.0)
+    told = [
+        touched.estimate(replace(PRIOR, efficiency=efficiency)).wrench[during, 0].mean()
+        for efficiency in (1.0, 0.8)
+    ]
+    assert told[1] / told[0] == pytest.approx(1.25, rel=0.02)
+
+
+# Sampling
+
+
+@pytest.mark.parametrize("axis", [0, 2])
+def test_results_do_not_depend_on_the_sample_rate(ur5: Robot, axis: int) -> None:
+    """At 125 and at 500 Hz, of one and the same recording."""
+    fast = free_run(ur5, seed=60, seconds=16.0, period=0.002)
+    touched = fast.pushed(push(fast, axis, 40.0, 8.0, 10.0))
+    slow = Free(*(values[::4] for values in vars(touched).values()))
+    one, other = touched.estimate(), slow.estimate()
+    for name in ("wrench", "std", "background", "least_squares"):
+        often, seldom = getattr(one, name)[::4], getattr(other, name)
+        size = np.abs(seldom).max()
+        np.testing.assert_allclose(often, seldom, atol=0.01 * size, err_msg=name)
+    np.testing.assert_allclose(probability(one)[::4], probability(other), atol=0.01)
+
+
+def test_a_rate_that_the_step_does_not_divide(ur5: Robot) -> None:
+    """At 100 Hz samples are weighed each 30 ms, at 125 Hz each 32."""
+    fast = free_run(ur5, seed=61, seconds=16.0, period=0.002)
+    touched = fast.pushed(push(fast, 1, 40.0, 8.0, 10.0))
+    means = []
+    for every in (4, 5):
+        part = Free(*(values[::every] for values in vars(touched).values()))
+        estimate, during = part.estimate(), (part.time > 8.2) & (part.time < 9.8)
+        means.append((estimate.wrench[during, :3].mean(axis=0), estimate.std[during].mean(axis=0)))
+    np.testing.assert_allclose(means[0][0], means[1][0], atol=0.03 * 40)
+    np.testing.assert_allclose(means[0][1], means[1][1], rtol=0.05)
+
+
+# Gaps, missing samples, singularities
+
+
+def test_a_gap_is_a_new_recording(ur5: Robot) -> None:
+    from ur5lib.force.wrench_estimate import estimate_wrench
+
+    run = free_run(ur5, seed=70, seconds=12.0)
+    touched = run.pushed(push(run, 2, 40.0, 8.0, 10.0))
+    count = len(run.time)
+    segment = np.repeat([0, 1], [count // 2, count - count // 2])
+    given = touched.torque, touched.jacobian, touched.states, segment
+    both = estimate_wrench(*given, PERIOD, MODEL, PRIOR)
+    half = slice(count // 2, None)
+    alone = estimate_wrench(*(values[half] for values in given), PERIOD, MODEL, PRIOR)
+    for name, values in vars(alone).items():
+        np.testing.assert_allclose(getattr(both, name)[half], values, err_msg=name)
+
+
+def test_what_was_not_measured_in_a_contact_is_not_known_to_be_zero(ur5: Robot) -> None:
+    run = free_run(ur5, seed=71)
+    touched = run.pushed(push(run, 2, 60.0, 10.0, 14.0))
+    holes = touched.torque.copy()
+    hole, beside = (run.time >= 11.5) & (run.time < 12), (run.time > 12.5) & (run.time < 13.5)
+    holes[hole] = np.nan
+    estimate = replace(touched, torque=holes).estimate()
+    assert np.isfinite(estimate.std).all()
+    held = np.abs(estimate.wrench[hole, 2] - 60) <= 1.96 * estimate.std[hole, 2]
+    assert held.all()
+    assert estimate.std[hole, 2].min() > 2 * estimate.std[beside, 2].max()
+    whole = touched.estimate()
+    np.testing.assert_allclose(estimate.wrench[beside], whole.wrench[beside], atol=2.0)
+
+
+def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
+    run = free_run(ur5, seed=72, seconds=10)
+    J = run.jacobian.copy()
+    J[100:110] = np.nan
+    estimate = replace(run, jacobian=J).estimate()
+    for values in vars(estimate).values():
+        unknown = np.isnan(values.reshape(len(values), -1)).all(axis=1)
+        np.testing.assert_array_equal(np.flatnonzero(unknown), np.arange(100, 110))
+        assert np.isfinite(np.delete(values, np.arange(100, 110), axis=0)).all()
+
+
+def test_through_a_singularity_no_force_explodes(ur5: Robot) -> None:
+    run = free_run(ur5, seed=73, around=WRIST)
+    wrench = push(run, 1, 40.0, 8.0, 12.0)
+    estimate = run.pushed(wrench).estimate()
+    assert np.isfinite(estimate.wrench).all()
+    assert np.linalg.norm(estimate.wrench[:, :3], axis=1).max() < 120
+    assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() > 0.9
+
+
+# The gate alone
+
+
+def test_a_contact_is_told_a_little_longer_than_the_gate_is_sure() -> None:
+    sure = np.zeros(100)
+    sure[40:60] = [0.2, 0.6, *[1.0] * 16, 0.4, 0.2]
+    ((first, last),) = contact_spans(sure, 0.05)
+    assert (first, last) == (37, 63)
+    assert contact_spans(0.4 * np.ones(100), 0.05) == []
+
+
+def test_odds_by_past_samples_alone_do_not_look_ahead(ur5: Robot) -> None:
+    """What comes after moves the background, hence the odds a little; but not beforehand."""
+    run = free_run(ur5, seed=80, seconds=14.0)
+    touched = run.pushed(push(run, 2, 60.0, 8.0, 12.0))
+    gate = find_contacts(touched.torque, touched.jacobian, touched.states, PERIOD, MODEL, PRIOR)
+    before, after = (run.time < 7.9), (run.time > 8.5) & (run.time < 11.5)
+    assert gate.causal[before].max() < 0.5
+    assert gate.causal[after].min() > 0.5
+    assert gate.probability[after].min() > 0.99
+    assert np.isfinite(log_odds(gate.causal)).all()
+
+
+def test_at_rest_more_may_be_hidden_than_in_motion(ur5: Robot) -> None:
+    """Erratum 12: with no change of torque at all, the band at rest is wider than in motion."""
+    still, moving = (free_run(ur5, 81, moving=moving).states for moving in (False, True))
+    hidden = [Noise.of(states, MODEL, PRIOR).hidden for states in (still, moving)]
+    assert (np.diagonal(hidden[0], axis1=1, axis2=2)[0] > 4 * np.diag(hidden[1][0])).all()

@@ -1,0 +1,87 @@
+"""A hidden Markov chain, by Bayes' rule over all of its histories."""
+
+import numpy as np
+import pytest
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.gate import Chain
+from ur5lib.force.hidden_markov import filtered, log_odds, posterior
+
+SAMPLES, STATES = 6, 3
+CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn
+
+
+def chain(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Evidence, transitions and start."""
+    random = np.random.default_rng(seed)
+    steps = random.dirichlet(np.ones(STATES), STATES)
+    return random.normal(0, 2, (SAMPLES, STATES)), steps, random.dirichlet(np.ones(STATES))
+
+
+def enumerated(evidence: np.ndarray, steps: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Probability of each state at each sample, by the weight of every possible history."""
+    total = np.zeros(evidence.shape)
+    samples = np.arange(len(evidence))
+    for history in np.ndindex(*([evidence.shape[1]] * len(evidence))):
+        states = np.array(history)
+        weight = start[states[0]] * steps[states[:-1], states[1:]].prod()
+        total[samples, states] += weight * np.exp(evidence[samples, states].sum())
+    return total / total.sum(axis=1, keepdims=True)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_smoothing_is_bayes_rule_over_all_histories(seed: int) -> None:
+    given = chain(seed)
+    np.testing.assert_allclose(posterior(*given), enumerated(*given), atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_filtering_is_smoothing_of_what_came_so_far(seed: int) -> None:
+    evidence, *rest = chain(seed)
+    past = np.exp(filtered(evidence, *rest))
+    for last in range(SAMPLES):
+        np.testing.assert_allclose(past[last], enumerated(evidence[: last + 1], *rest)[-1])
+
+
+def test_a_constant_in_the_evidence_changes_nothing() -> None:
+    evidence, *rest = chain(0)
+    shifted = evidence + np.arange(SAMPLES)[:, None] * 1e3
+    np.testing.assert_allclose(posterior(shifted, *rest), posterior(evidence, *rest), atol=1e-9)
+
+
+def test_what_cannot_be_is_not() -> None:
+    """Whatever single samples say, states that follow in turn do so."""
+    evidence = np.random.default_rng(1).normal(0, 20, (9, STATES))
+    found = posterior(evidence, CERTAIN, np.array([1.0, 0, 0]))
+    np.testing.assert_array_equal(found.argmax(axis=1), [0, 1, 2] * 3)
+
+
+def test_ten_thousand_certain_samples_neither_overflow_nor_underflow() -> None:
+    evidence = np.zeros((10000, 2))
+    evidence[:, 1] = np.where(np.arange(10000) < 5000, -1e4, 1e4)
+    steps = np.array([[0.99, 0.01], [0.1, 0.9]])
+    probability = posterior(evidence, steps, np.array([0.5, 0.5]))
+    np.testing.assert_allclose(probability[:, 1], np.arange(10000) >= 5000, atol=1e-9)
+    assert np.isfinite(log_odds(probability[:, 1])).all()
+
+
+def test_log_odds_are_those_of_the_probability() -> None:
+    probability = np.array([0.0, 0.1, 0.5, 0.9, 1.0])
+    odds = log_odds(probability)
+    np.testing.assert_allclose(1 / (1 + np.exp(-odds)), probability, atol=1e-12)
+    assert (np.diff(odds) > 0).all()
+
+
+@pytest.mark.parametrize("period", [0.001, 0.032, 0.1])
+def test_the_gates_chain_is_one(period: float) -> None:
+    """Probabilities; a free arm and a contact each last as long as the prior says."""
+    prior = ContactPrior()
+    free, contacts = 1 + len(prior.hunting), len(prior.bank())
+    own = Chain.of(free, contacts, period, prior)
+    assert (own.transitions >= 0).all()
+    np.testing.assert_allclose(own.transitions.sum(axis=1), 1)
+    assert own.start.sum() == pytest.approx(1)
+    lasts = period / (1 - np.diag(own.transitions))
+    np.testing.assert_allclose(lasts[free:], prior.duration)
+    assert lasts[0] == pytest.approx(prior.pause, rel=0.01)
+    assert (lasts[1:free] <= prior.settling).all()
