@@ -42,6 +42,7 @@ MODEL = ResidualModel(  # of the size found on the thesis's UR5
     breakaway=np.array([6.5, 5.6, 4.3, 1.6, 1.6, 1.6]),
 )
 TYPICAL = 0.5  # of the model's deviations: it is as wide as few paths allow, a run is not
+FLANGE = np.zeros(3)  # m, frame 6
 REGULAR = np.array([0.3, -1.2, 1.4, -1.0, 1.2, 0.4])
 ELBOW, WRIST = REGULAR * [1, 1, 0, 1, 1, 1], REGULAR * [1, 1, 1, 1, 0, 1]
 
@@ -68,7 +69,7 @@ class Free:
     states: States
     torque: Array
 
-    def wrench(self, force: Array, off: Array = np.zeros(3)) -> Array:
+    def wrench(self, force: Array, off: Array = FLANGE) -> Array:
         """(N, 6), of a force (N, 3) at a point of frame 6 [m]."""
         return np.concatenate([force, np.cross(self.rotation @ off, force)], axis=1)
 

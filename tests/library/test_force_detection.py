@@ -42,7 +42,7 @@ def test_the_threshold_keeps_its_rate() -> None:
         odds = np.full(6000, -5.0)
         odds[RANDOM.choice(600, 4, replace=False) * 10] = RANDOM.uniform(1, 10, 4)
         recordings.append(odds)
-    threshold = alarm_threshold(recordings, 0.01, per_minute=2)
+    threshold = alarm_threshold(recordings, [0.01] * 20, per_minute=2)
     count = sum(len(alarms(odds, threshold)) for odds in recordings)
     assert count == 40
     lower = sum(len(alarms(odds, threshold - 0.5)) for odds in recordings)
@@ -50,7 +50,17 @@ def test_the_threshold_keeps_its_rate() -> None:
 
 
 def test_a_threshold_is_never_against_the_odds() -> None:
-    assert alarm_threshold([np.full(1000, -3.0)], 0.01, 1.0) == 0.0
+    assert alarm_threshold([np.full(1000, -3.0)], [0.01], 1.0) == 0.0
+
+
+def test_each_recording_counts_for_as_long_as_it_lasts() -> None:
+    """Two minutes at 100 Hz and one at 500 Hz allow three alarms, not more and not fewer."""
+    often, seldom = np.full(30000, -5.0), np.full(12000, -5.0)
+    often[[5000, 15000, 25000]] = [2.0, 4.0, 6.0]
+    seldom[[2000, 6000, 10000]] = [3.0, 5.0, 7.0]
+    threshold = alarm_threshold([often, seldom], [0.002, 0.01], per_minute=1)
+    assert 4.0 < threshold <= 5.0
+    assert alarm_threshold([seldom, often], [0.01, 0.002], per_minute=1) == threshold
 
 
 def test_a_live_alarm_starts_where_the_threshold_is_reached() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.library.made_up_torques import (
+    FLANGE,
     MODEL,
     PERIOD,
     PRIOR,
@@ -18,7 +19,7 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import STILL
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
-from ur5lib.force.wrench_estimate import WrenchEstimate, contact_spans
+from ur5lib.force.wrench_estimate import WrenchEstimate, contact_spans, estimate_wrench
 from ur5lib.metrics import coverage, slope
 from ur5lib.robots.description import Robot
 
@@ -111,7 +112,7 @@ def test_the_background_is_not_what_a_push_leaves(ur5: Robot) -> None:
 # A sustained push, of all sizes
 
 
-@pytest.mark.parametrize("off", [np.zeros(3), TOOL], ids=["at the flange", "15 cm off"])
+@pytest.mark.parametrize("off", [FLANGE, TOOL], ids=["at the flange", "15 cm off"])
 @pytest.mark.parametrize("axis", range(3))
 def test_a_sustained_push_is_told_at_any_size(ur5: Robot, axis: int, off: np.ndarray) -> None:
     run = free_run(ur5, seed=30 + axis)
@@ -187,8 +188,6 @@ def test_a_rate_that_the_step_does_not_divide(ur5: Robot) -> None:
 
 
 def test_a_gap_is_a_new_recording(ur5: Robot) -> None:
-    from ur5lib.force.wrench_estimate import estimate_wrench
-
     run = free_run(ur5, seed=70, seconds=12.0)
     touched = run.pushed(push(run, 2, 40.0, 8.0, 10.0))
     count = len(run.time)

@@ -4,27 +4,39 @@ import json
 
 import numpy as np
 import pytest
-from scipy import signal
+from scipy import signal, stats
 
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import (
     MOVING,
     RESTING,
-    TURNING,
-    at_rest,
+    REVERSING,
+    SETTLING,
+    STATES,
+    STILL,
     external_torque,
+    is_still,
     joint_states,
     unbroken,
     without_edges,
 )
-from ur5lib.force.residual_model import ResidualModel, fit_residual_model
+from ur5lib.force.residual_model import (
+    LEAST,
+    ResidualModel,
+    Stretch,
+    few_paths,
+    fit_residual_model,
+)
 
 PERIOD = 0.02
+BREAKAWAY = np.array([6.0, 6, 4, 2, 2, 2])
 
 
-def drift(count: int, std: np.ndarray, time_constant: float, seed: int) -> np.ndarray:
+def drift(
+    count: int, std: np.ndarray, time_constant: float, seed: int, period: float = PERIOD
+) -> np.ndarray:
     """An Ornstein-Uhlenbeck process (count, 6)."""
-    memory = np.exp(-PERIOD / time_constant)
+    memory = np.exp(-period / time_constant)
     steps = np.random.default_rng(seed).normal(size=(count + 2000, 6)) * np.sqrt(1 - memory**2)
     return std * signal.lfilter([1], [1, -memory], steps, axis=0)[2000:]
 
@@ -43,37 +55,119 @@ def test_gaps_divide_and_edges_are_unknown() -> None:
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(left)), [2, 3, 4, 5, 6, 7, 12])
 
 
-def test_a_joint_rests_only_when_it_has_rested_for_a_while() -> None:
-    time = np.arange(0, 6, PERIOD)
+def moving_stretch(torque: np.ndarray, period: float = PERIOD) -> Stretch:
+    return Stretch(torque, np.full(torque.shape, MOVING), period)
+
+
+def fitted(*stretches: Stretch) -> ResidualModel:
+    return fit_residual_model(stretches, 2.0, BREAKAWAY)
+
+
+# The states of a joint
+
+
+def states_of(qd: np.ndarray, period: float = PERIOD) -> np.ndarray:
+    return joint_states(qd, np.zeros(len(qd), int), period)
+
+
+@pytest.mark.parametrize("period", [0.002, 0.008, 0.02])
+def test_a_joint_that_stops_settles_then_rests_while_others_move(period: float) -> None:
+    time = np.arange(0, 8, period)
+    qd = np.zeros((len(time), 6))
+    qd[:, 1] = 1.0
+    qd[time < 2, 0] = 1.0
+    states = states_of(qd, period)
+    assert (states[:, 1] == MOVING).all()
+    assert (states[time < 1.7, 0] == MOVING).all()
+    assert (states[(time > 2.05) & (time < 2.95), 0] == SETTLING).all()
+    assert (states[time > 3.05, 0] == RESTING).all()
+    assert (states[:, 2:] == RESTING).all()
+    assert not is_still(states).any()
+
+
+def test_a_joint_about_to_start_is_not_at_rest() -> None:
+    time = np.arange(0, 8, PERIOD)
+    qd = np.zeros((len(time), 6))
+    qd[:, 1] = 1.0
+    qd[time > 5, 0] = 1.0
+    states = states_of(qd)
+    assert (states[time < 3.95, 0] == RESTING).all()
+    assert (states[(time > 4.05) & (time < 5), 0] == SETTLING).all()
+    assert (states[time > 5.3, 0] == MOVING).all()
+
+
+def test_an_arm_is_still_once_all_joints_rest() -> None:
+    time = np.arange(0, 8, PERIOD)
     qd = np.zeros((len(time), 6))
     qd[time < 2, 0] = 1.0
-    states = joint_states(qd, np.zeros(len(time), int), PERIOD)
-    assert (states[time < 1.99, 0] == MOVING).all()
-    assert (states[(time > 2.01) & (time < 2.95), 0] == TURNING).all()
-    assert (states[time > 3.05, 0] == RESTING).all()
-    assert (states[:, 1:] == RESTING).all()
-    np.testing.assert_array_equal(at_rest(states), states[:, 0] == RESTING)
+    states = states_of(qd)
+    assert (states[time < 2.95, 1:] == RESTING).all()
+    assert (states[time > 3.05] == STILL).all()
+    np.testing.assert_array_equal(is_still(states), (states == STILL).all(axis=1))
+
+
+def test_a_joint_that_turns_round_reverses() -> None:
+    """It is slow for a moment only, and friction changes its side: near it, not far off."""
+    time = np.arange(0, 12, PERIOD)
+    angle = 2 * np.pi / 6 * time
+    qd = np.tile(np.cos(angle)[:, None], (1, 6))
+    states = states_of(qd)
+    assert set(np.unique(states)) == {MOVING, REVERSING}
+    turning = np.abs((time % 3) - 1.5) < 0.2
+    assert (states[turning] == REVERSING).all()
+    assert (states[np.abs((time % 3) - 1.5) > 0.4] == MOVING).all()
+
+
+def test_states_of_a_template_are_counted_on() -> None:
+    """What `is_still` says holds of both models' states."""
+    states = np.full((3, 6), STILL)
+    states[1] += STATES
+    states[2, 0] = MOVING + STATES
+    np.testing.assert_array_equal(is_still(states), [True, True, False])
 
 
 def test_a_gap_wakes_no_joint() -> None:
     qd = np.zeros((100, 6))
     qd[:50] = 1.0
     states = joint_states(qd, np.repeat([0, 1], 50), PERIOD)
-    assert (states[50:] == RESTING).all()
+    assert (states[:50] == MOVING).all()
+    assert (states[50:] == STILL).all()
+
+
+# The model of what is left without contact
 
 
 def test_spread_change_and_rate_of_a_known_process() -> None:
     """An Ornstein-Uhlenbeck process grows by 1 - exp(-h / time constant) over a lag h."""
     std, time_constant = np.array([3.0, 4, 2, 1, 0.5, 0.7]), 4.0
-    torque = drift(60000, std, time_constant, seed=3)
-    states = np.full(torque.shape, MOVING)
-    model = fit_residual_model([(torque, states)], PERIOD, cutoff=2.0)
+    model = fitted(moving_stretch(drift(60000, std, time_constant, seed=3)))
     np.testing.assert_allclose(model.spread[MOVING], std, rtol=0.15)
     change = std * np.sqrt(1 - np.exp(-0.5 / time_constant))
     np.testing.assert_allclose(model.change[MOVING], change, rtol=0.15)
     assert 0.1 < model.rate[MOVING] < 0.35
     np.testing.assert_allclose(model.correlation, np.eye(6), atol=0.1)
     assert model.independent == 0.25
+    np.testing.assert_array_equal(model.breakaway, BREAKAWAY)
+
+
+def test_recordings_of_several_rates_tell_the_same() -> None:
+    """One process, sampled at 50 and at 500 Hz: lags are in seconds, not in samples."""
+    std, time_constant = np.array([3.0, 4, 2, 1, 0.5, 0.7]), 1.0
+    often = drift(400000, std, time_constant, seed=3, period=0.002)
+    seldom = moving_stretch(often[::10])
+    alone, mixed = fitted(seldom), fitted(seldom, moving_stretch(often, 0.002))
+    for name in ("spread", "change", "rate"):
+        np.testing.assert_allclose(
+            getattr(mixed, name)[MOVING], getattr(alone, name)[MOVING], rtol=0.02
+        )
+
+
+def test_each_second_counts_once_whatever_the_rate() -> None:
+    """Of a quiet recording and a wild one of the same length, at different rates: the mean."""
+    quiet = drift(40000, np.full(6, 1.0), 0.1, seed=4, period=0.002)
+    wild = drift(4000, np.full(6, 3.0), 0.1, seed=5)
+    model = fitted(moving_stretch(quiet, 0.002), moving_stretch(wild))
+    np.testing.assert_allclose(model.spread[MOVING] ** 2, (1 + 9) / 2, rtol=0.2)
 
 
 def test_each_state_has_its_own_and_joints_go_together() -> None:
@@ -82,7 +176,7 @@ def test_each_state_has_its_own_and_joints_go_together() -> None:
     torque[:, 1] = 0.8 * torque[:, 0] + 0.6 * torque[:, 1]
     states = np.repeat([MOVING, RESTING], count // 2)[:, None] * np.ones(6, int)
     torque[count // 2 :] *= 5
-    model = fit_residual_model([(torque, states)], PERIOD, cutoff=2.0)
+    model = fitted(Stretch(torque, states, PERIOD))
     np.testing.assert_allclose(model.spread[RESTING] / model.spread[MOVING], 5, rtol=0.1)
     assert model.correlation[0, 1] == pytest.approx(0.8, abs=0.05)
     covariance = model.covariance(model.spread, states[:1])
@@ -91,27 +185,81 @@ def test_each_state_has_its_own_and_joints_go_together() -> None:
 
 
 def test_a_state_never_seen_is_the_least_certain() -> None:
-    torque = drift(2000, np.ones(6), 1.0, seed=5)
-    model = fit_residual_model([(torque, np.zeros(torque.shape, int))], PERIOD, cutoff=2.0)
-    np.testing.assert_array_equal(model.spread[RESTING], model.spread[MOVING])
+    model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=5)))
+    for state in (REVERSING, SETTLING, RESTING, STILL):
+        np.testing.assert_array_equal(model.spread[state], model.spread[MOVING])
+
+
+def test_no_joint_repeats_without_any_error() -> None:
+    """A recording without noise leaves a numerical floor, and no zero to divide by."""
+    model = fitted(moving_stretch(1e-9 * drift(2000, np.ones(6), 1.0, seed=5)))
+    assert (model.spread >= LEAST).all()
+    assert (model.change >= LEAST).all()
+    assert np.isfinite(model.rate).all()
 
 
 def test_no_difference_is_taken_across_a_gap() -> None:
     """Two quiet stretches far apart are quiet, not a jump."""
-    states = np.zeros((500, 6), int)
     quiet = drift(500, np.full(6, 0.1), 1.0, seed=6)
-    model = fit_residual_model([(quiet, states), (quiet + 50, states)], PERIOD, cutoff=2.0)
+    model = fitted(moving_stretch(quiet), moving_stretch(quiet + 50))
     assert (model.change[MOVING] < 0.2).all()
 
 
-def test_too_short_recordings_are_told() -> None:
+def test_unknown_torques_tell_nothing() -> None:
+    torque = drift(4000, np.ones(6), 1.0, seed=8)
+    holes = torque.copy()
+    holes[1000:1200] = np.nan
+    np.testing.assert_allclose(
+        fitted(moving_stretch(holes)).spread[MOVING],
+        fitted(moving_stretch(torque)).spread[MOVING],
+        rtol=0.1,
+    )
+
+
+def test_too_short_recordings_are_refused() -> None:
     with pytest.raises(InputError, match="2 s"):
-        fit_residual_model([(np.zeros((20, 6)), np.zeros((20, 6), int))], PERIOD, cutoff=2.0)
+        fitted(moving_stretch(np.zeros((20, 6))))
+
+
+def test_a_joint_that_never_moves_is_refused() -> None:
+    """What its motor needs in motion is unknown; an arm that rests all along is another matter."""
+    torque = drift(2000, np.ones(6), 1.0, seed=9)
+    states = np.full(torque.shape, MOVING)
+    states[:, [2, 4]] = RESTING
+    with pytest.raises(InputError, match=r"moves joint 3, 5: .*record one in which all joints"):
+        fitted(Stretch(torque, states, PERIOD))
+    other = states.copy()
+    other[:, [2, 4]] = MOVING
+    fitted(Stretch(torque, states, PERIOD), Stretch(torque, other, PERIOD))
+    still = fitted(Stretch(torque, np.full(torque.shape, STILL), PERIOD))
+    assert np.isfinite(still.spread).all()
+
+
+# Few paths
+
+
+@pytest.mark.parametrize("paths", [2, 3, 5, 10, 100])
+def test_few_paths_widen_a_band_as_students_t_does(paths: int) -> None:
+    expected = stats.t.ppf(0.975, paths - 1) / stats.norm.ppf(0.975)
+    assert few_paths(paths) == pytest.approx(expected)
+
+
+def test_one_path_counts_as_two_and_many_as_certain() -> None:
+    assert few_paths(1) == few_paths(2) == pytest.approx(6.48, abs=0.01)
+    assert few_paths(10000) == pytest.approx(1, abs=1e-3)
+
+
+def test_a_wider_model_is_wider_in_all_that_strays() -> None:
+    model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
+    wider = model.wider(2.0)
+    np.testing.assert_array_equal(wider.spread, 2 * model.spread)
+    np.testing.assert_array_equal(wider.change, 2 * model.change)
+    for name in ("rate", "correlation", "independent", "breakaway"):
+        np.testing.assert_array_equal(getattr(wider, name), getattr(model, name))
 
 
 def test_a_model_survives_json() -> None:
-    torque = drift(2000, np.ones(6), 1.0, seed=7)
-    model = fit_residual_model([(torque, np.zeros(torque.shape, int))], PERIOD, cutoff=2.0)
+    model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
     again = ResidualModel.from_dict(json.loads(json.dumps(model.to_dict())))
     for name, value in vars(model).items():
         np.testing.assert_array_equal(getattr(again, name), value)

@@ -1,0 +1,110 @@
+"""A contact that is a weight is named as a load; a push is not."""
+
+import numpy as np
+import pytest
+import torch
+
+from tests.library.made_up_torques import MODEL, REGULAR, jacobians, torque_of
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.regressor import regressor
+from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.force.external_torque import MOVING
+from ur5lib.force.grasp import SHORTEST, grasped_load
+from ur5lib.robots.description import Payload, Robot
+
+PERIOD = 0.016
+EFFICIENCY = 0.97
+DEVIATION = MODEL.spread[MOVING]
+LINK_6 = slice(50, 54)
+Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
+
+
+def motion(seconds: float, seed: int, swing: float = 0.4) -> Motion:
+    random = np.random.default_rng(seed)
+    time = np.arange(0, seconds, PERIOD)[:, None]
+    pace, phase = random.uniform(0.4, 1.2, 6), random.uniform(0, 6, 6)
+    angle = pace * time + phase
+    return (
+        REGULAR + swing * np.sin(angle),
+        swing * pace * np.cos(angle),
+        -swing * pace**2 * np.sin(angle),
+    )
+
+
+def per_load(ur5: Robot, states: Motion) -> np.ndarray:
+    tensors = [torch.from_numpy(state) for state in states]
+    return regressor(build_arm(ur5, "C"), *tensors).numpy()[:, :, LINK_6]
+
+
+def weight(ur5: Robot, states: Motion, payload: Payload) -> np.ndarray:
+    """What a load takes of the motors' torque: by inverse dynamics with it and without."""
+    tensors = [torch.from_numpy(state) for state in states]
+    arms = [build_arm(ur5.carrying(load), "C") for load in (payload, None)]
+    loaded, bare = (inverse_dynamics(arm, *tensors).numpy() for arm in arms)
+    return bare - loaded
+
+
+def noise(count: int, seed: int, scale: float = 0.3) -> np.ndarray:
+    """An offset of each joint that lasts, and what changes."""
+    random = np.random.default_rng(1000 + seed)
+    offset = scale * DEVIATION * random.normal(size=6)
+    return offset + 0.2 * DEVIATION * random.normal(size=(count, 6))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("mass", [1.5, 2.0, 5.0])
+def test_a_weight_is_named_within_a_tenth(ur5: Robot, mass: float, seed: int) -> None:
+    states = motion(8.0, seed)
+    payload = Payload(mass=mass, center_of_mass=(0.02, -0.01, 0.08))
+    torque = EFFICIENCY * weight(ur5, states, payload) + noise(len(states[0]), seed, scale=0.1)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY)
+    assert load is not None
+    assert load.mass == pytest.approx(mass, rel=0.1)
+    assert abs(load.mass - mass) < 3 * load.std_error
+    assert 0 < load.std_error < mass / 3
+
+
+def test_a_weight_held_still_is_one_too(ur5: Robot) -> None:
+    states = motion(4.0, 0, swing=0.0)
+    payload = Payload(mass=3.0, center_of_mass=(0.0, 0.0, 0.05))
+    torque = EFFICIENCY * weight(ur5, states, payload)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY)
+    assert load is not None
+    assert load.mass == pytest.approx(3.0, rel=0.1)
+
+
+@pytest.mark.parametrize("direction", [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]])
+@pytest.mark.parametrize("swing", [0.4, 0.0], ids=["moving", "resting"])
+def test_a_sideways_push_and_a_lift_are_no_loads(
+    ur5: Robot, direction: list[int], swing: float
+) -> None:
+    states = motion(8.0, 5, swing)
+    force = 30.0 * np.tile([*direction, 0, 0, 0], (len(states[0]), 1))
+    torque = torque_of(jacobians(ur5, states[0]), force)
+    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_strays_is_no_load(ur5: Robot, seed: int) -> None:
+    states = motion(8.0, seed)
+    torque = noise(len(states[0]), seed, scale=1.0)
+    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+
+
+def test_a_short_contact_tells_no_load(ur5: Robot) -> None:
+    states = motion(SHORTEST - 0.1, 0)
+    torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
+    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+
+
+def test_missing_samples_are_left_out(ur5: Robot) -> None:
+    states = motion(8.0, 1)
+    torque = EFFICIENCY * weight(ur5, states, Payload(mass=2.0, center_of_mass=(0, 0, 0.05)))
+    given = per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY
+    holes = torque.copy()
+    holes[100:150] = np.nan
+    load, again = grasped_load(torque, *given), grasped_load(holes, *given)
+    assert load is not None
+    assert again is not None
+    assert again.mass == pytest.approx(load.mass, rel=0.01)
+    assert grasped_load(np.full_like(torque, np.nan), *given) is None
