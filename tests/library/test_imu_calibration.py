@@ -1,5 +1,6 @@
 """Mounting, tilt and biases of an IMU, from what the joints predict and what it read."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from ur5lib.signals.imu_calibration import (
     ImuRecord,
     accelerometer_bias,
     calibrate,
+    calibrate_without_each,
     level_axes,
     specific_force,
 )
@@ -67,6 +69,20 @@ def test_the_standard_errors_hold() -> None:
         ):
             deviations.append((value - truth) / std)
     assert 0.85 <= np.mean(np.abs(np.concatenate(deviations)) < 2) <= 0.99
+
+
+def test_sixty_recordings_take_no_more_memory_than_few() -> None:
+    """Each has a bias and a clock of its own; that makes no table of all by all."""
+    records = {f"{seed}": record(seed, seconds=20) for seed in range(60)}
+    tracemalloc.start()
+    found = calibrate_without_each(records)
+    assert tracemalloc.get_traced_memory()[1] < 100e6  # bytes
+    tracemalloc.stop()
+    assert found["7"]["from"] == [name for name in records if name != "7"]
+    for name, truth in (("mounting", MOUNTING), ("tilt", TILT), ("gyroscope_bias", GYROSCOPE_BIAS)):
+        assert found["all"][name] == pytest.approx(truth, abs=5e-4)
+        few = calibrate([records["0"], records["1"]])
+        assert (found["all"][f"{name}_std"] < getattr(few, f"{name}_std")).all()
 
 
 def test_a_calibrated_reading_is_the_predicted_force() -> None:

@@ -81,12 +81,12 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, Any]:
 
     So that no recording is judged by what it told itself. Each has a list "from" of names.
     """
-    choices = {"all": records} | {
-        name: {other: record for other, record in records.items() if other != name}
-        for name in records
+    sums = {name: _sums(record) for name, record in records.items()}
+    choices = {"all": sums} | {
+        name: {other: part for other, part in sums.items() if other != name} for name in sums
     }
     return {
-        name: {"from": list(chosen), **asdict(calibrate(list(chosen.values())))}
+        name: {"from": list(chosen), **asdict(_calibration(list(chosen.values())))}
         for name, chosen in choices.items()
         if chosen
     }
@@ -115,12 +115,14 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     δ, a clock that is right within half a millisecond tilts the mounting by as much as all noise
     does. Standard errors are a jackknife over blocks of 2 s, within which residuals are alike.
     """
-    columns = np.concatenate([_columns(records, index) for index in range(len(records))])
-    misfit = np.concatenate([_misfit(record) for record in records])
-    block, scale = _blocks(records), np.ones(6)
+    return _calibration([_sums(record) for record in records])
+
+
+def _calibration(sums: "Sequence[_Sums]") -> ImuCalibration:
+    scale = np.ones(2)
     for _ in range(3):
-        estimate, covariance = _jackknife(columns / scale[:, None], misfit / scale, block)
-        scale = np.repeat(_rms(misfit - columns @ estimate), 3)
+        estimate, covariance = _jackknife(sums, scale)
+        scale = _rms(sums, scale, estimate)
     std = np.sqrt(np.diag(covariance))
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
     return ImuCalibration(*(values[part] for part in parts for values in (estimate, std)))
@@ -138,17 +140,52 @@ def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
     return record.specific_force + lean @ record.rotation
 
 
-def _columns(records: Sequence[ImuRecord], index: int) -> Array:
-    """Columns (N, 6, 8 + 4K) of θ, β, b_g, K times b_a and K times δ; rows: force, then rate."""
-    record, count = records[index], len(records)
-    columns = np.zeros((len(record.time), 6, 8 + 4 * count))
+@dataclass(frozen=True)
+class _Sums:
+    """What least squares need of a recording: sums over each of its B blocks, by force and rate.
+
+    squares: X^T X (B, 2, 12, 12), products: X^T y (B, 2, 12) and power: y^T y (B, 2) of columns X
+    and misfit y; count: N, the samples behind them.
+    """
+
+    squares: Array
+    products: Array
+    power: Array
+    count: int
+
+    def weighted(self, scale: Array) -> tuple[Array, Array]:
+        """Squares (B, 12, 12) and products (B, 12), forces and rates divided by a scale (2,)."""
+        weight = 1 / scale**2
+        return np.einsum("bkpq,k->bpq", self.squares, weight), self.products.swapaxes(1, 2) @ weight
+
+
+def _sums(record: ImuRecord) -> _Sums:
+    columns, misfit = _columns(record), _misfit(record)
+    block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
+    starts = np.flatnonzero(np.diff(block, prepend=-1))
+    X, y = columns.reshape(-1, 2, 3, 12), misfit.reshape(-1, 2, 3)
+
+    def by_block(terms: str, *factors: Array) -> Array:
+        return np.add.reduceat(np.einsum(terms, *factors), starts, axis=0)
+
+    return _Sums(
+        squares=by_block("nkip,nkiq->nkpq", X, X),
+        products=by_block("nkip,nki->nkp", X, y),
+        power=by_block("nki,nki->nk", y, y),
+        count=len(y),
+    )
+
+
+def _columns(record: ImuRecord) -> Array:
+    """Columns (N, 6, 12) of θ, β, b_g, and of the recording's own b_a and δ; rows: force, rate."""
+    columns = np.zeros((len(record.time), 6, 12))
     columns[:, :3, :3] = _cross_matrix(record.specific_force)
     lean = np.linalg.norm(record.gravity) * level_axes(record.gravity)
     columns[:, :3, 3:5] = record.rotation.swapaxes(1, 2) @ lean
-    columns[:, :3, 8 + 3 * index : 11 + 3 * index] = np.eye(3)
+    columns[:, :3, 8:11] = np.eye(3)
     columns[:, 3:, :3] = _cross_matrix(record.angular_rate)
     columns[:, 3:, 5:8] = np.eye(3)
-    columns[:, :, 8 + 3 * count + index] = _slope(record)
+    columns[:, :, 11] = _slope(record)
     return columns
 
 
@@ -172,30 +209,52 @@ def _cross_matrix(vectors: Array) -> Array:
     return np.cross(vectors[:, None], np.eye(3)).swapaxes(1, 2)
 
 
-def _rms(residual: Array) -> Array:
-    """Of forces and of rates (2,), never zero. residual: (N, 6)."""
-    return np.sqrt(np.mean(residual.reshape(-1, 2, 3) ** 2, axis=(0, 2))) + 1e-12
+def _own(square: Array, product: Array, shared: Array) -> Array:
+    """The recording's own parameters (4,) that fit best beside the shared ones (8,)."""
+    left = product[8:] - square[8:, :8] @ shared
+    return np.linalg.pinv(square[8:, 8:], hermitian=True) @ left
 
 
-def _blocks(records: Sequence[ImuRecord]) -> NDArray[np.int64]:
-    """Labels (ΣN,) of stretches of 2 s, no two recordings sharing one."""
-    labels, first = [], 0
-    for record in records:
-        block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
-        labels.append(first + block)
-        first += int(block[-1]) + 1
-    return np.concatenate(labels)
+def _without_own(square: Array, product: Array) -> tuple[Array, Array]:
+    """Normal equations (..., 8, 8) and (..., 8) of the shared parameters, the own eliminated."""
+    cross = square[..., :8, 8:] @ np.linalg.pinv(square[..., 8:, 8:], hermitian=True)
+    return (
+        square[..., :8, :8] - cross @ square[..., 8:, :8],
+        product[..., :8] - (cross @ product[..., 8:, None])[..., 0],
+    )
 
 
-def _jackknife(X: Array, y: Array, block: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Least squares (P,) of X (N, R, P) to y (N, R), and its covariance (P, P) by leaving out one
-    block (N,) after another.
+def _rms(sums: Sequence[_Sums], scale: Array, shared: Array) -> Array:
+    """Of the residuals of forces and of rates (2,), never zero."""
+    left = np.zeros(2)
+    for part in sums:
+        squares, products = part.weighted(scale)
+        estimate = np.append(shared, _own(squares.sum(axis=0), products.sum(axis=0), shared))
+        explained = 2 * part.products.sum(axis=0) - part.squares.sum(axis=0) @ estimate
+        left += part.power.sum(axis=0) - explained @ estimate
+    return np.sqrt(np.maximum(left, 0) / (3 * sum(part.count for part in sums))) + 1e-12
+
+
+def _jackknife(sums: Sequence[_Sums], scale: Array) -> tuple[Array, Array]:
+    """Least squares (8,) of what recordings share, and its covariance (8, 8) by leaving out one
+    block after another. Each recording's own parameters are eliminated first, as there is no end
+    to them.
     """
-    starts = np.flatnonzero(np.diff(block, prepend=-1))
-    squares = np.add.reduceat(np.einsum("nrp,nrq->npq", X, X), starts, axis=0)
-    products = np.add.reduceat(np.einsum("nrp,nr->np", X, y), starts, axis=0)
-    square, product = squares.sum(axis=0), products.sum(axis=0)
-    estimate = np.linalg.pinv(square, hermitian=True) @ product
-    others = np.linalg.pinv(square - squares, hermitian=True) @ (product - products)[..., None]
-    change = others[..., 0] - estimate
-    return estimate, (len(starts) - 1) / len(starts) * change.T @ change
+    square, product = np.zeros((8, 8)), np.zeros(8)
+    changed = []
+    for part in sums:
+        squares, products = part.weighted(scale)
+        whole = squares.sum(axis=0), products.sum(axis=0)
+        own = _without_own(*whole)
+        others = _without_own(whole[0] - squares, whole[1] - products)
+        square, product = square + own[0], product + own[1]
+        changed.append([others[0] - own[0], others[1] - own[1]])
+    squares, products = (np.concatenate(parts) for parts in zip(*changed, strict=True))
+    estimate = _solved(square, product)
+    change = _solved(square + squares, product + products) - estimate
+    return estimate, (len(change) - 1) / len(change) * change.T @ change
+
+
+def _solved(square: Array, product: Array) -> Array:
+    """Zero where nothing tells."""
+    return (np.linalg.pinv(square, rcond=1e-12, hermitian=True) @ product[..., None])[..., 0]
