@@ -1,6 +1,7 @@
 """From motion to current: known maps come back, and say how well; the real arms' are judged."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +20,18 @@ from tests.library.current_study import (
     with_noise,
 )
 from ur5lib.identification import bootstrap, friction
-from ur5lib.identification.currents import CurrentFit, band, fit_currents, parameters, predict
+from ur5lib.identification.currents import (
+    FOLDS,
+    CurrentFit,
+    JointFit,
+    band,
+    breakaway_torque,
+    fit_currents,
+    fit_for,
+    fit_without_each_path,
+    parameters,
+    predict,
+)
 from ur5lib.identification.estimation import (
     Estimate,
     beside_fuller,
@@ -35,8 +47,14 @@ from ur5lib.identification.friction import (
     Term,
 )
 from ur5lib.identification.regression import Normal, regress
-from ur5lib.identification.samples import STEP, Record, joint_samples, smoothed_moving
-from ur5lib.identification.selection import choose_terms, is_better
+from ur5lib.identification.samples import (
+    STEP,
+    Record,
+    joint_samples,
+    record_paths,
+    smoothed_moving,
+)
+from ur5lib.identification.selection import choose_terms, is_better, left_out_residuals
 from ur5lib.identification.validation import (
     baseline_current,
     coefficients_of_constants,
@@ -44,7 +62,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.tables import Array
+from ur5lib.tables import Array, read_json, write_json
 
 RUNS = 200
 STUDY = 10  # recordings
@@ -219,13 +237,137 @@ def test_rows_that_were_not_received_are_left_out(study: list[Record]) -> None:
     assert values[2, "torque_constant"] == pytest.approx(CONSTANT[1], rel=0.02)
 
 
+# What has not seen a path
+
+
+def changed(record: Record) -> Record:
+    """The recording with a current that no other would make one expect."""
+    return replace(record, current=2 * record.current + 1)
+
+
+def equal(one: CurrentFit, other: CurrentFit) -> bool:
+    return all(
+        a.terms == b.terms
+        and a.held == b.held
+        and np.array_equal(a.estimate.coefficients, b.estimate.coefficients)
+        for a, b in zip(one.joints, other.joints, strict=True)
+    )
+
+
+@pytest.fixture(scope="module")
+def twice(study: list[Record]) -> list[Record]:
+    """Four recordings along three paths: the last repeats the first."""
+    again = replace(with_noise(make_record(0), 77), name="again")
+    return [*study[:3], again]
+
+
+@pytest.fixture(scope="module")
+def folds(twice: list[Record]) -> dict[str, CurrentFit]:
+    """Of each recording, the fit that has not seen its path."""
+    fits = fit_without_each_path(twice, smooth, prior(), ())
+    return {name: fit for names, fit in fits for name in names}
+
+
+def test_recordings_of_one_path_are_left_out_together(
+    twice: list[Record], folds: dict[str, CurrentFit]
+) -> None:
+    assert record_paths(twice).tolist() == [0, 1, 2, 0]
+    assert folds.keys() == {record.name for record in twice}
+    assert folds["again"] is folds[twice[0].name]
+    assert folds[twice[1].name] is not folds[twice[2].name]
+
+
+@pytest.mark.parametrize("mutated", range(4))
+def test_a_fit_has_not_seen_what_it_is_judged_on(
+    twice: list[Record], folds: dict[str, CurrentFit], mutated: int
+) -> None:
+    """Whatever its current were, the fit that predicts it is the same; the others are not."""
+    records = [
+        changed(record) if index == mutated else record for index, record in enumerate(twice)
+    ]
+    own_path = record_paths(twice) == record_paths(twice)[mutated]
+    for names, fit in fit_without_each_path(records, smooth, prior(), ()):
+        judges_it = twice[mutated].name in names
+        assert equal(fit, folds[names[0]]) == judges_it
+        assert {*names} == {
+            record.name for record, same in zip(twice, own_path, strict=True) if same
+        } or not judges_it
+
+
+def test_nor_does_its_motion_matter(twice: list[Record], folds: dict[str, CurrentFit]) -> None:
+    turned = replace(twice[1], torque=-twice[1].torque)
+    fits = fit_without_each_path([twice[0], turned, *twice[2:]], smooth, prior(), ())
+    assert [equal(fit, folds[names[0]]) for names, fit in fits].count(True) == 1
+
+
+def test_one_path_has_no_fit_that_has_not_seen_it(twice: list[Record]) -> None:
+    assert fit_without_each_path([twice[0], twice[3]], smooth, prior(), ()) == []
+
+
+def test_of_many_paths_several_are_left_out_together(study: list[Record]) -> None:
+    more = [*study, *(replace(make_record(seed), name=f"more_{seed}") for seed in (20, 21))]
+    names = ("segment", "q", "qd", "torque", "current")
+    short = [replace(own, **{name: getattr(own, name)[:200] for name in names}) for own in more]
+    fits = fit_without_each_path(short, smooth, prior(), ())
+    assert len(fits) == FOLDS
+    left_out = [name for names, _ in fits for name in names]
+    assert sorted(left_out) == sorted(record.name for record in more)
+
+
+def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
+    twice: list[Record], folds: dict[str, CurrentFit], tmp_path: Path
+) -> None:
+    """By way of friction.json; a recording that no fit has seen has the fit of all."""
+    whole = fit_currents(twice, smooth, prior(), ())
+    left_out = [{"recordings": [name], "fit": asdict(fit)} for name, fit in folds.items()]
+    write_json({"fit": asdict(whole), "left_out": left_out}, tmp_path / "friction.json")
+    friction = read_json(tmp_path / "friction.json")
+    for record in twice:
+        assert equal(fit_for(record.name, friction), folds[record.name])
+        assert not equal(fit_for(record.name, friction), whole)
+    assert equal(fit_for("another", friction), whole)
+    alone = friction | {"left_out": []}
+    assert equal(fit_for(twice[0].name, alone), whole)
+
+
+def test_a_left_out_residual_has_not_seen_its_path(twice: list[Record]) -> None:
+    """Nor the other run along it: a term is chosen, a band stated on paths, not on recordings."""
+    plain, mutated = (
+        joint_samples(records, smooth, (), WAYS)[1]
+        for records in (twice, [*twice[:3], changed(twice[3])])
+    )
+    before, after = (left_out_residuals(own, BASE, prior().of_joint(1)) for own in (plain, mutated))
+    same = plain.path == 0
+    first = plain.record == 0
+    np.testing.assert_array_equal(after[first], before[first])
+    assert not np.isclose(after[~same], before[~same]).all()
+    np.testing.assert_array_equal(plain.path == 0, np.isin(plain.record, [0, 3]))
+
+
+def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit) -> None:
+    """Of the made-up arm: Coulomb friction, and never less than a tenth of a newton metre."""
+    torque = breakaway_torque(fitted)
+    plain = [0, 3, 4, 5]  # joints whose friction has no further term
+    np.testing.assert_allclose(torque[plain], [FRICTION[j][0] for j in plain], rtol=0.3)
+
+
+def test_no_joint_is_without_friction(fitted: CurrentFit) -> None:
+    def slippery(joint: JointFit) -> JointFit:
+        first = np.arange(len(joint.names())) < 2  # torque constant and offset
+        coefficients = joint.estimate.coefficients * first
+        return replace(joint, estimate=replace(joint.estimate, coefficients=coefficients))
+
+    joints = tuple(slippery(joint) for joint in fitted.joints)
+    np.testing.assert_allclose(breakaway_torque(replace(fitted, joints=joints)), 0.1)
+
+
 # Too little
 
 
 def test_one_recording_is_fitted_and_says_what_is_missing(study: list[Record]) -> None:
     fit = fit_currents(study[:1], smooth, prior())
     assert all(joint.terms == BASE for joint in fit.joints)
-    assert all("one recording only" in joint.remarks[0] for joint in fit.joints)
+    assert all("one path only" in joint.remarks[0] for joint in fit.joints)
     assert constants_of(fit)[2, "torque_constant"] == pytest.approx(CONSTANT[1], rel=0.06)
     assert all(np.isfinite(row.std_error) and row.std_error > 0 for row in parameters(fit))
 

@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from tests.library.current_study import make_record, prior, smooth, with_noise
 from ur5lib.identification.currents import CurrentFit, fit_currents, predict
-from ur5lib.identification.payload import estimate_payload
+from ur5lib.identification.payload import Load, Payload, estimate_payload, judge, run_to_run
 from ur5lib.identification.samples import Record
 
 CARRIED = np.array([2.8, 0.1, -0.3])
@@ -34,20 +35,119 @@ def test_a_payload_comes_back_with_the_friction_it_adds(fitted: CurrentFit) -> N
     np.testing.assert_allclose(payload.parameters, CARRIED, atol=0.01)
 
 
-def test_its_interval_holds_the_mass_and_not_zero(fitted: CurrentFit) -> None:
-    record = make_record(51)
-    heavy = replace(record, torque=record.torque + regressor(record) @ CARRIED)
-    loaded = with_noise(replace(record, current=predict(fitted, heavy)), 51)
-    payload = estimate_payload(fitted, loaded, regressor(record), smooth)
-    low, high = payload.mass_interval
+def loaded(fitted: CurrentFit, seed: int, when: np.ndarray | float = 1.0) -> Record:
+    """A recording that carries a load, all along or in part (N,)."""
+    record = make_record(seed)
+    torque = regressor(record) @ CARRIED * np.reshape(when, (-1, 1))
+    heavy = replace(record, torque=record.torque + torque)
+    return with_noise(replace(record, current=predict(fitted, heavy)), seed)
+
+
+def load_of(fitted: CurrentFit, record: Record, spread: float = 0.0) -> Load:
+    return judge(estimate_payload(fitted, record, regressor(record), smooth), spread)
+
+
+@pytest.mark.parametrize("seed", [51, 61, 62])
+def test_its_interval_holds_the_mass_and_not_zero(fitted: CurrentFit, seed: int) -> None:
+    load = load_of(fitted, loaded(fitted, seed))
+    low, high = load.interval
     assert 0 < low < CARRIED[0] < high
     assert high - low < 1.0
+    assert load.certain
 
 
 def test_an_empty_flange_weighs_nothing(fitted: CurrentFit) -> None:
-    empty = with_noise(make_record(52), 52)
-    low, high = estimate_payload(fitted, empty, regressor(empty), smooth).mass_interval
-    assert low < 0 < high
+    """As runs differ, and some stray far: what they seem to carry says how far."""
+    records = [with_noise(make_record(seed), seed) for seed in range(52, 72)]
+    empty = [estimate_payload(fitted, own, regressor(own), smooth) for own in records]
+    told = np.array([own.parameters for own in empty]), np.array([own.std_error for own in empty])
+    spread = run_to_run(*told, paths=len(empty))[0]
+    assert spread < 0.1
+    loads = [judge(payload, spread) for payload in empty]
+    assert np.mean([load.interval[0] < 0 < load.interval[1] for load in loads]) >= 0.9
+    assert sum(load.certain for load in loads) <= 1
+
+
+@pytest.mark.parametrize("share", [(0.0, 0.5), (0.4, 0.6), (0.75, 1.0)])
+def test_what_is_there_for_a_part_of_a_run_is_no_load_all_along(
+    fitted: CurrentFit, share: tuple[float, float]
+) -> None:
+    """A push, or something picked up on the way: of its mean mass, a third of the run has none."""
+    for seed in (65, 66):
+        count = len(make_record(seed).q)
+        time = np.arange(count) / count
+        part = (time >= share[0]) & (time < share[1])
+        assert not load_of(fitted, loaded(fitted, seed, part.astype(float))).certain
+
+
+def test_each_part_of_a_run_tells_the_load(fitted: CurrentFit) -> None:
+    record = loaded(fitted, 67)
+    payload = estimate_payload(fitted, record, regressor(record), smooth)
+    assert payload.parts.shape == (3,)
+    np.testing.assert_allclose(payload.parts, CARRIED[0], rtol=0.25)
+
+
+def test_too_short_a_run_tells_no_load_all_along(fitted: CurrentFit) -> None:
+    """Of one block there are no three parts."""
+    record = loaded(fitted, 68)
+    short = slice(0, 100)
+    fields = ("segment", "q", "qd", "torque", "current")
+    record = replace(record, **{name: getattr(record, name)[short] for name in fields})
+    assert not load_of(fitted, record).certain
+
+
+# What a mass is worth
+
+
+def a_payload(mass: float, std: float = 0.02, parts: tuple[float, ...] | None = None) -> Payload:
+    masses = np.full(3, mass) if parts is None else np.array(parts)
+    return Payload(np.array([mass, 0.0]), np.array([std, 0.1]), masses)
+
+
+def test_an_interval_counts_runs_that_differ_and_gears() -> None:
+    load = judge(a_payload(2.0, std=0.02), spread=0.1)
+    half = 1.96 * np.sqrt(0.02**2 + 0.1**2 + (0.03 * 2.0) ** 2)
+    np.testing.assert_allclose(load.interval, [2 - half, 2 + half], rtol=1e-4)
+    assert load.interval[1] - load.mass == pytest.approx(1.96 * load.std_error, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("payload", "spread", "certain"),
+    [
+        (a_payload(2.0), 0.1, True),
+        (a_payload(2.0), 1.0, False),  # runs without any load seem to carry half of it
+        (a_payload(2.0, std=1.0), 0.1, False),
+        (a_payload(-2.0), 0.1, False),  # no load lifts
+        (a_payload(2.0, parts=(2.9, 2.9, 0.2)), 0.1, False),
+        (a_payload(2.0, parts=(1.2, 2.2, 2.6)), 0.1, True),
+    ],
+)
+def test_a_load_is_certain_beyond_its_errors_and_in_every_part(
+    payload: Payload, spread: float, certain: bool
+) -> None:
+    assert judge(payload, spread).certain == certain
+
+
+def test_runs_without_load_tell_how_well_a_mass_repeats() -> None:
+    """Masses that stray by 0.3 kg where each is told to 0.1: what is beyond counts."""
+    random = np.random.default_rng(0)
+    own = random.normal(0, [0.3, 0.05], (4000, 2))
+    told = own + random.normal(0, 0.1, (4000, 2))
+    spread = run_to_run(told, np.full((4000, 2), 0.1), paths=4000)
+    np.testing.assert_allclose(spread, [0.3, 0.05], rtol=0.1)
+
+
+@pytest.mark.parametrize("paths", [1, 2, 5, 30])
+def test_few_paths_tell_it_badly(paths: int) -> None:
+    """Inflated by Student's t; one path counts as two."""
+    masses = np.array([[0.3], [-0.3]])
+    spread = run_to_run(masses, np.zeros((2, 1)), paths)
+    factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
+    assert spread[0] == pytest.approx(0.3 * factor)
+
+
+def test_runs_that_differ_by_less_than_their_errors_add_nothing() -> None:
+    assert run_to_run(np.array([[0.01], [-0.02]]), np.full((2, 1), 0.1), paths=2)[0] == 0
 
 
 def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
@@ -71,8 +171,10 @@ def test_a_few_wild_draws_do_not_set_the_error(fitted: CurrentFit) -> None:
 def test_a_mass_that_motion_does_not_tell_is_stated_as_unknown(fitted: CurrentFit) -> None:
     record = with_noise(make_record(54), 54)
     blind = regressor(record) * [0, 1, 1]
-    low, high = estimate_payload(fitted, record, blind, smooth).mass_interval
-    assert low < -100 < 100 < high
+    load = judge(estimate_payload(fitted, record, blind, smooth), 0.0)
+    assert load.interval[0] < -100 < 100 < load.interval[1]
+    assert not load.certain
     still = replace(record, qd=np.zeros_like(record.qd))
-    low, high = estimate_payload(fitted, still, regressor(record), smooth).mass_interval
-    assert low < -100 < 100 < high
+    load = load_of(fitted, still)
+    assert load.interval[0] < -100 < 100 < load.interval[1]
+    assert not load.certain
