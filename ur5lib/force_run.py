@@ -13,4 +13,12 @@ def force_run(currents: pd.DataFrame, motion: pd.DataFrame, torque: str) -> Run 
         return None
     qd, segment, step = channel(motion, "qd"), motion["segment"].to_numpy(), period(motion)
     states = joint_states(qd, segment, step)
-    return Run(channel(motion, "q"), qd, channel(currents, torque), states, segment, step)
+    return Run(
+        channel(motion, "q"),
+        qd,
+        channel(currents, torque),
+        states,
+        segment,
+        step,
+        channel(currents, "load_doubt"),
+    )

@@ -98,6 +98,7 @@ UNITS = {  # of a channel, by its name without suffix
     "sigma_min": "1",
     "tau_ext": "Nm",
     "tau_background": "Nm",
+    "load_doubt": "Nm",
     "load_regressor": "Nm/kg, Nm/(kg m)",
     "tau_observer": "Nm",
     "coriolis_torque": "Nm",

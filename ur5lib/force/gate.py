@@ -26,6 +26,7 @@ ROUNDS = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0)
 LEFT_OUT = 0.5  # probability of contact from which a sample tells nothing of the background
 HELD = 0.3  # of the breakaway torque: no joint at rest repeats better
 CERTAIN = 1e-4
+QUICK = 0.3  # share of a load's error that changes within half a push
 
 
 class Gate(NamedTuple):
@@ -50,14 +51,14 @@ class Noise:
     still: Mask
 
     @classmethod
-    def of(cls, states: States, model: ResidualModel, prior: ContactPrior) -> "Noise":
-        """Of samples in the given joint states (N, 6)."""
+    def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
+        """Of samples in the given joint states (N, 6); doubt: (N, 6) [Nm], of a load."""
         still = states % STATES == STILL
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
         return cls(
-            quick=model.covariance(model.change, states),
-            spread=model.covariance(model.spread, states) + diagonal(held),
+            quick=model.covariance(model.change, states) + diagonal(QUICK * doubt**2),
+            spread=model.covariance(model.spread, states) + diagonal(held + doubt**2),
             hidden=diagonal(taken**2),
             still=still,
         )
@@ -68,6 +69,7 @@ def find_contacts(
     jacobian: Array,
     states: States,
     period: float,
+    noise: Noise,
     model: ResidualModel,
     prior: ContactPrior,
     told: Mask | None = None,
@@ -78,7 +80,6 @@ def find_contacts(
     """
     known, worth = finite_rows(torque), min(1.0, period / model.independent)
     filled = np.where(known[:, None], torque, 0.0)
-    noise = Noise.of(states, model, prior)
     free = _free_covariances(jacobian, noise, model, prior)
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
     slow = held = Smoothed(np.zeros_like(filled), noise.spread)

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 class Run:
     """q, qd, external torque, joint states, (N, 6) each, NaN where unknown; segment: (N,).
 
-    period: [s].
+    period: [s]; doubt: (N, 6) [Nm], by which a load that was found may be off; None where none was.
     """
 
     q: Array
@@ -40,6 +40,7 @@ class Run:
     states: States
     segment: NDArray[np.int64]
     period: float
+    doubt: Array | None = None
 
     def moves(self) -> Mask:
         """(N,) where it moves and its motion is known."""

@@ -50,8 +50,9 @@ class WrenchEstimate:
 class Ablation:
     """What of the estimate is replaced or left out, to tell what it is worth.
 
-    contacts: (N,), where the arm is in contact, by a sensor instead of the gate; background: whether
-    it is taken off; learning: whether each contact chooses its size, or is taken as a usual one.
+    contacts: (N,), where the arm is in contact, by a sensor instead of the gate; background:
+    whether it is taken off; learning: whether each contact chooses its size, or is taken as a usual
+    one.
     """
 
     contacts: Mask | None = None
@@ -70,14 +71,17 @@ def estimate_wrench(
     period: float,
     model: ResidualModel,
     prior: ContactPrior,
+    doubt: Array | None = None,
     ablation: Ablation = NOTHING_LEFT_OUT,
 ) -> WrenchEstimate:
     """The wrench of each unbroken stretch, by all of its samples (it is an offline estimate).
 
     torque: external, low-passed, (N, 6) [Nm], rows of NaN where it is unknown; jacobian:
-    (N, 6, 6); states: (N, 6), of `model`; segment: (N,); period: [s]. Rows without a Jacobian,
-    where the arm's pose is unknown, come out as NaN.
+    (N, 6, 6); states: (N, 6), of `model`; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard
+    deviation of what a load that was found leaves. Rows without a Jacobian, where the arm's pose is
+    unknown, come out as NaN.
     """
+    off = np.zeros_like(torque) if doubt is None else np.nan_to_num(doubt)
     posed = finite_rows(jacobian.reshape(-1, 36))
     torque = np.where(posed[:, None], torque, np.nan)
     jacobian = np.where(posed[:, None, None], jacobian, 0.0)
@@ -85,7 +89,8 @@ def estimate_wrench(
     parts = []
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
-        problem = torque[thin], jacobian[thin], states[thin], every * period
+        noise = Noise.of(states[thin], model, prior, off[thin])
+        problem = torque[thin], jacobian[thin], states[thin], every * period, noise
         told = None if ablation.contacts is None else ablation.contacts[thin]
         own = _estimate(*problem, model, prior, replace(ablation, contacts=told))
         parts.append([_at_all(own, column.name, every, rows) for column in fields(own)])
@@ -109,12 +114,12 @@ def _estimate(
     jacobian: Array,
     states: States,
     period: float,
+    noise: Noise,
     model: ResidualModel,
     prior: ContactPrior,
     ablation: Ablation,
 ) -> WrenchEstimate:
-    gate = find_contacts(torque, jacobian, states, period, model, prior, ablation.contacts)
-    noise = Noise.of(states, model, prior)
+    gate = find_contacts(torque, jacobian, states, period, noise, model, prior, ablation.contacts)
     contacts = contact_spans(gate.probability, period)
     inside = _inside(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)

@@ -7,7 +7,7 @@ larger of both spreads counts.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
+from scipy.special import ndtr, stdtrit
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -62,10 +62,10 @@ def _draw(count: int, generator: np.random.Generator) -> Array:
 
 def spread(replicates: Array) -> Array:
     """Half of what the central 68 % cover: one standard deviation, whatever the tails."""
-    low, high = np.quantile(replicates, stats.norm.cdf([-1.0, 1.0]), axis=0)
+    low, high = np.quantile(replicates, ndtr([-1.0, 1.0]), axis=0)
     return (high - low) / 2
 
 
 def half_width(error: Array, units: int) -> Array:
     """Half of the 95 % interval (P,), of Student's t with as many units less one."""
-    return error * stats.t.ppf(0.975, max(1, units - 1))
+    return error * stdtrit(max(1, units - 1), 0.975)

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 ROUNDS = 5
 DRAWS = 50
 GEARS = 0.03  # relative: by which the gears' efficiency differs from run to run and pose to pose
+JOINTS = 0.3  # relative: by which a joint's torque constant and gear misjudge a load, at first,
+LEFT = 0.1  # and once a run has told it
 PARTS = 3  # of a run, in each of which a load has to show
 WIDE = 100.0  # kg, kg m; what a payload may be
 
@@ -67,6 +69,20 @@ def judge(payload: Payload, spread: float) -> Load:
     half = error * stats.norm.ppf(0.975)
     lasting = bool((payload.parts > mass / 2).all())
     return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
+
+
+def joint_gains(left_over: Array, load: Array, count: int) -> Array:
+    """Return by how much less each joint's motor feels a load than it should (6,), relative.
+
+    left_over: external torque (N, 6) [Nm] with the load taken off; load: its torque, low-passed
+    alike; count: of independent values among the samples. Torque constants of joints that bear
+    little are known badly, which a load shows. Least squares with a prior of 0 ± JOINTS.
+    """
+    known = np.isfinite(left_over + load).all(axis=1)
+    left_over, load = left_over[known], load[known]
+    noise = left_over.var(axis=0) if known.any() else np.ones(6)
+    held = noise / JOINTS**2 * len(load) / max(1, count)
+    return np.asarray((left_over * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
 
 
 def estimate_payload(

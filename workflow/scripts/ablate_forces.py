@@ -31,14 +31,15 @@ def ablate_forces(input: Any, output: Any, params: Any) -> None:
         found = variants(input, params, np.linalg.norm(reference, axis=1))
         for name in ("least_squares", "repeat"):
             if f"{name}_Fx" in forces:
-                found[name] = tuple(
+                wrench, std = (
                     labelled_channel(forces, part, WRENCH) for part in (name, f"{name}_std")
                 )
-        summary = {name: figures(*own, reference) for name, own in found.items()}
+                found[name] = wrench, std
+        summary = {name: figures(wrench, std, reference) for name, (wrench, std) in found.items()}
     write_json(summary, output.ablation)
 
 
-def variants(input: Any, params: Any, force: Array) -> dict[str, tuple[Array, ...]]:
+def variants(input: Any, params: Any, force: Array) -> dict[str, tuple[Array, Array]]:
     """Wrench and standard deviation of F̂ᵐᵃᵖ, whole and with one part left out or replaced."""
     motion = read_table(input.motion)
     run = force_run(read_table(input.currents), motion, "tau_ext")
@@ -56,7 +57,10 @@ def variants(input: Any, params: Any, force: Array) -> dict[str, tuple[Array, ..
     }
     assert run is not None
     problem = run.torque, jacobian, run.states, run.segment, period(motion), model
-    estimates = {name: estimate_wrench(*problem, *how) for name, how in told.items()}
+    estimates = {
+        name: estimate_wrench(*problem, own, run.doubt, ablation)
+        for name, (own, ablation) in told.items()
+    }
     return {name: (own.wrench, own.std) for name, own in estimates.items()}
 
 

@@ -165,8 +165,8 @@ def smallest_forces(
     step = period(motion)
 
     def log_odds_of(pushed: Array) -> Array:
-        torque = run.torque + pushed
-        estimate = estimate_wrench(torque, jacobian, run.states, run.segment, step, model, prior)
+        problem = run.torque + pushed, jacobian, run.states, run.segment, step
+        estimate = estimate_wrench(*problem, model, prior, run.doubt)
         return estimate.log_odds
 
     forces = np.geomspace(LEAST, MOST, TRIALS)

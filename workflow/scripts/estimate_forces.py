@@ -34,7 +34,7 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
     columns: dict[str, Array] = {}
     for name, run, model in problems(input, motion, residuals, params):
         estimate = estimate_wrench(
-            run.torque, jacobian, run.states, run.segment, period(motion), model, prior
+            run.torque, jacobian, run.states, run.segment, period(motion), model, prior, run.doubt
         )
         columns |= as_columns(name, estimate)
         if name == "Fmap":

@@ -9,9 +9,15 @@ import pandas as pd
 from ur5lib.current_record import current_record, smoother
 from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
-from ur5lib.identification.currents import band, fit_for, predict, torque_constants
-from ur5lib.identification.payload import Payload, judge, run_to_run
-from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.identification.currents import (
+    CurrentFit,
+    band,
+    fit_for,
+    predict,
+    torque_constants,
+)
+from ur5lib.identification.payload import LEFT, Payload, joint_gains, judge, run_to_run
+from ur5lib.identification.samples import Record, Smooth, blocks, smoothed_moving
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
 from ur5lib.left_over import edge, left_over
 from ur5lib.metrics import Array
@@ -28,9 +34,11 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
     if record is not None and friction["from"]:
         smooth = smoother(params.order, params.cutoff_hz)
-        load, load_torque = carried_load(input, params, friction)
-        record = replace(record, torque=record.torque + load_torque)
         fit = fit_for(params.recording, friction)
+        load, load_torque = carried_load(input, params, friction)
+        if load_torque.any():
+            load_torque = load_torque * as_felt(record, load_torque, fit, smooth, params.cutoff_hz)
+        record = replace(record, torque=record.torque + load_torque)
         half = band(fit, smoothed_moving(record, smooth))
         currents = {"fitted": predict(fit, record)}
         currents |= baselines(record, robot, np.array(friction["least_squares"]))
@@ -42,6 +50,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         columns |= named(
             left_over(record, currents["fitted"], constant, smooth, params.cutoff_hz), "tau_ext"
         )
+        columns |= named(LEFT * np.abs(smooth(load_torque, record)), "load_doubt")
         observed = observer_torque(
             record, torques, currents["fitted"], load_torque, constant, params
         )
@@ -72,6 +81,15 @@ def carried_load(input: Any, params: Any, friction: Any) -> tuple[dict[str, Any]
     configured = known["payload"]["mass"] if known["payload"] else 0.0
     account = {"configured": configured, "carried": configured + load.mass}
     return asdict(load) | account | {"taken": taken, "center_of_mass": center}, nothing
+
+
+def as_felt(
+    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smooth, cutoff: float
+) -> Array:
+    """By which factor (6,) each joint's motor feels a load, by the same recording."""
+    loaded = replace(record, torque=record.torque + load_torque)
+    left = left_over(loaded, predict(fit, loaded), torque_constants(fit), smooth, cutoff)
+    return 1 - joint_gains(left, smooth(load_torque, record), int(blocks(record)[-1]) + 1)
 
 
 def run_to_run_spread(unloaded: list[str], friction: Any) -> float:
