@@ -10,6 +10,7 @@ import pytest
 from tests.conftest import PROJECT
 
 ROOMS = ["recordings", "signals", "dynamics", "identification", "force", "stand", "report"]
+GROUND_FLOOR = ["errors", "metrics", "strict", "trajectories"]
 LIGHT_STEPS = [
     "repair_frames",
     "fit_residuals",
@@ -17,6 +18,7 @@ LIGHT_STEPS = [
     "compare_forces",
     "set_threshold",
     "detect_contacts",
+    "ablate_forces",
     "make_tables",
     "draw_figures",
     "time_steps",
@@ -47,7 +49,10 @@ def test_only_dynamics_imports_torch() -> None:
     [
         ("scipy.stats", LIGHT_STEPS),
         ("scipy.signal", LIGHT_STEPS),
-        ("scipy.optimize", ["compare_forces", "estimate_forces", "detect_contacts"]),
+        (
+            "scipy.optimize",
+            ["fit_residuals", "compare_forces", "estimate_forces", "detect_contacts"],
+        ),
         ("pytorch_kinematics", ["compute_torques", "estimate_payload", "identify_model"]),
     ],
 )
@@ -64,6 +69,13 @@ def test_rooms_do_not_import_one_another(room: str) -> None:
     others = tuple(f"ur5lib.{other}" for other in ROOMS if other != room)
     for path in (PROJECT / "ur5lib" / room).rglob("*.py"):
         assert not [name for name in imports(path) if name.startswith(others)], path
+
+
+@pytest.mark.parametrize("module", GROUND_FLOOR)
+def test_the_ground_floor_knows_no_room(module: str) -> None:
+    """What several rooms share imports none of them, nor what lies above them."""
+    used = {name for name in imports(PROJECT / "ur5lib" / f"{module}.py") if "ur5lib" in name}
+    assert used <= {f"ur5lib.{other}" for other in GROUND_FLOOR}
 
 
 def test_robots_know_no_other_room() -> None:

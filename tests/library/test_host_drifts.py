@@ -1,5 +1,6 @@
-"""The drift that devices of one host share."""
+"""How late the clocks of one host start and how they drift, all of its devices alike."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,16 @@ STAMPS: dict[str, Any] = {
     "drift": None,
     "drift_std": None,
     "method": "start stamps",
+    "stamps": -0.006,
     "warning": None,
 }
 SECONDS = 34.0
 
 
-def by_motion(drift: float, std: float = 1e-4) -> dict[str, Any]:
-    return STAMPS | {"drift": drift, "drift_std": std, "method": "angular rate"}
+def by_motion(drift: float, std: float = 1e-4, late: float = 0.0) -> dict[str, Any]:
+    """late: how much later than its stamps say the device's clock began [s]."""
+    found = {"offset": STAMPS["stamps"] + late, "offset_std": 0.005}
+    return STAMPS | found | {"drift": drift, "drift_std": std, "method": "angular rate"}
 
 
 def test_what_motion_told_is_pooled_by_its_error() -> None:
@@ -36,6 +40,18 @@ def test_what_motion_told_is_pooled_by_its_error() -> None:
     assert found.drift == pytest.approx(-0.00332)
     assert found.std_error == pytest.approx(1e-4 / np.sqrt(1.25))
     assert found.spread == 0
+
+
+def test_starts_are_pooled_by_their_distance_from_the_stamps() -> None:
+    """The robot's own stamp is off alike for all devices, whatever theirs say."""
+    clocks = {
+        name: {"imu": by_motion(-0.0033, late=late) | {"stamps": stamps, "offset": stamps + late}}
+        for name, stamps, late in (("a", 0.1, -0.07), ("b", -2.0, -0.06), ("c", 0.0, -0.065))
+    }
+    found = pool_drifts(clocks, HOSTS)["pc"]
+    assert found.start == pytest.approx(-0.065)
+    assert found.start_std_error == pytest.approx(0.005 / np.sqrt(3))
+    assert found.start_spread == 0
 
 
 def test_a_device_on_another_host_tells_nothing() -> None:
@@ -64,19 +80,25 @@ def settled(own: dict[str, Any], hosts: dict[str, HostDrift]) -> Any:
     return settle_clocks({"force": own}, hosts, SECONDS)["force"]
 
 
-def test_start_stamps_take_the_drift_of_their_host() -> None:
-    host = HostDrift(["force", "imu"], -0.0033, 3e-5, 4e-5, ["a", "b"])
-    clock = settled(STAMPS, {"pc": host})
-    assert clock["method"] == "start stamps, drift of its host"
-    assert (clock["offset"], clock["drift"]) == (-0.006, -0.0033)
+HOST = HostDrift(["force", "imu"], -0.0033, 3e-5, 4e-5, -0.065, 0.002, 0.003, ["a", "b"])
+
+
+def test_start_stamps_take_start_and_drift_of_their_host() -> None:
+    clock = settled(STAMPS, {"pc": HOST})
+    assert clock["method"] == "start stamps, start and drift of its host"
+    assert clock["offset"] == pytest.approx(-0.006 - 0.065)
+    assert clock["offset_std"] == pytest.approx(np.linalg.norm([0.006, 0.002, 0.003]))
+    assert clock["drift"] == -0.0033
     assert clock["drift_std"] == pytest.approx(np.sqrt(25e-10 + (0.004 / SECONDS) ** 2))
-    assert clock["end_std"] == pytest.approx(np.hypot(0.006, SECONDS * clock["drift_std"]))
-    assert settled(STAMPS, {"laptop": HostDrift(["imu"], 0.1, 1.0, 1.0, [])})["drift"] is None
+    end = np.hypot(clock["offset_std"], SECONDS * clock["drift_std"])
+    assert clock["end_std"] == pytest.approx(end)
+    other = replace(HOST, devices=["imu"], drift=0.1)
+    assert settled(STAMPS, {"laptop": other})["drift"] is None
+    assert settled(STAMPS, {"laptop": other})["offset"] == STAMPS["offset"]
 
 
 def test_a_clock_that_motion_told_stays() -> None:
-    host = HostDrift(["force", "imu"], -0.0033, 3e-5, 4e-5, ["a", "b"])
-    clock = settled(by_motion(-0.0031), {"pc": host})
+    clock = settled(by_motion(-0.0031), {"pc": HOST})
     assert (clock["method"], clock["drift"], clock["drift_std"]) == ("angular rate", -0.0031, 1e-4)
 
 

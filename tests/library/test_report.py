@@ -11,7 +11,13 @@ import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.report.cells import extremes, number, signed, significant
-from ur5lib.report.current_tables import contact_rows, detection_rows, remark_rows
+from ur5lib.report.current_tables import (
+    ablation_rows,
+    contact_rows,
+    detection_rows,
+    payload_rows,
+    remark_rows,
+)
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -32,9 +38,12 @@ from ur5lib.report.result_tables import force_errors, torque_errors
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
+from ur5lib.report.views.currents import payloads as payload_table
 from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.forces import (
     PUSHES,
+    VARIANTS,
+    ablation,
     contacts,
     detections,
     headline,
@@ -358,8 +367,35 @@ def test_pushes_never_found_are_told_as_such() -> None:
 
 
 def payloads() -> pd.DataFrame:
-    columns = ["recording", "mass", "std_error"]
-    return pd.DataFrame([("free", 0.02, 0.01), ("heavy", 2.75, 0.03)], columns=columns)
+    loads = [load_of("free", 0.02, taken=False), load_of("heavy", 2.75, taken=True)]
+    return pd.DataFrame([row for name, found in loads for row in payload_rows(name, found)])
+
+
+def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
+    """A recording's name and what currents.json says of its load."""
+    load = {
+        "mass": mass,
+        "std_error": 0.03,
+        "interval": (mass - 0.06, mass + 0.06),
+        "certain": taken,
+        "configured": 0.5,
+        "carried": 0.5 + mass,
+        "taken": taken,
+        "center_of_mass": [0.0, 0.01, 0.05] if taken else [None] * 3,
+    }
+    return name, {"load": load}
+
+
+def test_what_a_run_carries_stands_in_a_table() -> None:
+    header, rows = payload_table(Results({}, {"payload": payloads()}, Path()))
+    cells = [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
+    assert [own["taken in"] for own in cells] == ["no", "yes"]
+    assert cells[1]["beyond it [kg]"] == "2.75 ± 0.03"
+    assert cells[1]["declared [kg]"] == "0.50"
+    heavy = payloads().set_index("recording").loc["heavy"]
+    assert heavy["low"] < heavy["mass"] < heavy["high"]
+    assert heavy["center_of_mass_z"] == 0.05
+    assert [*payload_rows("at rest", {"load": None})] == [*payload_rows("no currents", {})] == []
 
 
 def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
@@ -367,8 +403,27 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     (told,) = loads_found(results)
-    assert told.startswith("On heavy, the currents tell of 2.75 ± 0.03 kg on the flange")
+    assert told.startswith("On heavy, the currents tell of a load of 2.75 ± 0.03 kg on the flange")
     assert [row[0].text for row in smallest_pushes(results).rows] == ["free"]
+
+
+def test_parts_left_out_stand_beside_the_whole() -> None:
+    """A variant that a recording lacks has a dash there; one that no recording has, no row."""
+    whole = {"mae": [1.0, 2.04, 3.0], "coverage95": [0.9, 0.9, 0.9]}
+    found = {
+        "pushed": {"whole": whole, "repeat": whole, "least_squares": whole},
+        "held": {"whole": whole, "least_squares": {"mae": [9.0, 8.0, 7.0]}},
+    }
+    rows = [row for name, own in found.items() for row in ablation_rows(name, own)]
+    results = Results({}, {"ablation": pd.DataFrame(rows)}, Path())
+    header, body = ablation(results)
+    assert header == ["variant", "pushed", "held"]
+    texts = [[cell.text for cell in row] for row in body]
+    assert texts == [
+        [VARIANTS["whole"], "1.0, 2.0, 3.0", "1.0, 2.0, 3.0"],
+        [VARIANTS["least_squares"], "1.0, 2.0, 3.0", "9.0, 8.0, 7.0"],
+        [VARIANTS["repeat"], "1.0, 2.0, 3.0", "–, –, –"],
+    ]
 
 
 def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
