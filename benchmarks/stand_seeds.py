@@ -25,13 +25,22 @@ from ur5lib.device_clock import device_clock
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import joint_states, unbroken
-from ur5lib.force.hypotheses import ContactPrior
-from ur5lib.force.residual_model import fit_residual_model
+from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.identification.currents import CurrentFit, fit_currents, parameters, predict
+from ur5lib.identification.currents import (
+    CurrentFit,
+    breakaway_torque,
+    fit_currents,
+    fit_without_each_path,
+    parameters,
+    predict,
+    torque_constants,
+)
+from ur5lib.identification.prior import Prior
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import Record, record_paths
 from ur5lib.intake import take_in
 from ur5lib.left_over import left_over
 from ur5lib.report import truth_table
@@ -52,7 +61,6 @@ PUSHES = [
     {"kind": "push", "start_s": start, "seconds": 2, "force": force}
     for start, force in ((3, [40, 0, 0]), (7, [0, -40, 0]), (11, [0, 0, 40]), (15, [20, 20, 20]))
 ]
-CONTACT = ContactPrior(force=20.0, lever=0.1)  # as the default study knows of its pushes
 
 
 def main(seeds: int = SEEDS) -> None:
@@ -99,7 +107,8 @@ class Taken:
         states = motion.q, motion.qd, motion.qdd
         torque = torque_of(self.robot, self.summary["model"], states)
         step = float(np.median(np.diff(time)))
-        return Record("", step, segment, motion.q, motion.qd, torque, current)
+        name = f"seed {self.summary['plan']['seed']}"
+        return Record(name, step, segment, motion.q, motion.qd, torque, current)
 
 
 def taken(plan: dict[str, Any]) -> Taken:
@@ -183,22 +192,37 @@ def imu_of(own: Taken, clock: Any) -> Any:
 
 def fitted_map(recordings: list[Taken]) -> CurrentFit:
     """The map from motion to current."""
-    ratios = [controllers_ratio(own.signals, own.record.qd) for own in recordings]
     records = [own.record for own in recordings]
-    return fit_currents(records, smoother(ORDER, CUTOFF), prior_of(recordings[0].robot, ratios))
+    return fit_currents(records, smoother(ORDER, CUTOFF), known(recordings))
+
+
+def known(recordings: list[Taken]) -> Prior:
+    """What is known of the torque constants beforehand."""
+    ratios = [controllers_ratio(own.signals, own.record.qd) for own in recordings]
+    return prior_of(recordings[0].robot, ratios)
+
+
+def residuals(fit: CurrentFit, free: list[Taken]) -> ResidualModel:
+    """What is left without contact, by fits that have not seen the path (`fit_residuals`)."""
+    records = [own.record for own in free]
+    unseen = fit_without_each_path(records, smoother(ORDER, CUTOFF), known(free))
+    fits = {name: own for names, own in unseen for name in names}
+    stretches = [
+        Stretch(torque[rows], states[rows], own.period)
+        for own in records
+        for torque, states, segment in [external(fits[own.name], own)]
+        for rows in unbroken(segment)
+    ]
+    model = fit_residual_model(stretches, CUTOFF, breakaway_torque(fit))
+    return model.wider(few_paths(int(record_paths(records).max()) + 1))
 
 
 def pushed_rows(fit: CurrentFit, free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
-    stretches = [
-        (torque[rows], states[rows])
-        for torque, states, segment in (external(fit, own.record) for own in free)
-        for rows in unbroken(segment)
-    ]
     step = pushed.record.period
     torque, states, segment = external(fit, pushed.record)
-    model = fit_residual_model(stretches, step, CUTOFF)
-    estimate = estimate_wrench(torque, pushed.kinematics[2], states, segment, step, model, CONTACT)
+    given = torque, pushed.kinematics[2], states, segment, step
+    estimate = estimate_wrench(*given, residuals(fit, free), ContactPrior())
     columns = labelled(estimate.wrench, "Fmap", WRENCH) | labelled(estimate.std, "Fmap_std", WRENCH)
     forces, own = pd.DataFrame(columns), pushed.truth["time"].to_numpy()
     true = pushed.truth.filter(like="wrench").apply(
@@ -213,8 +237,7 @@ def pushed_rows(fit: CurrentFit, free: list[Taken], pushed: Taken) -> Iterator[R
 def external(fit: CurrentFit, record: Record) -> tuple[Array, Any, Any]:
     """External torque [Nm], joint states and segments of a recording."""
     smooth = smoother(ORDER, CUTOFF)
-    constant = np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
-    torque = left_over(record, predict(fit, record), constant, smooth, CUTOFF)
+    torque = left_over(record, predict(fit, record), torque_constants(fit), smooth, CUTOFF)
     return torque, joint_states(record.qd, record.segment, record.period), record.segment
 
 

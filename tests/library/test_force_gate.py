@@ -250,7 +250,9 @@ def test_odds_by_past_samples_alone_do_not_look_ahead(ur5: Robot) -> None:
     """What comes after moves the background, hence the odds a little; but not beforehand."""
     run = free_run(ur5, seed=80, seconds=14.0)
     touched = run.pushed(push(run, 2, 60.0, 8.0, 12.0))
-    gate = find_contacts(touched.torque, touched.jacobian, touched.states, PERIOD, MODEL, PRIOR)
+    noise = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape))
+    given = touched.torque, touched.jacobian, touched.states, PERIOD, noise
+    gate = find_contacts(*given, MODEL, PRIOR)
     before, after = (run.time < 7.9), (run.time > 8.5) & (run.time < 11.5)
     assert gate.causal[before].max() < 0.5
     assert gate.causal[after].min() > 0.5
@@ -258,8 +260,22 @@ def test_odds_by_past_samples_alone_do_not_look_ahead(ur5: Robot) -> None:
     assert np.isfinite(log_odds(gate.causal)).all()
 
 
+def test_what_is_left_of_a_load_may_be_no_contact(ur5: Robot) -> None:
+    """20 Nm of load, misjudged by a tenth from 8 s on: with that doubt, nothing touches the arm."""
+    run = free_run(ur5, seed=82, scale=0.3)
+    load = np.array([0.0, 40.0, 30.0, 5.0, 0.0, 0.0]) * between(run.time, 8.0, 24.0)[:, None]
+    given = run.torque + 0.1 * load, run.jacobian, run.states, np.zeros(len(load), int), PERIOD
+    sure, doubted = (
+        estimate_wrench(*given, MODEL, PRIOR, doubt) for doubt in (None, 0.1 * np.abs(load))
+    )
+    assert probability(doubted).max() < 0.5
+    assert (doubted.std[:, :3].mean(axis=0) > sure.std[:, :3].mean(axis=0)).all()
+    assert coverage(doubted.wrench, doubted.std, np.zeros_like(doubted.wrench))[:3].min() > 0.95
+
+
 def test_at_rest_more_may_be_hidden_than_in_motion(ur5: Robot) -> None:
     """Erratum 12: with no change of torque at all, the band at rest is wider than in motion."""
     still, moving = (free_run(ur5, 81, moving=moving).states for moving in (False, True))
-    hidden = [Noise.of(states, MODEL, PRIOR).hidden for states in (still, moving)]
+    nothing = np.zeros(still.shape)
+    hidden = [Noise.of(states, MODEL, PRIOR, nothing).hidden for states in (still, moving)]
     assert (np.diagonal(hidden[0], axis1=1, axis2=2)[0] > 4 * np.diag(hidden[1][0])).all()

@@ -8,7 +8,14 @@ from scipy import stats
 
 from tests.library.current_study import make_record, prior, smooth, with_noise
 from ur5lib.identification.currents import CurrentFit, fit_currents, predict
-from ur5lib.identification.payload import Load, Payload, estimate_payload, judge, run_to_run
+from ur5lib.identification.payload import (
+    Load,
+    Payload,
+    estimate_payload,
+    joint_gains,
+    judge,
+    run_to_run,
+)
 from ur5lib.identification.samples import Record
 
 CARRIED = np.array([2.8, 0.1, -0.3])
@@ -94,6 +101,35 @@ def test_too_short_a_run_tells_no_load_all_along(fitted: CurrentFit) -> None:
     fields = ("segment", "q", "qd", "torque", "current")
     record = replace(record, **{name: getattr(record, name)[short] for name in fields})
     assert not load_of(fitted, record).certain
+
+
+# By which factor each joint feels it
+
+
+def felt(gain: np.ndarray, noise: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """What a load leaves of which joints feel less than they should; and its torque, 40 s each."""
+    random = np.random.default_rng(seed)
+    time = np.arange(0, 40, 0.02)[:, None]
+    load = np.array([0.5, 25, 15, 3, 1, 0.0]) * np.sin(0.5 * time + np.arange(6))
+    return gain * load + noise * random.normal(size=load.shape), load
+
+
+def test_joints_that_feel_a_load_too_little_are_told() -> None:
+    gain = np.array([0.1, -0.1, 0.2, -0.2, 0.15, 0.0])
+    told = joint_gains(*felt(gain, noise=0.2), count=20)
+    np.testing.assert_allclose(told[1:5], gain[1:5], atol=0.05)
+    assert told[5] == 0  # it carries nothing, so nothing is told
+
+
+def test_what_is_lost_in_noise_is_not_told() -> None:
+    """Twenty independent values of 10 Nm of noise say next to nothing of 1 Nm of load."""
+    told = joint_gains(*felt(np.full(6, 0.2), noise=10.0), count=20)
+    assert abs(told[0]) < 0.02
+    assert abs(told[4]) < 0.1
+    left, load = felt(np.full(6, 0.2), noise=0.2)
+    left[:100] = np.nan
+    assert np.isfinite(joint_gains(left, load, count=20)).all()
+    assert (joint_gains(np.full_like(left, np.nan), load, count=20) == 0).all()
 
 
 # What a mass is worth
