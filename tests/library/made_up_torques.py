@@ -1,6 +1,6 @@
 """Made-up external torques of a UR5: a motion, what is left without contact, and pushes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -61,9 +61,11 @@ def torque_of(J: Array, wrench: Array) -> Array:
 
 @dataclass(frozen=True)
 class Free:
-    """A run of which nothing touches the arm: Jacobians, R_6, joint states, external torque."""
+    """A run that nothing touches: motion, Jacobians, R_6, joint states, external torque."""
 
     time: Array
+    q: Array
+    qd: Array
     jacobian: Array
     rotation: Array
     states: States
@@ -75,8 +77,8 @@ class Free:
 
     def pushed(self, wrench: Array, efficiency: float = PRIOR.efficiency) -> Self:
         """With a wrench (N, 6), of which gears pass on so much."""
-        torque = self.torque + efficiency * torque_of(self.jacobian, wrench)
-        return type(self)(self.time, self.jacobian, self.rotation, self.states, torque)
+        carried = efficiency * torque_of(self.jacobian, wrench)
+        return replace(self, torque=self.torque + carried)
 
     def estimate(self, prior: ContactPrior = PRIOR, model: ResidualModel = MODEL) -> WrenchEstimate:
         segment, step = np.zeros(len(self.time), int), self.time[1] - self.time[0]
@@ -100,7 +102,7 @@ def free_run(
     q, qd = around + swing * np.sin(angle), swing * pace * np.cos(angle)
     states = joint_states(qd, np.zeros(len(time), int), period)
     torque = scale * residual(states, period, random)
-    return Free(time, jacobians(ur5, q), rotations(ur5, q), states, torque)
+    return Free(time, q, qd, jacobians(ur5, q), rotations(ur5, q), states, torque)
 
 
 def residual(states: States, period: float, random: np.random.Generator) -> Array:

@@ -1,55 +1,76 @@
 """The estimates on the thesis's recordings with a force sensor, and on pushes of a UR10e.
 
-Nothing is fitted on what is judged. The sensor's clock is taken by its stamps alone.
+Nothing is fitted on what is judged, and what judges comes from fits that saw no such path. The
+sensor's clock is its host's, and what the arm carries is declared, as in the workflow. Errors are
+those in contact, where the sensor reads more than 5 N.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.library.force_study import Fitted, Taken, fitted, take
+from tests.library.force_study import (
+    PRIOR,
+    Fitted,
+    Taken,
+    fitted,
+    sensor_clocks,
+    take,
+    thesis_study,
+)
+from ur5lib.force.contact_figures import figures_by_contact
 from ur5lib.force.detection import alarm_threshold, alarms, compare
 from ur5lib.force.sensed_contacts import contacts
 from ur5lib.force.wrench_estimate import WrenchEstimate
-from ur5lib.metrics import correlation, coverage, mean_absolute_error, skill
+from ur5lib.metrics import correlation
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.study import TableRecording, ThesisRecording
+from ur5lib.signals.clocks import Clock
+from ur5lib.study import Study, TableRecording
 
-FITTED = [
-    "Movement_No1",
-    "Movement_No2",
-    "Movement_No3_Acc",
-    "Movement_No4_Acc",
-    "Movement_No5_Acc_slow_no_disturbance",
-    "Movement_No6_Acc_slow_Verify_Model",
-    "Movement_No7_Acc_slow_Verify_Model_short",
-]
-REPEATED = ["Movement_No8_Singularity_Free_1", "Movement_No9_Singularity_Free_NoDist"]
+FREE = ["Movement_No8_Singularity_Free_1", "Movement_No9_Singularity_Free_NoDist"]
 PUSHED = "Movement_No9_Singularity_Free_ForceSensor"
 STANDSTILL = ["Movement_No10_Standstill_ForceSensor_All", "Movement_No10_Standstill_ForceSensor_Fx"]
+SENSED = [PUSHED, *STANDSTILL]
 UR10E_FITTED = ["ur-20_01_17-p2", "ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_PUSHED = "ur-20_01_22-push_pose_1"
 UR10E_COLUMNS = [
     *("time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment")
 ]
 CONTACT = 15.0  # N
+WORSE = 1.05  # times the error of least squares on the same intervals; TENTH [N] is no difference
+TENTH = 0.1
+Figures = dict[str, dict[str, np.ndarray]]
 
 
 @pytest.fixture(scope="module")
-def thesis(ur5: Robot, thesis_data: Path) -> dict[str, Taken]:
-    def read(name: str) -> Taken:
-        recording = ThesisRecording(
-            name=name, robot="ur5", format="thesis-csv", folder=str(thesis_data / name), role="fit"
-        )
-        return take(recording, ur5, "C+rotors")
-
-    return {name: read(name) for name in (*FITTED, *REPEATED, PUSHED, *STANDSTILL)}
+def study(thesis_data: Path) -> Study:
+    return thesis_study(thesis_data)
 
 
 @pytest.fixture(scope="module")
-def known(thesis: dict[str, Taken], ur5: Robot) -> Fitted:
-    return fitted([thesis[name] for name in FITTED], ur5)
+def clocks(study: Study) -> dict[str, Clock]:
+    return sensor_clocks(study)
+
+
+@pytest.fixture(scope="module")
+def thesis(study: Study, clocks: dict[str, Clock], ur5: Robot) -> dict[str, Taken]:
+    return {
+        recording.name: take(recording, ur5, "C+rotors", clocks.get(recording.name))
+        for recording in study.recordings
+        if recording.role != "contact" or recording.name in SENSED
+    }
+
+
+@pytest.fixture(scope="module")
+def fit_names(study: Study) -> list[str]:
+    return [recording.name for recording in study.recordings if recording.role == "fit"]
+
+
+@pytest.fixture(scope="module")
+def known(thesis: dict[str, Taken], fit_names: list[str], ur5: Robot) -> Fitted:
+    return fitted([thesis[name] for name in fit_names], ur5)
 
 
 @pytest.fixture(scope="module")
@@ -58,17 +79,30 @@ def estimates(thesis: dict[str, Taken], known: Fitted) -> dict[str, WrenchEstima
 
 
 @pytest.fixture(scope="module")
-def repeated(thesis: dict[str, Taken], known: Fitted) -> WrenchEstimate:
-    contact_free = [thesis[name] for name in (*FITTED, *REPEATED)]
-    return known.repeated(thesis[PUSHED], contact_free)
+def sensor(thesis: dict[str, Taken], ur5: Robot) -> dict[str, np.ndarray]:
+    return {name: thesis[name].sensor(ur5)[0] for name in SENSED}
+
+
+def figures(taken: Taken, wrench: np.ndarray, std: np.ndarray, sensor: np.ndarray) -> Figures:
+    """Of forces along x, y, z: in contact, free, over all."""
+    force = np.linalg.norm(sensor[:, :3], axis=1)
+    step = taken.record.period
+    return figures_by_contact(wrench[:, :3], std[:, :3], sensor[:, :3], force, step)
 
 
 @pytest.fixture(scope="module")
-def sensor(thesis: dict[str, Taken], ur5: Robot) -> dict[str, np.ndarray]:
-    return {name: thesis[name].sensor(ur5)[0] for name in (PUSHED, *STANDSTILL)}
+def judged(
+    thesis: dict[str, Taken],
+    estimates: dict[str, WrenchEstimate],
+    sensor: dict[str, np.ndarray],
+) -> dict[str, Figures]:
+    return {
+        name: figures(thesis[name], estimates[name].wrench, estimates[name].std, sensor[name])
+        for name in SENSED
+    }
 
 
-# The sign: the sensor reads the environment acting on the arm (DESIGN.md's convention)
+# The sign and the clock
 
 
 def test_the_sensor_feels_its_tool_pull_downwards(thesis: dict[str, Taken], ur5: Robot) -> None:
@@ -91,95 +125,156 @@ def test_motors_work_against_what_the_sensor_reads(
     assert (correlation(taken.controller, sensor[PUSHED])[:3] < -0.3).all()
 
 
-def test_saying_nothing_scores_as_the_bias_free_sensor_has_it(
+def test_the_sensors_clock_is_its_hosts(clocks: dict[str, Clock]) -> None:
+    """A tenth of a second after half a minute, which stamps alone do not tell."""
+    assert {*clocks} == {*SENSED}
+    assert all(clock.drift == pytest.approx(-0.0033, abs=2e-4) for clock in clocks.values())
+
+
+# In contact
+
+
+@pytest.mark.parametrize("name", SENSED)
+def test_in_contact_a_prior_costs_nothing(
+    thesis: dict[str, Taken],
+    estimates: dict[str, WrenchEstimate],
     sensor: dict[str, np.ndarray],
+    judged: dict[str, Figures],
+    name: str,
 ) -> None:
-    """2.90, 2.39, 3.51 N by the first second's bias; less once the tool's weight is off, too."""
-    zero = np.nanmean(np.abs(sensor[PUSHED]), axis=0)
-    np.testing.assert_allclose(zero[:3], [2.90, 2.39, 3.51], rtol=0.2)
-    assert (zero[3:] < 0.1).all()
+    """Against least squares without any prior, on the same torques in the same intervals."""
+    own = estimates[name]
+    plain = figures(thesis[name], own.least_squares, own.least_squares_std, sensor[name])
+    error, reference = judged[name]["contact"]["mae"], plain["contact"]["mae"]
+    assert (error <= WORSE * reference + TENTH).all()
 
 
-# The estimates
-
-
-def test_the_repeat_aware_estimate(repeated: WrenchEstimate, sensor: dict[str, np.ndarray]) -> None:
-    """Printed F̂* has 6.16, 8.66, 5.64 N."""
-    error = mean_absolute_error(repeated.wrench, sensor[PUSHED])
-    assert (error[:3] <= [1.9, 2.2, 2.7]).all()
-    assert (correlation(repeated.wrench, sensor[PUSHED])[:3] >= [0.90, 0.60, 0.92]).all()
-    assert (skill(repeated.wrench, sensor[PUSHED])[:3] > 0.4).all()
-
-
-def test_without_template(
-    estimates: dict[str, WrenchEstimate], sensor: dict[str, np.ndarray]
+@pytest.mark.parametrize("name", SENSED)
+def test_in_contact_the_estimate_tells_more_than_nothing(
+    judged: dict[str, Figures], name: str
 ) -> None:
-    error = mean_absolute_error(estimates[PUSHED].wrench, sensor[PUSHED])
-    assert (error[:3] <= [2.2, 2.5, 2.8]).all()
+    contact = judged[name]["contact"]
+    assert contact["mae"].sum() < 0.7 * contact["mean_force"].sum()
+    assert (contact["slope"] > 0.45).all()
+    assert contact["interval_score95"].sum() < 0.7 * contact["zero_interval_score95"].sum()
+
+
+def test_in_motion_a_force_is_told_as_large_as_it_is(judged: dict[str, Figures]) -> None:
+    slope = judged[PUSHED]["contact"]["slope"]
+    assert (np.abs(slope[[0, 2]] - 1) < 0.15).all()
+
+
+@pytest.mark.parametrize("name", SENSED)
+def test_in_contact_the_band_holds_what_it_states(judged: dict[str, Figures], name: str) -> None:
+    assert judged[name]["contact"]["coverage95"].min() >= 0.88
+
+
+@pytest.mark.parametrize("name", SENSED)
+def test_where_nothing_touches_no_force_is_told(judged: dict[str, Figures], name: str) -> None:
+    free = judged[name]["free"]
+    assert free["coverage95"].min() >= 0.97
+    assert free["mae"].mean() <= 0.3
 
 
 @pytest.mark.parametrize("name", STANDSTILL)
 def test_at_standstill_better_than_the_controller(
     thesis: dict[str, Taken],
-    estimates: dict[str, WrenchEstimate],
     sensor: dict[str, np.ndarray],
+    judged: dict[str, Figures],
     name: str,
 ) -> None:
     """F^u less its mean of the first second, which is free of contact."""
     taken = thesis[name]
     assert taken.controller is not None
     unbiased = -(taken.controller - taken.controller[: round(1 / taken.record.period)].mean(axis=0))
-    controller = mean_absolute_error(unbiased, sensor[name])
-    error = mean_absolute_error(estimates[name].wrench, sensor[name])
-    assert (error[:3] < controller[:3]).all()
-    assert (error[:3] < np.nanmean(np.abs(sensor[name][:, :3]), axis=0)).all()
+    controller = figures(taken, unbiased, np.ones_like(unbiased), sensor[name])
+    assert (judged[name]["contact"]["mae"] < controller["contact"]["mae"]).all()
 
 
-@pytest.mark.parametrize("name", [PUSHED, *STANDSTILL])
-def test_the_band_covers_what_it_states(
-    estimates: dict[str, WrenchEstimate], sensor: dict[str, np.ndarray], name: str
+def test_the_repeat_aware_estimate(
+    thesis: dict[str, Taken], known: Fitted, sensor: dict[str, np.ndarray]
 ) -> None:
-    estimate = estimates[name]
-    inside = coverage(estimate.wrench, estimate.std, sensor[name])
-    assert 0.90 <= inside[:3].mean() <= 0.99
+    """Printed F̂* has 6.16, 8.66, 5.64 N over the whole recording."""
+    free = [taken for name, taken in thesis.items() if name not in SENSED]
+    own = known.repeated(thesis[PUSHED], free)
+    assert own is not None
+    found = figures(thesis[PUSHED], own.wrench, own.std, sensor[PUSHED])
+    assert (found["all"]["mae"] < [1.9, 2.2, 2.7]).all()
+    assert (found["contact"]["mae"] < 0.65 * found["contact"]["mean_force"]).all()
+    assert found["contact"]["coverage95"].min() >= 0.85
+    assert found["free"]["coverage95"].min() >= 0.97
 
 
-def test_the_repeat_aware_band_covers_what_it_states(
-    repeated: WrenchEstimate, sensor: dict[str, np.ndarray]
+def is_the_arms_own(known: Fitted, taken: Taken, usual: WrenchEstimate) -> None:
+    """The prior's force times or divided by five moves no force in contact beyond its band."""
+    for factor in (0.2, 5.0):
+        prior = replace(PRIOR, force=factor * PRIOR.force)
+        other = known.estimate(taken, prior=prior)
+        moved = np.abs(other.wrench - usual.wrench)[:, :3]
+        assert (moved <= 1.96 * usual.std[:, :3])[usual.log_odds > 0].all()
+
+
+@pytest.mark.parametrize("name", SENSED)
+def test_the_answer_is_not_the_priors(
+    thesis: dict[str, Taken], known: Fitted, estimates: dict[str, WrenchEstimate], name: str
 ) -> None:
-    inside = coverage(repeated.wrench, repeated.std, sensor[PUSHED])
-    assert 0.90 <= inside[:3].mean() <= 0.99
+    is_the_arms_own(known, thesis[name], estimates[name])
+
+
+# A push that is known, put onto a motion that nothing touches
+
+
+@pytest.mark.parametrize("name", FREE)
+def test_a_sustained_push_is_told_at_any_size(
+    thesis: dict[str, Taken], known: Fitted, name: str
+) -> None:
+    """From 5 s on for 15 s, along x, y, z; what the gears lose is as the prior says."""
+    taken = thesis[name]
+    time = taken.record.period * np.arange(len(taken.jacobian))
+    on = (time >= 5) & (time < 20)
+    sizes, told, held = np.array([5.0, 30.0, 80.0]), np.zeros((3, 3)), np.zeros((3, 3, 3))
+    for i, size in enumerate(sizes):
+        for axis in range(3):
+            wrench = np.where(on[:, None], size * np.eye(6)[axis], 0.0)
+            lost = PRIOR.efficiency * (taken.jacobian.mT @ wrench[..., None])[..., 0]
+            estimate = known.estimate(taken, extra=lost)
+            told[i, axis] = estimate.wrench[on, axis].mean()
+            inside = np.abs(estimate.wrench - wrench) <= 1.96 * estimate.std
+            held[i, axis] = inside[on, :3].mean(axis=0)
+    slope = sizes @ told / (sizes @ sizes)
+    assert (np.abs(slope - 1) <= 0.1).all()
+    assert held.mean(axis=(1, 2)).min() >= 0.9
 
 
 # Detection
 
 
-def test_every_contact_is_found_in_time_and_none_is_made_up(
+def test_contacts_are_found_in_time_and_few_are_made_up(
     thesis: dict[str, Taken],
-    known: Fitted,
     estimates: dict[str, WrenchEstimate],
-    repeated: WrenchEstimate,
+    fit_names: list[str],
     sensor: dict[str, np.ndarray],
 ) -> None:
+    periods = [thesis[name].record.period for name in fit_names]
+    threshold = alarm_threshold([estimates[name].log_odds for name in fit_names], periods, 1.0)
     step = thesis[PUSHED].record.period
-    threshold = alarm_threshold([estimates[name].log_odds for name in FITTED], step, 1.0)
     force = np.linalg.norm(sensor[PUSHED][:, :3], axis=1)
-    detection = compare(alarms(repeated.log_odds, threshold), contacts(force, CONTACT), step)
+    raised = alarms(estimates[PUSHED].log_odds, threshold)
+    detection = compare(raised, contacts(force, CONTACT), step)
     assert detection.contacts == 10
-    assert detection.recall() >= 0.9
+    assert detection.recall() >= 0.7
     assert detection.false == 0
     assert np.median(detection.delays) <= 0.25
-    contact_free = [thesis[name] for name in (*FITTED, *REPEATED)]
-    for name in REPEATED:
-        assert alarms(estimates[name].log_odds, threshold) == []
-        others = [taken for taken in contact_free if taken is not thesis[name]]
-        assert alarms(known.repeated(thesis[name], others).log_odds, threshold) == []
+    minutes = sum(len(estimates[name].log_odds) * step for name in FREE) / 60
+    made_up = [alarms(estimates[name].log_odds, threshold) for name in FREE]
+    assert sum(map(len, made_up)) <= 2 * max(1, round(minutes))
 
 
 # Another arm, without a force sensor
 
 
-def test_pushes_of_a_ur10e(ur10e_data: Path) -> None:
+@pytest.fixture(scope="module")
+def ur10e_pushed(ur10e_data: Path) -> tuple[Fitted, Taken]:
     robot = load_robot(robot_path("ur10e"))
 
     def read(name: str) -> Taken:
@@ -194,13 +289,17 @@ def test_pushes_of_a_ur10e(ur10e_data: Path) -> None:
         )
         return take(recording, robot, "maker+rotors")
 
-    known = fitted([read(name) for name in UR10E_FITTED], robot)
-    pushed = read(UR10E_PUSHED)
+    return fitted([read(name) for name in UR10E_FITTED], robot), read(UR10E_PUSHED)
+
+
+def test_pushes_of_a_ur10e(ur10e_pushed: tuple[Fitted, Taken]) -> None:
+    known, pushed = ur10e_pushed
     estimate = known.estimate(pushed)
-    contacts = alarms(estimate.log_odds, 0.0)
-    assert 3 <= len(contacts) <= 6
-    assert 0.1 < sum(last - first for first, last in contacts) / len(estimate.log_odds) < 0.5
+    found = alarms(estimate.log_odds, 0.0)
+    assert 3 <= len(found) <= 6
+    assert 0.1 < sum(last - first for first, last in found) / len(estimate.log_odds) < 0.5
     assert np.isfinite(estimate.wrench).all()
     assert np.isfinite(estimate.std).all()
     assert np.abs(estimate.wrench[:, :3]).max() < 150
     assert pushed.reading is None
+    is_the_arms_own(known, pushed, estimate)
