@@ -40,7 +40,7 @@ class ContactPrior:
     efficiency: float = 0.94
     efficiency_std: float = 0.04
     load_friction: float = 0.15
-    stiction: float = 0.5
+    stiction: float = 0.45
     rubbing: float = 0.2
     hunting: tuple[float, ...] = (0.1, 0.3, 0.9)
     settling: float = 3.0

@@ -170,7 +170,7 @@ def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:
     deviations; at rest it may be what friction holds.
     """
     resting = np.asarray(noise.still.all(axis=1))[:, None, None]
-    hidden = np.where(resting, noise.quick + noise.hidden, prior.unnoticed**2 * noise.spread)
+    hidden = np.where(resting, noise.hidden, prior.unnoticed**2 * noise.spread)
     nothing = np.zeros(jacobian.shape[:2])
     free = regularised_wrench(nothing, jacobian, hidden, prior.unknown()).covariance
     return np.diagonal(free, axis1=1, axis2=2)
