@@ -1,6 +1,7 @@
 """The maps of the thesis's UR5 and of a UR10e, judged on recordings they were not fitted on."""
 
 from functools import partial
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification.currents import CurrentFit, band, fit_currents, parameters, predict
 from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
-from ur5lib.identification.payload import estimate_payload
+from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, smoothed_moving
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
@@ -46,7 +47,11 @@ PLAIN = {
 }
 UR10E_FITTED = ["ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_LEFT_OUT = "ur-20_02_12-40sec_12harm"
-UR10E_LOADED = "ur-20_02_19_14harm50secLoad"
+UR10E_LOADED = [
+    "ur-20_01_31-load",
+    "ur-20_02_19_14harm50secLoad",
+    "ur-20_02_19_15harm50secLoad",
+]
 UR10E_COLUMNS = [
     *("time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment")
 ]
@@ -189,7 +194,7 @@ def of_the_ur10e(ur10e: Robot, ur10e_data: Path) -> dict[str, Joined]:
         )
         return joined(recording, ur10e, "maker+rotors")
 
-    names = (*UR10E_FITTED, UR10E_LEFT_OUT, UR10E_LOADED, "ur-20_01_17-p3", "ur-20_01_17-p4")
+    names = (*UR10E_FITTED, UR10E_LEFT_OUT, *UR10E_LOADED, "ur-20_01_17-p3", "ur-20_01_17-p4")
     return {name: read(name) for name in names}
 
 
@@ -212,14 +217,42 @@ def test_the_ur10e_is_predicted_better_than_by_least_squares(
     assert (ours.r2[:3] >= 0.99).all()
 
 
-@pytest.mark.parametrize(("name", "mass"), [(UR10E_LOADED, WEIGHED), (UR10E_LEFT_OUT, 0.0)])
-def test_the_payload_of_the_ur10e(
-    ur10e: Robot, of_the_ur10e: dict[str, Joined], ur10e_fit: CurrentFit, name: str, mass: float
-) -> None:
-    record, qdd, _ = of_the_ur10e[name]
+def load_of(ur10e: Robot, fit: CurrentFit, joined: Joined) -> Load:
+    """What a recording's flange carries; the runs to fit on differ by next to nothing."""
+    record, qdd, _ = joined
     states = [torch.from_numpy(state) for state in (record.q, record.qd, qdd)]
     arm = build_arm(ur10e, "maker+rotors")
     columns = regressor(arm, *states).numpy()[:, :, 50:54]  # link 6: mass and first moments
-    payload = estimate_payload(ur10e_fit, record, columns, smooth)
-    assert payload.mass_interval[0] < mass < payload.mass_interval[1]
-    assert payload.std_error[0] < 0.05
+    return judge(estimate_payload(fit, record, columns, smooth), spread=0.0)
+
+
+@pytest.fixture(scope="module")
+def ur10e_loads(
+    ur10e: Robot, of_the_ur10e: dict[str, Joined], ur10e_fit: CurrentFit
+) -> dict[str, Load]:
+    names = (UR10E_LEFT_OUT, *UR10E_LOADED)
+    return {name: load_of(ur10e, ur10e_fit, of_the_ur10e[name]) for name in names}
+
+
+def test_the_load_of_the_ur10e_is_what_it_weighs(ur10e_loads: dict[str, Load]) -> None:
+    load = ur10e_loads["ur-20_02_19_14harm50secLoad"]
+    assert load.certain
+    assert load.interval[0] < WEIGHED < load.interval[1]
+    assert load.std_error < 0.1
+
+
+def test_an_unloaded_ur10e_carries_nothing(ur10e_loads: dict[str, Load]) -> None:
+    load = ur10e_loads[UR10E_LEFT_OUT]
+    assert not load.certain
+    assert load.interval[0] < 0 < load.interval[1]
+    assert load.std_error < 0.05
+
+
+def test_runs_of_one_load_agree_on_its_mass(ur10e_loads: dict[str, Load]) -> None:
+    """Within what two intervals may differ by; the load is the same in all three."""
+    loads = [ur10e_loads[name] for name in UR10E_LOADED]
+    assert all(load.certain for load in loads)
+    for one, other in combinations(loads, 2):
+        apart = abs(one.mass - other.mass)
+        assert apart < 1.96 * np.hypot(one.std_error, other.std_error)
+        assert apart < 0.1 * WEIGHED
