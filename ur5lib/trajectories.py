@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,26 +32,39 @@ def nearest(places: Array, of: Array) -> tuple[NDArray[np.bool_], NDArray[np.int
 
 @dataclass(frozen=True)
 class Passed:
-    """What a run passes: `place` at samples in motion, or of a run that rests all along at rest."""
+    """What a run passes: `place` at samples in motion, or of a run that rests all along at rest.
+
+    every: of how many samples one is looked for along another run; that one shows all of its own,
+    for fast runs pass far more than a distance of one between samples that are thinned.
+    """
 
     places: Array
     moves: bool
+    every: int = 1
 
     @classmethod
     def of(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
-        """Of positions and velocities (N, 6), each so many samples; NaN rows are left out."""
-        q, qd = q[::every], qd[::every]
+        """Of positions and velocities (N, 6) at all samples; NaN rows are left out."""
         known = np.isfinite(q + qd).all(axis=1)
         moving = known & (np.abs(qd) > SLOW).any(axis=1)
         rows = moving if moving.any() else known
-        return cls(place(q[rows], qd[rows]), bool(moving.any()))
+        return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """The places, to be searched."""
+        return cKDTree(self.places)
 
     def same(self, other: "Passed") -> bool:
         """Whether one passes nearly all of what the other does."""
         if self.moves != other.moves or not len(self.places) or not len(other.places):
             return False
-        pairs = (self.places, other.places), (other.places, self.places)
-        return max(nearest(*pair)[0].mean() for pair in pairs) >= SAME
+        return max(self.within(other), other.within(self)) >= SAME
+
+    def within(self, other: "Passed") -> float:
+        """Share of this run that the other passes too."""
+        distance, _ = other.tree.query(self.places[:: self.every], distance_upper_bound=1.0)
+        return float(np.isfinite(distance).mean())
 
 
 def group_by_path(runs: Sequence[Passed]) -> Labels:

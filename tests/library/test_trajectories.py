@@ -46,6 +46,16 @@ def test_a_repeated_run_is_of_one_path_though_it_starts_elsewhere_in_time() -> N
     assert labels(wave(0), wave(1), again) == [0, 1, 0]
 
 
+def test_a_fast_run_is_known_again_from_thinned_samples() -> None:
+    """Between two of these it moves by more than what counts as near."""
+    every = 5
+    fast = [wave(0, start, seconds=10.0) for start in (0.0, 0.05)]
+    steps = np.linalg.norm(np.diff(fast[0][0][::every], axis=0), axis=1)
+    assert np.median(steps) > 2 * NEAR_POSITION
+    runs = [Passed.of(*motion, every) for motion in (*fast, wave(1))]
+    assert group_by_path(runs).tolist() == [0, 0, 1]
+
+
 def test_a_part_of_a_longer_run_is_of_its_trajectory() -> None:
     whole, part = wave(0), wave(0, start=8.0, seconds=5.0)
     assert labels(whole, part) == labels(part, whole) == [0, 0]
