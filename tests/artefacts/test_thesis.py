@@ -171,8 +171,39 @@ def test_new_estimates_come_nearer_than_the_controllers_and_than_none(
     assert (ours["mae"] <= FORCE_LIMITS[estimate, recording]).all()
     assert (ours["mae"] < rows[rows["estimate"] == "Fu"].loc[axes, "mae"]).all()
     assert (ours["mae"] < ours["zero_mae"]).all()
-    if kind == "compensated":
-        assert 0.90 <= ours["coverage95"].mean() <= 0.99
+
+
+IN_CONTACT = {  # MAE of F^map in x, y, z [N]
+    TABLE_6_1: [3.4, 4.4, 2.5],
+    "Movement_No10_Standstill_ForceSensor_All": [4.6, 5.8, 4.2],
+    "Movement_No10_Standstill_ForceSensor_Fx": [2.3, 7.0, 2.0],
+}
+
+
+@pytest.mark.parametrize("recording", IN_CONTACT)
+def test_forces_are_right_where_there_is_a_contact(thesis_results: Path, recording: str) -> None:
+    """Nearer than least squares without a prior, in a band that holds and is worth its width."""
+    table = read_csv(thesis_results / "tables" / "force_mae.csv")
+    rows = table.query("recording == @recording and kind == 'compensated'")
+    rows = rows[rows["component"].isin(["Fx", "Fy", "Fz"])]
+    contact = rows[rows["during"] == "contact"].set_index(["estimate", "component"])
+    ours, plain = contact.loc["Fmap"], contact.loc["least_squares"]
+    assert (ours["mae"] <= IN_CONTACT[recording]).all()
+    assert (ours["mae"] <= 1.05 * plain["mae"]).all()
+    assert (ours["coverage95"] >= 0.90).all()
+    assert (ours["interval_score95"] < ours["zero_interval_score95"]).all()
+    free = rows.query("during == 'free' and estimate == 'Fmap'")
+    assert (free["mae"] <= 0.3).all()
+    assert (free["coverage95"] >= 0.97).all()
+
+
+def test_slopes_against_the_sensor_are_near_one(thesis_results: Path) -> None:
+    table = read_csv(thesis_results / "tables" / "force_mae.csv")
+    rows = table.query(
+        "recording == @TABLE_6_1 and kind == 'compensated' and during == 'contact' and "
+        "estimate == 'Fmap' and component in ['Fx', 'Fz']"
+    )
+    assert rows["slope"].between(0.88, 1.1).all()
 
 
 @pytest.mark.parametrize("recording", WITH_SENSOR)
@@ -210,20 +241,34 @@ def test_contacts_are_found_and_none_made_up(thesis_results: Path) -> None:
     assert (sensed["found"] <= sensed[["contacts", "alarms"]].min(axis=1)).all()
     assert (sensed["false_alarms_per_min"] <= 1).all()
     assert (sensed["free_time_in_alarm"] <= 0.02).all()
-    pushed = sensed.query("recording == @TABLE_6_1 and estimate == 'repeat'")
+    pushed = sensed.query("recording == @TABLE_6_1 and estimate == 'Fmap'")
     pushed = pushed.set_index("force_class_n").loc[15]
     assert pushed["contacts"] == 10
-    assert pushed["found"] >= 9
+    assert pushed["found"] >= 8
     assert pushed["median_delay_s"] <= 0.25
-    for recording in CURRENT_LIMITS:
-        assert (table.loc[table["recording"] == recording, "alarms_per_min"] <= 1).all()
+
+
+@pytest.mark.parametrize("estimate", ["Fmap", "observer", "repeat"])
+def test_alarms_on_paths_that_were_left_out_are_as_few_as_asked(
+    thesis_results: Path, estimate: str
+) -> None:
+    """At most one a minute over all contact-free recordings: each by a fit without its path."""
+    table = read_csv(thesis_results / "tables" / "detection.csv")
+    seconds = read_csv(thesis_results / "tables" / "recordings.csv").set_index("recording")
+    study = yaml.safe_load((PROJECT / "workflow/studies/thesis.yaml").read_text())
+    free = [own["name"] for own in study["recordings"] if own["role"] != "contact"]
+    rows = table[table["recording"].isin(free) & (table["estimate"] == estimate)]
+    minutes = seconds.loc[rows["recording"], "duration_s"].sum() / 60
+    assert rows["alarms"].sum() <= minutes
 
 
 def test_an_arm_without_payload_carries_none(thesis_results: Path) -> None:
+    """Beyond what is declared, in motion."""
     payload = read_csv(thesis_results / "tables" / "payload.csv")
-    assert set(payload["recording"]) == set(CURRENT_LIMITS)
+    assert len(payload) == 12
     assert (payload["low"] < 0).all()
     assert (payload["high"] > 0).all()
+    assert (payload["taken"] == "no").all()
 
 
 def test_the_controllers_model_is_recovered(torque: pd.DataFrame, thesis_results: Path) -> None:
@@ -299,7 +344,8 @@ def test_known_defects_are_found(thesis_results: Path) -> None:
 def test_clocks_come_with_their_error(thesis_results: Path) -> None:
     clocks = read_csv(thesis_results / "tables" / "clocks.csv").set_index(["recording", "device"])
     force = clocks.loc[(TABLE_6_1, "force")]
-    assert force["offset_s"] == pytest.approx(-0.0056, abs=1e-3)
+    drifts = read_json(thesis_results / "parameters" / "ur5" / "drifts.json")["lab-pc"]
+    assert force["offset_s"] == pytest.approx(-0.0056 + drifts["start"], abs=1e-3)
     assert (clocks["offset_std_s"] > 0).all()
     assert (clocks["end_std_s"] >= clocks["offset_std_s"]).all()
 
@@ -309,12 +355,13 @@ def test_the_force_sensor_drifts_as_its_host_does(thesis_results: Path) -> None:
     clocks = read_csv(thesis_results / "tables" / "clocks.csv")
     force = clocks[clocks["device"] == "force"]
     assert len(force) == 3
-    assert (force["method"] == "start stamps, drift of its host").all()
+    assert (force["method"] == "start stamps, start and drift of its host").all()
     assert force["drift_ppm"].to_numpy() == pytest.approx(-3300, abs=50)
     assert force["drift_std_ppm"].between(50, 400).all()
-    assert (force["end_std_s"] < 0.01).all()
+    assert (force["end_std_s"] < 0.04).all()
     drifts = read_json(thesis_results / "parameters" / "ur5" / "drifts.json")["lab-pc"]
-    assert len(drifts["recordings"]) == 4
+    assert len(drifts["recordings"]) == 6
+    assert abs(drifts["start"]) < 3 * drifts["start_std_error"]
     assert abs(1e6 * drifts["drift"] + 3300) < 2 * 1e6 * drifts["std_error"]
     told = clocks[clocks["method"] == "angular rate"]
     apart = (told["drift_ppm"] - 1e6 * drifts["drift"]) / told["drift_std_ppm"]

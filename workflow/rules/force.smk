@@ -65,6 +65,8 @@ rule estimate_forces:
 rule compare_forces:
     input:
         signals=result("signals.parquet"),
+        force=result("force.parquet"),
+        quality=result("quality.json"),
         kinematics=result("kinematics.parquet"),
         published=result("published_forces.parquet"),
         forces=result("forces.parquet"),

@@ -18,6 +18,8 @@ from ur5lib.force.sensor import (
 )
 from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
+from ur5lib.signals.clocks import clock_from_stamps
+from ur5lib.signals.resampling import resample
 from ur5lib.steps import run_step
 from ur5lib.tables import (
     WRENCH,
@@ -25,6 +27,7 @@ from ur5lib.tables import (
     labelled,
     labelled_channel,
     period,
+    read_json,
     read_table,
     write_json,
     write_table,
@@ -47,8 +50,9 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
     columns: dict[str, Array] = {}
     if "ft_fx" in signals:
         rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
-        references, offset = sensor_wrenches(signals, rotation, robot, params)
-        summary["offset"] = account(offset, signals, params)
+        by_stamps = as_printed(input, signals)
+        references, offset = sensor_wrenches(signals, by_stamps, rotation, robot, params)
+        summary["offset"] = account(offset, by_stamps, signals, params)
         summary["offset_doubt"] = offset_doubt(offset)
         summary["mounting_doubt"] = doubt(references["compensated"], forces, rotation, offset)
         summary |= against_sensor(references, signals, published, forces)
@@ -58,35 +62,48 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
     write_json(summary, output.summary)
 
 
+def as_printed(input: Any, signals: pd.DataFrame) -> Array:
+    """The sensor's reading (N, 6) placed by start stamps alone, as in the thesis."""
+    start = read_json(input.quality)["starts"]["force"]
+    stamps = clock_from_stamps(start["seconds"], start["std"])
+    read = resample(read_table(input.force), stamps, signals["time"].to_numpy())
+    return read[SENSOR].to_numpy()
+
+
 def sensor_wrenches(
-    signals: pd.DataFrame, rotation: Array, robot: Robot, params: Any
+    signals: pd.DataFrame, by_stamps: Array, rotation: Array, robot: Robot, params: Any
 ) -> tuple[dict[str, Array], SensorOffset]:
     """What the sensor says, the environment acting on the arm, and what it says without contact.
 
-    printed: the raw reading; corrected: less its mean at the start; compensated: less bias and
-    tool weight, from all samples free of contact. The last two at the origin of frame 6.
+    printed: the raw reading; corrected: less its mean at the start, both by start stamps alone;
+    compensated: by the best clock, less bias and tool weight, from all samples free of contact. The
+    last two at the origin of frame 6.
     """
     reading, gravity = signals[SENSOR].to_numpy(), np.array(robot.gravity)
     offset = fit_offset(reading, rotation, period(signals), gravity)
-    start = start_bias(signals, params)
     position = np.array(robot.mounting.force_sensor)
-    references = {"printed": wrench_of_environment(reading, rotation)}
-    for kind, removed in (("corrected", start), ("compensated", offset.reading(rotation, gravity))):
-        wrench = wrench_of_environment(reading - removed, rotation)
+    references = {"printed": wrench_of_environment(by_stamps, rotation)}
+    for kind, read in (
+        ("corrected", by_stamps - start_bias(by_stamps, signals, params)),
+        ("compensated", reading - offset.reading(rotation, gravity)),
+    ):
+        wrench = wrench_of_environment(read, rotation)
         references[kind] = move_to_frame_6(wrench, rotation, position)
     return references, offset
 
 
-def account(offset: SensorOffset, signals: pd.DataFrame, params: Any) -> dict[str, Any]:
+def account(
+    offset: SensorOffset, by_stamps: Array, signals: pd.DataFrame, params: Any
+) -> dict[str, Any]:
     """What was taken off the reading: of kind compensated, and of kind corrected (start_bias)."""
     return asdict(offset) | {
         "free": float(offset.free.mean()),
-        "start_bias": start_bias(signals, params),
+        "start_bias": start_bias(by_stamps, signals, params),
     }
 
 
-def start_bias(signals: pd.DataFrame, params: Any) -> Array:
-    return bias(signals[SENSOR].to_numpy(), signals["time"].to_numpy(), params.bias_window_s)
+def start_bias(reading: Array, signals: pd.DataFrame, params: Any) -> Array:
+    return bias(reading, signals["time"].to_numpy(), params.bias_window_s)
 
 
 def doubt(sensor: Array, forces: pd.DataFrame, rotation: Array, offset: SensorOffset) -> str | None:
