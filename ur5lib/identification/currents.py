@@ -228,13 +228,15 @@ def _joint_fit(
     residual = left_out_residuals(samples, terms, prior)
     if not np.isfinite(residual).any():  # the only path: of the fit itself, then
         residual = samples.current - samples.design(terms) @ coefficients
+    # At rest dry friction holds any torque up to breakaway, and few poses show it.
+    sticking = COVERED * max(0.0, float(coefficients[2]))
     return JointFit(
         terms,
         estimate,
         samples.presliding,
         held_current(samples, terms, coefficients),
         _band(residual[samples.moving], samples.record[samples.moving]),
-        _band(residual[~samples.moving], samples.record[~samples.moving]),
+        np.fmax(_band(residual[~samples.moving], samples.record[~samples.moving]), sticking),
         _remarks(samples, estimate, prior),
     )
 
