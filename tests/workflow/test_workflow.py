@@ -14,8 +14,8 @@ from tests.conftest import PROJECT, STUDY, Workflow
 
 RECORDINGS = 2
 LOG = r"start-up took \d+\.\d\d s\nwith it, the step took \d+\.\d\d s of processor time\n"
-FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures"]
-FROM_CURRENTS = ["predict_currents", "estimate_forces", *FROM_SENSOR]
+FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures", "ablate_forces"]
+FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_TORQUES = ["compute_torques", "rebuild_forces", *FROM_CURRENTS]
 FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
 FROM_SIGNALS = ["filter_signals", "estimate_gains", *FROM_MOTION]
@@ -33,8 +33,12 @@ DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_models": 1, "draw_calib
 ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
 
 
-def jobs(*rules: str, recordings: int = RECORDINGS) -> dict[str, int]:
-    return dict.fromkeys(rules, recordings)
+def jobs(*rules: str, recordings: int = RECORDINGS, touched: int = 1) -> dict[str, int]:
+    """Jobs of so many recordings; `ablate_forces` runs for those with contact alone."""
+    counts = dict.fromkeys(rules, recordings) | {
+        rule: touched for rule in rules if rule == "ablate_forces"
+    }
+    return {rule: count for rule, count in counts.items() if count}
 
 
 def results(workflow: Workflow) -> dict[str, bytes]:
@@ -77,7 +81,7 @@ def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
     folder = built_workflow.folder / "results" / "small"
     for step in EACH_RECORDING:
-        for recording in ("still", "pushed"):
+        for recording in ("pushed",) if step == "ablate_forces" else ("still", "pushed"):
             log = (folder / "logs" / step / f"{recording}.log").read_text()
             assert re.fullmatch(LOG, log)
             assert (folder / "benchmarks" / step / f"{recording}.tsv").stat().st_size > 0
@@ -125,6 +129,12 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
+        ("ur5lib/force/contact_prior.py",
+         jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
+        ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
+        ("ur5lib/trajectories.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
+        ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | REPORT),
+        ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/views/found.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
@@ -184,8 +194,8 @@ def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> N
     )
     others = ("compare_accelerations", "estimate_forces", *FROM_SENSOR)
     again = jobs(*others, recordings=RECORDINGS + 1)
-    alone = jobs(*EACH_RECORDING, "estimate_payload", recordings=1)
-    assert workflow.plan() == alone | again | {"set_threshold": 1} | REPORT
+    alone = jobs(*EACH_RECORDING, recordings=1)
+    assert workflow.plan() == alone | again | {"set_threshold": 1} | DRIFTS | REPORT
 
 
 def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) -> None:
@@ -207,6 +217,7 @@ def test_a_changed_raw_file_reruns_its_recording(workflow: Workflow) -> None:
     ("file", "expected"),
     [
         ("recordings/pushed/torques.parquet", jobs(*FROM_TORQUES, recordings=1) | REPORT),
+        ("recordings/pushed/load_regressor.parquet", jobs(*FROM_CURRENTS, recordings=1) | REPORT),
         ("tables/force_mae.csv", REPORT),
         ("figures/still/torques.svg", {"draw_figures": 1} | DOCUMENT),
         ("report.pdf", {"write_report": 1}),
@@ -256,7 +267,7 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
         workflow.plan("--configfile", "other.yaml")
-        == jobs(*EACH_RECORDING, recordings=1) | ALL_ELSE
+        == jobs(*EACH_RECORDING, recordings=1, touched=0) | ALL_ELSE
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()
@@ -283,6 +294,12 @@ def test_a_misspelt_key(workflow: Workflow) -> None:
         workflow, "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?)"
     )
     assert len(results(workflow)) == len(results(workflow))
+
+
+def test_a_setting_that_no_longer_is(workflow: Workflow) -> None:
+    """The lever of a contact is learnt, as its size is."""
+    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {contact_lever_m: 0.1}}\n")
+    fails_with(workflow, "unknown key `settings.estimate_forces.contact_lever_m`")
 
 
 def test_a_missing_folder(workflow: Workflow) -> None:
