@@ -83,6 +83,24 @@ def test_a_push_at_rest_is_found_and_so_is_the_next(ur5: Robot) -> None:
     assert held[:3].min() > 0.95
 
 
+@pytest.mark.parametrize("seed", [20, 21])
+def test_joints_that_wander_after_a_touch_are_no_contact(ur5: Robot, seed: int) -> None:
+    """By a third of their friction, though the arm at rest repeats far better than that."""
+    still = (np.arange(5) == STILL)[:, None]
+    repeats = replace(
+        MODEL,
+        spread=np.where(still, 0.1 * MODEL.breakaway, MODEL.spread),
+        change=np.where(still, 0.05 * MODEL.breakaway, MODEL.change),
+    )
+    run = free_run(ur5, seed, moving=False, scale=0.1)
+    side = np.random.default_rng(seed).choice([-1, 1], 6)
+    wander = 0.3 * side * MODEL.breakaway * between(run.time, 10.0, 12.0)[:, None]
+    touched = run.pushed(push(run, 2, 40.0, 8.0, 10.0))
+    estimate = replace(touched, torque=touched.torque + wander).estimate(model=repeats)
+    ((_, last),) = contacts(estimate)
+    assert run.time[last] < 10.5
+
+
 @pytest.mark.parametrize("share", [0.3, 0.9])
 def test_a_release_makes_no_contact_of_its_own(ur5: Robot, share: float) -> None:
     """After a push a joint springs back by a part of its dry friction, for a quarter second."""
@@ -127,6 +145,16 @@ def test_a_sustained_push_is_told_at_any_size(ur5: Robot, axis: int, off: np.nda
         assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() >= 0.9, size
     ratio = np.array(SIZES) @ told / (np.array(SIZES) @ SIZES)
     assert 0.9 <= ratio <= 1.1
+
+
+def test_a_weak_push_that_lasts_is_not_taken_for_background(ur5: Robot) -> None:
+    """10 N along z for 15 s, of which joints show about what they stray by."""
+    told = []
+    for seed in (30, 31, 32):
+        run = free_run(ur5, seed)
+        estimate = run.pushed(push(run, 2, 10.0, 5.0, 20.0)).estimate()
+        told.append(estimate.wrench[between(run.time, 5.0, 20.0) > 0, 2].mean())
+    assert 5 < np.mean(told) < 12
 
 
 @pytest.mark.parametrize("factor", [0.2, 5.0])
