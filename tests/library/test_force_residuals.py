@@ -150,6 +150,16 @@ def test_spread_change_and_rate_of_a_known_process() -> None:
     np.testing.assert_array_equal(model.breakaway, BREAKAWAY)
 
 
+def test_a_joint_that_stops_draws_its_friction_anew() -> None:
+    """Within a second, though the torque drifts slowly otherwise and stops are rare."""
+    torque = drift(6000, np.ones(6), 20.0, seed=5)
+    states = np.full(torque.shape, MOVING)
+    states[3000:3300], states[3300:3500], states[3500:4500] = SETTLING, RESTING, STILL
+    rate = fitted(Stretch(torque, states, PERIOD)).rate
+    assert (rate[[SETTLING, RESTING]] >= 1.0).all()
+    assert (rate[[MOVING, STILL]] < 0.3).all()
+
+
 def test_recordings_of_several_rates_tell_the_same() -> None:
     """One process, sampled at 50 and at 500 Hz: lags are in seconds, not in samples."""
     std, time_constant = np.array([3.0, 4, 2, 1, 0.5, 0.7]), 1.0

@@ -12,6 +12,8 @@ from scipy.special import ndtri, stdtrit
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import (
     MOVING,
+    RELAXING,
+    RESTING,
     REVERSING,
     SETTLING,
     STATES,
@@ -122,9 +124,15 @@ def few_paths(paths: int) -> float:
 
 
 def _rates(growth: Array) -> Array:
-    """Median over the joints, (S,) [1/s]; where no joint tells, the slow part stays."""
+    """Median over the joints, (S,) [1/s]; where no joint tells, the slow part stays.
+
+    A joint that stops while others move draws anew what dry friction holds: within a second, though
+    stops are too few among the samples for the median to say so.
+    """
     told = [row[np.isfinite(row)] for row in growth]
-    return np.array([np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in told])
+    rates = [np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in told]
+    stopped = np.isin(np.arange(len(rates)), (SETTLING, RESTING))
+    return np.where(stopped, np.maximum(rates, 1 / RELAXING), rates)
 
 
 def _differences(stretch: Stretch, seconds: float) -> Stretch:
