@@ -1,0 +1,420 @@
+"""False alarms and pushes along paths that no fit has seen.
+
+    python benchmarks/leave_out.py <study> <robot> [quick]
+
+Takes results/<study> as built up to its torques. Each path of an arm's recordings to fit on is left
+out in turn: friction, residual model and threshold come from the other paths, by the workflow's own
+steps, and what was left out is treated as a recording to validate on. Then each recording to fit on
+is the only one. Alarms are counted on recordings without contact or load: all of them are false.
+Sustained pushes are put onto the external torque of each of these, too, under the fit that has not
+seen its path. The rigid-body model stays the study's: the controller's own torque tells it, not the
+currents. `quick` does a part of all this.
+"""
+
+import runpy
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+import yaml
+
+from ur5lib.errors import InputError
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import alarms
+from ur5lib.force.external_torque import is_still
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.template import Run
+from ur5lib.force.wrench_estimate import estimate_wrench
+from ur5lib.force_run import force_run
+from ur5lib.signals.lowpass import zero_phase_lowpass
+from ur5lib.tables import Array, channel, period, read_json, read_table
+from ur5lib.trajectories import Passed, group_by_path
+
+STEPS = [
+    "fit_friction",
+    "estimate_payload",
+    "predict_currents",
+    "fit_residuals",
+    "estimate_forces",
+    "set_threshold",
+]
+SIZES, LEVERS = (5.0, 30.0, 80.0), (0.0, 0.15)  # N, m
+START, SHORTEST, LONGEST = 5.0, 10.0, 15.0  # s: of a push
+MARGIN = 0.5  # s at the end of a recording, of which a low-pass knows one side only
+ORDER, CUTOFF = 4, 2.0  # of the low-pass behind the torques, and so of a push's onset
+TABLES = ("signals", "motion", "torques")
+PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
+ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm"]
+EVERY = 0.1  # s between the samples by which paths are compared
+INSIDE = 0.9  # share of a push above which it has come on
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One recording of a built study: as the study describes it, and its files."""
+
+    entry: dict[str, Any]
+    folder: Path
+    path: int
+
+    @property
+    def name(self) -> str:
+        """As in the study."""
+        return str(self.entry["name"])
+
+    def file(self, name: str) -> str:
+        """Path of a file that the study made of it."""
+        return str(self.folder / name)
+
+
+@dataclass(frozen=True)
+class Study:
+    """Recordings of one arm without contact or load, and the settings of all steps."""
+
+    arm: Path
+    settings: dict[str, Any]
+    recordings: list[Recording]
+
+    @property
+    def fit(self) -> list[Recording]:
+        """Those to fit on."""
+        return [own for own in self.recordings if own.entry["role"] == "fit"]
+
+
+def main(study: str, robot: str, quick: str = "") -> None:
+    """Print alarms a minute and what pushes come out as."""
+    torch.set_num_threads(1)
+    known = read_study(Path("results") / study, robot)
+    few = 2 if quick else None
+    paths = sorted({own.path for own in known.fit})[:few]
+    folds = [(f"without path {path + 1}", *without(known, path)) for path in paths]
+    folds.append(("all recordings to fit on", known.fit, validated(known)))
+    alone = [
+        (f"{own.name} alone", [own], [one for one in known.recordings if one.path != own.path])
+        for own in known.fit[:few]
+    ]
+    print(f"{study}, {robot}: {len(known.fit)} recordings to fit on")
+    rows: list[dict[str, Any]] = []
+    for fold, tested in built("paths left out", known, folds):
+        rows += [row for own in tested for row in pushed(fold, own, quick)]
+    with pd.option_context("display.max_rows", None, "display.width", 120):
+        report_pushes(pd.DataFrame(rows))
+    for _ in built("one recording to fit on", known, alone):
+        pass
+
+
+def read_study(folder: Path, robot: str) -> Study:
+    """The recordings of an arm in which nothing touches it and no load was found."""
+    plan = yaml.safe_load((folder / "configuration.yaml").read_text())
+    entries = [
+        entry
+        for entry in plan["recordings"]
+        if entry["robot"] == robot and entry["role"] != "contact"
+    ]
+    folders = [folder / "recordings" / entry["name"] for entry in entries]
+    loads = [read_json(own / "currents.json").get("load") for own in folders]
+    free = [load is None or not load.get("taken", False) for load in loads]
+    motions = [read_table(own / "motion.parquet") for own in folders]
+    every = [max(1, round(EVERY / period(motion))) for motion in motions]
+    passed = [
+        Passed.of(channel(motion, "q"), channel(motion, "qd"), step)
+        for motion, step in zip(motions, every, strict=True)
+    ]
+    labels = group_by_path(passed).tolist()
+    found = zip(entries, folders, labels, free, strict=True)
+    recordings = [Recording(entry, own, path) for entry, own, path, unloaded in found if unloaded]
+    return Study(folder / "parameters" / robot / "arm.yaml", plan["settings"], recordings)
+
+
+def without(study: Study, path: int) -> tuple[list[Recording], list[Recording]]:
+    """Recordings to fit on, and those to try: all of the path that is left out."""
+    return (
+        [own for own in study.fit if own.path != path],
+        [own for own in study.recordings if own.path == path],
+    )
+
+
+def validated(study: Study) -> list[Recording]:
+    """Recordings that are not fitted on, nor of a path that is."""
+    seen = {own.path for own in study.fit}
+    return [own for own in study.recordings if own.path not in seen]
+
+
+class Fold:
+    """The workflow's steps from friction to threshold, fitted on some recordings alone."""
+
+    def __init__(self, study: Study, fitted: list[Recording], folder: Path) -> None:
+        self.study, self.fitted, self.folder = study, fitted, folder
+        self.step = {name: step_of(name) for name in STEPS}
+
+    def own(self, recording: Recording, name: str) -> str:
+        """A file that this fold makes of a recording."""
+        return str(self.folder / f"{recording.name}.{name}")
+
+    def shared(self, name: str) -> str:
+        """A file that this fold makes of all."""
+        return str(self.folder / name)
+
+    def build(self, tested: list[Recording]) -> None:
+        """Fit, and estimate the forces of all recordings; raises InputError where it is refused."""
+        fit = self.study.settings["fit_friction"]
+        self.run(
+            "fit_friction",
+            {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
+            | {"arm": str(self.study.arm)},
+            {"friction": self.shared("friction.json")},
+            fit | {"recordings": [own.name for own in self.fitted]},
+        )
+        everything = [*self.fitted, *tested]
+        for own in everything:
+            self.payload(own)
+        for own in everything:
+            self.currents(own, "fit" if own in self.fitted else "validate")
+        self.run(
+            "fit_residuals",
+            {
+                "friction": self.shared("friction.json"),
+                "currents": [self.own(own, "currents.parquet") for own in self.fitted],
+                "motion": [own.file("motion.parquet") for own in self.fitted],
+            },
+            {"residuals": self.shared("residuals.json")},
+            {"cutoff_hz": fit["cutoff_hz"]},
+        )
+        for own in everything:
+            self.forces(own, [other for other in everything if other is not own])
+        self.run(
+            "set_threshold",
+            {"forces": [self.own(own, "forces.parquet") for own in self.fitted]},
+            {"threshold": self.shared("threshold.json")},
+            self.study.settings["set_threshold"],
+        )
+
+    def payload(self, own: Recording) -> None:
+        """What the currents tell of a load."""
+        self.run(
+            "estimate_payload",
+            self.inputs_of(own),
+            {name: self.own(own, file) for name, file in PAYLOAD.items()},
+            self.study.settings["fit_friction"]
+            | {"recording": own.name, "gravity": own.entry.get("gravity")},
+        )
+
+    def currents(self, own: Recording, role: str) -> None:
+        """The external torque of a recording."""
+        self.run(
+            "predict_currents",
+            self.inputs_of(own)
+            | {name: self.own(own, file) for name, file in PAYLOAD.items()}
+            | {
+                "load": own.file("torques.json"),
+                "unloaded": [self.own(other, "payload.json") for other in self.fitted],
+            },
+            {
+                "currents": self.own(own, "currents.parquet"),
+                "summary": self.own(own, "currents.json"),
+            },
+            self.study.settings["fit_friction"] | {"recording": own.name, "role": role},
+        )
+
+    def forces(self, own: Recording, others: list[Recording]) -> None:
+        """All estimates of a recording's forces."""
+        self.run(
+            "estimate_forces",
+            {
+                "motion": own.file("motion.parquet"),
+                "kinematics": own.file("kinematics.parquet"),
+                "currents": self.own(own, "currents.parquet"),
+                "load": self.own(own, "currents.json"),
+                "residuals": self.shared("residuals.json"),
+                "free_motion": [other.file("motion.parquet") for other in others],
+                "free_currents": [self.own(other, "currents.parquet") for other in others],
+                "free_loads": [self.own(other, "currents.json") for other in others],
+            },
+            {"forces": self.own(own, "forces.parquet")},
+            self.study.settings["estimate_forces"]
+            | {"cutoff_hz": self.study.settings["fit_friction"]["cutoff_hz"]},
+        )
+
+    def inputs_of(self, own: Recording) -> dict[str, Any]:
+        """What both steps on currents read."""
+        tables = {name: own.file(f"{name}.parquet") for name in TABLES}
+        return tables | {"friction": self.shared("friction.json"), "arm": str(self.study.arm)}
+
+    def run(self, name: str, *files_and_params: dict[str, Any]) -> None:
+        """A step with its input, output and params."""
+        self.step[name](*(SimpleNamespace(**own) for own in files_and_params))
+
+    def alarms(self, tested: list[Recording]) -> pd.DataFrame:
+        """A row for each recording and estimate: alarms, minutes, of them minutes in alarm."""
+        thresholds = read_json(self.shared("threshold.json"))
+        rows = []
+        for own in tested:
+            forces = read_table(self.own(own, "forces.parquet"))
+            for odds in forces.filter(regex="^log_odds_"):
+                name = odds.removeprefix("log_odds_")
+                # Where no fitted recording has this estimate, contact is what is the likelier.
+                raised = alarms(forces[odds].to_numpy(), thresholds.get(name, 0.0))
+                minute = period(forces) / 60
+                lasted = sum(last - first for first, last in raised) * minute
+                row = own.name, name, len(raised), len(forces) * minute, lasted
+                rows.append(dict(zip(ALARMS, row, strict=True)))
+        return pd.DataFrame(rows, columns=ALARMS)
+
+
+def step_of(name: str) -> Any:
+    """A step's function, from the workflow's script."""
+    script = Path(__file__).parents[1] / "workflow" / "scripts" / f"{name}.py"
+    return runpy.run_path(str(script))[name]
+
+
+def report_alarms(label: str, found: pd.DataFrame) -> None:
+    """A line for each estimate, and one for each recording with alarms."""
+    print(label)
+    for name, part in found.groupby("estimate"):
+        count, minutes, lasted = part[["alarms", "minutes", "in_alarm"]].sum()
+        print(
+            f"{name:>12}: {count / minutes:5.2f} alarms a minute ({count:.0f} in {minutes:.1f} "
+            f"min), in alarm {lasted / minutes:.0%} of the time",
+            flush=True,
+        )
+        for own in part[part["alarms"] > 0].itertuples():
+            print(f"{'':>14}{own.alarms} on {own.recording}, {60 * own.in_alarm:.1f} s")
+
+
+def refusal(fold: Fold, tested: list[Recording]) -> str | None:
+    """Build a fold; return why it made nothing, None where it did."""
+    try:
+        fold.build(tested)
+    except (InputError, np.linalg.LinAlgError) as error:
+        return str(error)
+    files = ("friction.json", "residuals.json")
+    found = (read_json(fold.shared(file)).get("refused") for file in files)
+    return next(filter(None, found), None)
+
+
+Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
+
+
+def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, list[Recording]]]:
+    """Folds whose files are there, and what is tried in each; prints all alarms, or why none is."""
+    found = []
+    for label, fitted, tested in tried:
+        with tempfile.TemporaryDirectory() as folder:
+            fold = Fold(study, fitted, Path(folder))
+            if why := refusal(fold, tested):
+                print(f"{label}\n{'':>14}no forces: {why}", flush=True)
+                continue
+            found.append(fold.alarms(tested))
+            report_alarms(label, found[-1])
+            yield fold, tested
+    if found:
+        report_alarms(f"{title}, all together", pd.concat(found))
+
+
+def pushed(fold: Fold, own: Recording, quick: str) -> Iterator[dict[str, Any]]:
+    """Slope and coverage of each push that is put onto a recording."""
+    motion, residuals = (
+        read_table(own.file("motion.parquet")),
+        read_json(fold.shared("residuals.json")),
+    )
+    run = force_run(read_table(fold.own(own, "currents.parquet")), motion, "tau_ext")
+    time = motion["time"].to_numpy() - motion["time"].iloc[0]
+    if run is None or time[-1] < START + SHORTEST + MARGIN or "tau_ext" not in residuals:
+        return
+    kinematics = read_table(own.file("kinematics.parquet"))
+    jacobian = channel(kinematics, "J", 36).reshape(-1, 6, 6)
+    rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
+    model = ResidualModel.from_dict(residuals["tau_ext"])
+    prior = ContactPrior(force=fold.study.settings["estimate_forces"]["contact_force_n"])
+    profile = sustained(time, run.period)
+    where = (profile > INSIDE) & np.isfinite(run.torque).all(axis=1)
+    for axis, lever, size in product("z" if quick else "xyz", LEVERS, SIZES):
+        wrench = wrench_of(profile, "xyz".index(axis), size, lever, rotation)
+        torque = run.torque + (jacobian.mT @ wrench[..., None])[..., 0]
+        estimate = estimate_wrench(
+            torque, jacobian, run.states, run.segment, run.period, model, prior, run.doubt
+        )
+        told = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
+        yield told | figures(estimate.wrench, estimate.std, wrench, where, run)
+
+
+def sustained(time: Array, step: float) -> Array:
+    """A push of height 1 from START on (N,), as the low-pass behind the torques shows it."""
+    end = min(START + LONGEST, time[-1] - MARGIN)
+    box = ((time >= START) & (time < end)).astype(float)[:, None]
+    return zero_phase_lowpass(box, rate=1 / step, order=ORDER, cutoff=CUTOFF)[:, 0]
+
+
+def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Array) -> Array:
+    """Wrench (N, 6) of a force along an axis of the base, at a point off the flange.
+
+    The point lies `lever` [m] along x of frame 6; rotation: R_6, (N, 3, 3).
+    """
+    force = profile[:, None] * size * np.eye(3)[axis]
+    point = lever * np.nan_to_num(rotation)[:, :, 0]
+    return np.concatenate([force, np.cross(point, force)], axis=1)
+
+
+def figures(wrench: Array, std: Array, true: Array, where: Array, run: Run) -> dict[str, float]:
+    """Of the force in its direction: mean share that is told, in motion and at rest; coverage."""
+    axis = int(np.argmax(np.abs(true[where][0, :3])))
+    inside = np.abs(wrench - true)[:, :3] <= 1.96 * std[:, :3]
+    still = is_still(run.states)
+    found = {}
+    for name, rows in (("moving", where & ~still), ("still", where & still)):
+        share = wrench[rows, axis] / true[rows, axis]
+        found[f"{name}_s"] = rows.sum() * run.period
+        found[f"{name}_share"] = share.mean() if rows.any() else np.nan
+        found[f"{name}_along"] = inside[rows, axis].mean() if rows.any() else np.nan
+        found[f"{name}_all"] = inside[rows].mean() if rows.any() else np.nan
+    return found
+
+
+def report_pushes(rows: pd.DataFrame) -> None:
+    """Slopes over the sizes, and the share of samples in their band by size."""
+    for name in ("moving", "still"):
+        part = rows[rows[f"{name}_s"] >= 1]
+        if part.empty:
+            continue
+        print(f"\nsustained pushes, {name}, {len(set(part['recording']))} recordings")
+        print_slopes(part, name)
+        print("share inside the 95 % band, along the push and on all axes, by lever and size")
+        print(part.groupby(["lever", "size"])[[*part.columns]].apply(held, name).round(3))
+        print("by recording and size")
+        print(part.groupby(["recording", "size"])[[*part.columns]].apply(held, name).round(3))
+
+
+def held(part: pd.DataFrame, name: str) -> pd.Series:
+    """Share of the time in which the band holds."""
+    seconds = part[f"{name}_s"]
+    return part[[f"{name}_along", f"{name}_all"]].mul(seconds, axis=0).sum() / seconds.sum()
+
+
+def print_slopes(part: pd.DataFrame, name: str) -> None:
+    """Least squares through the sizes: pooled, and each recording and direction on its own."""
+    force = part["size"] * part[f"{name}_share"]
+    part = part.assign(force=force)
+
+    def slope(own: pd.DataFrame) -> float:
+        return float(np.polyfit(own["size"], own["force"], 1, w=np.sqrt(own[f"{name}_s"]))[0])
+
+    each = part.groupby(["recording", "axis", "lever"])[[*part.columns]].apply(slope)
+    print(f"slope over the sizes: pooled {slope(part):.3f}, each: median {each.median():.3f}, "
+          f"from {each.min():.3f} to {each.max():.3f}, within 0.9 to 1.1: "
+          f"{((each > 0.9) & (each < 1.1)).mean():.0%}")  # fmt: skip
+    print(each.groupby(["axis", "lever"]).agg(["median", "min", "max"]).round(3).to_string())
+    print("lowest\n" + each.nsmallest(5).round(2).to_string())
+    by_size = part.groupby(["lever", "size"])[f"{name}_share"].agg(["median", "min", "max"])
+    print("share of a push that is told\n" + by_size.round(2).to_string())
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

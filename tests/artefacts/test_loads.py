@@ -1,0 +1,144 @@
+"""Loads on the virtual stand, by all steps: one that nobody declared, and one that is grasped."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from tests.conftest import Workflow, copy_project
+from ur5lib.tables import WRENCH, labelled_channel, read_csv, read_json, read_table
+
+SECONDS = 16.0
+CARRIED = {"mass": 2.7, "center_of_mass": [0.02, 0.0, 0.06]}
+PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [0, 40, 0]}
+LOAD = {"kind": "load", "start_s": 8, "seconds": 8, "mass": 2}
+
+
+def recording(
+    name: str, role: str, seed: int, draw: int, seconds: float = SECONDS, **more: Any
+) -> dict[str, Any]:
+    """An entry of the study; what differs of its motion and what it carries comes as keywords."""
+    motion = {key: more.pop(key) for key in ("posture", "limit_share") if key in more}
+    motion |= {"period_s": seconds, "harmonics": 10 if role == "fit" else 8}
+    trajectory = {"kind": "fourier", "draw": draw} | motion
+    plan = {"trajectory": trajectory, "seconds": seconds, "seed": seed} | more
+    return {"name": name, "robot": "ur5", "format": "thesis-csv", "role": role, "simulate": plan}
+
+
+STUDY = {
+    "study": "loads",
+    "title": "A load that nobody declared, and one that is grasped",
+    "recordings": [
+        recording("fit_1", "fit", 1, 4),
+        recording("fit_2", "fit", 2, 7, posture=[-0.4, -1.2, 1.3, -1.2, 1.2, -0.5]),
+        recording("fit_3", "fit", 3, 9, posture=[1.2, -1.9, 1.9, -1.0, 0.9, 1.0], limit_share=0.25),
+        # These two are of one path, and alone on it: a template of each other, were it not for the
+        # load of one of them.
+        recording("unloaded", "validate", 4, 12),
+        recording("loaded", "validate", 5, 12, undeclared_payload=CARRIED),
+        recording("grasping", "contact", 6, 13, seconds=20.0, contacts=[PUSH, LOAD]),
+    ],
+}
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("loads") / "project"))
+    (workflow.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
+    workflow.build("--until", "make_tables")
+    return workflow.folder / "results" / "loads"
+
+
+def table(results: Path, name: str, recording: str) -> pd.DataFrame:
+    whole = read_csv(results / "tables" / f"{name}.csv")
+    return whole[whole["recording"] == recording]
+
+
+def estimated(results: Path, recording: str) -> tuple[pd.DataFrame, dict[str, np.ndarray]]:
+    """Forces as estimated, and the true wrench (N, 6) at the same time."""
+    forces = read_table(results / "recordings" / recording / "forces.parquet")
+    truth = read_table(results / "truth" / f"{recording}.parquet")
+    names = [name for name in truth if name.startswith("wrench")]
+    time = forces["time"] - forces["time"].iloc[0], truth["time"] - truth["time"].iloc[0]
+    return forces, np.column_stack([np.interp(*time, truth[name]) for name in names])
+
+
+@pytest.mark.parametrize("recording", ["unloaded", "loaded"])
+def test_neither_run_of_a_path_shows_a_contact(results: Path, recording: str) -> None:
+    """By no estimate: the load is in the prediction, and not in the other run's template."""
+    rows = table(results, "detection", recording)
+    assert {"Fmap", "observer"} <= set(rows["estimate"])
+    assert (rows["alarms"] == 0).all()
+    assert (rows["time_in_alarm"] == 0).all()
+    assert table(results, "contacts", recording).empty
+    forces, _ = estimated(results, recording)
+    for name in rows["estimate"]:
+        force, std = (
+            labelled_channel(forces, part, WRENCH)[:, :3] for part in (name, f"{name}_std")
+        )
+        assert np.abs(force).max() < 2.0
+        assert (np.abs(force) <= 1.96 * std).all()
+
+
+def test_a_run_with_a_load_is_no_template_of_one_without(results: Path) -> None:
+    for recording in ("unloaded", "loaded"):
+        forces, _ = estimated(results, recording)
+        assert "log_odds_repeat" not in forces
+
+
+def test_a_load_that_nobody_declared_is_told(results: Path) -> None:
+    row = table(results, "payload", "loaded").iloc[0]
+    assert row["low"] < CARRIED["mass"] < row["high"]
+    assert abs(row["mass"] / CARRIED["mass"] - 1) < 0.05
+    assert row["high"] - row["low"] < 0.5
+    assert (row["taken"], row["configured"]) == ("yes", 0)
+    found = row[["center_of_mass_x", "center_of_mass_y", "center_of_mass_z"]].to_numpy(float)
+    assert np.abs(found - CARRIED["center_of_mass"]).max() < 0.03
+
+
+@pytest.mark.parametrize("recording", ["fit_1", "fit_2", "fit_3", "unloaded", "grasping"])
+def test_where_there_is_no_load_none_is_taken(results: Path, recording: str) -> None:
+    """One that is grasped in mid-run is not there all along."""
+    row = table(results, "payload", recording).iloc[0]
+    assert row["taken"] == "no"
+    if recording != "grasping":
+        assert row["low"] < 0 < row["high"] < 0.2
+
+
+@pytest.mark.parametrize("estimate", ["Fmap", "observer"])
+def test_what_is_grasped_in_mid_run_is_named_a_load(results: Path, estimate: str) -> None:
+    rows = table(results, "contacts", "grasping")
+    push, load = (row for _, row in rows[rows["estimate"] == estimate].iterrows())
+    assert (push["kind"], load["kind"]) == ("contact", "load")
+    assert abs(load["load_mass"] / LOAD["mass"] - 1) < 0.1
+    assert abs(load["load_mass"] - LOAD["mass"]) < 1.96 * load["load_mass_std"]
+    assert abs(load["start_s"] - LOAD["start_s"]) < 0.4
+    assert abs(load["end_s"] - LOAD["start_s"] - LOAD["seconds"]) < 0.4
+    assert np.isnan(push["load_mass"])
+    assert abs(push["peak_s"] - 4.0) < 0.3
+
+
+@pytest.mark.parametrize("estimate", ["Fmap", "observer"])
+def test_the_load_does_not_spoil_the_forces(results: Path, estimate: str) -> None:
+    """Push and weight come back, and between and after them nothing is left."""
+    forces, truth = estimated(results, "grasping")
+    names = estimate, f"{estimate}_std"
+    wrench, std = (labelled_channel(forces, name, WRENCH)[:, :3] for name in names)
+    off, time = np.abs(wrench - truth[:, :3]), forces["time"] - forces["time"].iloc[0]
+    touched = np.linalg.norm(truth[:, :3], axis=1) > 5
+    assert (off[touched] <= 1.96 * std[touched]).mean() > 0.9
+    apart = touched & (time < 6), touched & (time > 8.5) & (time < 15.5)
+    for rows, axis, size in zip(apart, (1, 2), (40.0, 19.6), strict=True):
+        assert np.abs(truth[rows, axis]).max() > 0.9 * size
+        assert off[rows].mean() < 0.15 * size
+    free = ((time > 6) & (time < 7.5)) | (time > 16.5)
+    assert off[free].max() < 2.0
+
+
+def test_nothing_but_the_study_says_so(results: Path) -> None:
+    """The truth about the load is in no file that a step reads."""
+    for name in ("loaded", "grasping"):
+        assert read_json(results / "recordings" / name / "torques.json")["payload"] is None
