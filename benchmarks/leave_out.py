@@ -399,12 +399,11 @@ def held(part: pd.DataFrame, name: str) -> pd.Series:
 
 
 def print_slopes(part: pd.DataFrame, name: str) -> None:
-    """Least squares through the sizes: pooled, and each recording and direction on its own."""
-    force = part["size"] * part[f"{name}_share"]
-    part = part.assign(force=force)
+    """Least squares through the origin: pooled, and each recording and direction on its own."""
 
     def slope(own: pd.DataFrame) -> float:
-        return float(np.polyfit(own["size"], own["force"], 1, w=np.sqrt(own[f"{name}_s"]))[0])
+        weight = own["size"] ** 2 * own[f"{name}_s"]
+        return float((weight * own[f"{name}_share"]).sum() / weight.sum())
 
     each = part.groupby(["recording", "axis", "lever"])[[*part.columns]].apply(slope)
     print(f"slope over the sizes: pooled {slope(part):.3f}, each: median {each.median():.3f}, "
