@@ -99,7 +99,7 @@ def fit_residual_model(
     if not np.isfinite(far).any():
         raise InputError(f"no contact-free stretch is as long as {LONG:g} s; name more recordings")
     still = [f"{joint + 1}" for joint in range(6) if np.isnan(whole[MOVING, joint])]
-    if still and not np.isnan(whole[MOVING]).all():
+    if still:
         raise InputError(
             f"no contact-free recording moves joint {', '.join(still)}: what its motor needs in "
             "motion is unknown; record one in which all joints move"
