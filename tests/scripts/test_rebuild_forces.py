@@ -13,10 +13,11 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.force.current_based import friction_torque
 from ur5lib.robots.description import Robot, robot_path
-from ur5lib.tables import WRENCH, named, read_json, read_table, write_table
+from ur5lib.tables import WRENCH, named, read_json, read_table, write_json, write_table
 
 PERIOD, COUNT = 0.008, 2500
 TIME = np.arange(COUNT) * PERIOD
+START = 0.5  # s, by which the sensor starts later by its stamps
 BIAS = np.array([-5.0, 2.0, -1.0, 0.1, 0.4, -0.1])
 FORCE = np.array([10.0, -5.0, 8.0])
 SENSOR = [f"{kind}_{c}" for kind in ("printed", "corrected", "compensated") for c in WRENCH]
@@ -61,11 +62,10 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> tuple[pd.Da
         **named(qd, "target_qd"),
         **named(-wrench + 1.0, "actual_TCP_force"),
     }
-    signals |= dict(
-        zip([f"ft_{a}{b}" for a in "ft" for b in "xyz"], (reading + BIAS).T, strict=True)
-    )
+    sensor = dict(zip([f"ft_{a}{b}" for a in "ft" for b in "xyz"], (reading + BIAS).T, strict=True))
     tables = {
-        "signals": signals,
+        "signals": signals | sensor,
+        "force": {"time": TIME - START} | sensor,
         "motion": {"time": TIME, **named(qd, "qd")},
         "torques": {
             "time": TIME,
@@ -84,7 +84,8 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> tuple[pd.Da
         write_table(pd.DataFrame(table), folder / f"{name}.parquet")
     write_table(pd.DataFrame({"time": TIME}), folder / "forces.parquet")
     inputs = {name: str(folder / f"{name}.parquet") for name in (*tables, "published", "forces")}
-    inputs["arm"] = str(robot_path("ur5"))
+    write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
+    inputs |= {"arm": str(robot_path("ur5")), "quality": str(folder / "quality.json")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
@@ -111,9 +112,11 @@ def test_without_friction_the_estimate_is_off(results: tuple) -> None:
 
 def test_the_sensor_is_put_right(results: tuple) -> None:
     offset = results[1]["offset"]
-    np.testing.assert_allclose(offset["start_bias"], BIAS, atol=1e-9)
+    np.testing.assert_allclose(offset["start_bias"], BIAS, atol=1e-6)
     np.testing.assert_allclose(offset["bias"], BIAS, atol=1e-3)
-    np.testing.assert_allclose(wrench_of(results[0], "corrected"), truth()[3], atol=1e-9)
+    away = np.abs(np.abs(TIME - 6) - 3) > 0.3  # from the push's edges, at which resampling rings
+    corrected = wrench_of(results[0], "corrected")
+    np.testing.assert_allclose(corrected[away], truth()[3][away], atol=1e-2)
     np.testing.assert_allclose(wrench_of(results[0], "compensated"), truth()[3], atol=1e-2)
     assert results[1]["mounting_doubt"] is None
 
@@ -129,5 +132,5 @@ def test_the_printed_kind_keeps_the_bias_and_the_delay(results: tuple) -> None:
 def test_an_estimate_of_zero_stands_beside(results: tuple) -> None:
     expected = np.abs(truth()[3]).mean(0)[:3]
     figures = results[1]["errors"]["corrected"]["F*"]["all"]["zero_mae"]
-    np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=1e-6)
+    np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=2e-3)
     assert results[1]["errors"]["corrected"]["Fu"]["all"]["mae"]["Fx"] == pytest.approx(1.0)

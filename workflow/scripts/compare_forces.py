@@ -18,8 +18,6 @@ from ur5lib.force.sensor import (
 )
 from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
-from ur5lib.signals.clocks import clock_from_stamps
-from ur5lib.signals.resampling import resample
 from ur5lib.steps import run_step
 from ur5lib.tables import (
     WRENCH,
@@ -64,6 +62,9 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
 
 def as_printed(input: Any, signals: pd.DataFrame) -> Array:
     """The sensor's reading (N, 6) placed by start stamps alone, as in the thesis."""
+    from ur5lib.signals.clocks import clock_from_stamps  # slow to import; most recordings
+    from ur5lib.signals.resampling import resample  # have no sensor
+
     start = read_json(input.quality)["starts"]["force"]
     stamps = clock_from_stamps(start["seconds"], start["std"])
     read = resample(read_table(input.force), stamps, signals["time"].to_numpy())
