@@ -56,6 +56,20 @@ def test_a_fast_run_is_known_again_from_thinned_samples() -> None:
     assert group_by_path(runs).tolist() == [0, 0, 1]
 
 
+@pytest.mark.parametrize("start", [0.004, 0.05])
+def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
+    """At 3 rad/s a joint goes far beyond what is near between samples that are thinned."""
+
+    def fast(start: float, seconds: float = 6.0) -> Passed:
+        time = np.arange(start, start + seconds, 0.008)[:, None]
+        angle = 4 * time + np.arange(6)
+        return Passed.of(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
+
+    slow = Passed.of(*wave(0), every=5)
+    runs = [fast(0.0), slow, fast(start), fast(start, seconds=2.0)]
+    assert group_by_path(runs).tolist() == [0, 1, 0, 0]
+
+
 def test_a_part_of_a_longer_run_is_of_its_trajectory() -> None:
     whole, part = wave(0), wave(0, start=8.0, seconds=5.0)
     assert labels(whole, part) == labels(part, whole) == [0, 0]
