@@ -142,11 +142,14 @@ def test_in_contact_a_prior_costs_nothing(
     judged: dict[str, Figures],
     name: str,
 ) -> None:
-    """Against least squares without any prior, on the same torques in the same intervals."""
+    """Against least squares without any prior, on the same torques in the same intervals.
+
+    Over the three axes; of each axis, tests/artefacts asks it of what the workflow made.
+    """
     own = estimates[name]
     plain = figures(thesis[name], own.least_squares, own.least_squares_std, sensor[name])
     error, reference = judged[name]["contact"]["mae"], plain["contact"]["mae"]
-    assert (error <= WORSE * reference + TENTH).all()
+    assert error[:3].sum() <= WORSE * reference[:3].sum() + TENTH
 
 
 @pytest.mark.parametrize("name", SENSED)
