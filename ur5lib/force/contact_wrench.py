@@ -46,7 +46,11 @@ def contact_wrench(
     variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)
     variance = variance / prior.efficiency**2 + (prior.efficiency_std * wrench) ** 2
     change = _change(wrench, finite_rows(torque), period)
-    return Wrench(wrench, variance + (prior.resolution * change) ** 2)
+    variance = variance + (prior.resolution * change) ** 2
+    # Torques hardly part a moment from a force: a lever of some centimetres may go unnoticed.
+    force = np.linalg.norm(wrench[:, :3], axis=1)
+    variance[:, 3:] += (prior.levers[1] * force[:, None]) ** 2
+    return Wrench(wrench, variance)
 
 
 def learned_size(
