@@ -73,11 +73,27 @@ def test_a_weight_held_still_is_one_too(ur5: Robot) -> None:
     assert load.mass == pytest.approx(3.0, rel=0.1)
 
 
-@pytest.mark.parametrize("direction", [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]])
-@pytest.mark.parametrize("swing", [0.4, 0.0], ids=["moving", "resting"])
-def test_a_sideways_push_and_a_lift_are_no_loads(
+@pytest.mark.parametrize("efficiency", [0.7, 0.9])
+def test_what_gears_lose_of_a_weight_is_given_back(ur5: Robot, efficiency: float) -> None:
+    states = motion(8.0, 2)
+    torque = efficiency * weight(ur5, states, Payload(mass=2.0, center_of_mass=(0, 0, 0.05)))
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, efficiency)
+    assert load is not None
+    assert load.mass == pytest.approx(2.0, rel=0.03)
+
+
+SIDEWAYS = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]]
+ASKEW = [[1, 0, -1], [-1, 0, -1], [0, 1, -1], [0, -1, -1]]
+
+
+@pytest.mark.parametrize(
+    ("direction", "swing"),
+    [*((own, 0.4) for own in (*SIDEWAYS, *ASKEW)), *((own, 0.0) for own in SIDEWAYS)],
+)
+def test_a_push_that_is_not_downwards_is_no_load(
     ur5: Robot, direction: list[int], swing: float
 ) -> None:
+    """Sideways, up or askew, as the arm moves; at rest a lever may make a push look like one."""
     states = motion(8.0, 5, swing)
     force = 30.0 * np.tile([*direction, 0, 0, 0], (len(states[0]), 1))
     torque = torque_of(jacobians(ur5, states[0]), force)

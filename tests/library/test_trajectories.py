@@ -101,9 +101,10 @@ def test_another_speed_is_another_trajectory() -> None:
 
 
 def test_a_pose_where_others_stop_does_not_make_them_one() -> None:
-    """Two motions that begin and end at home, and a standstill there: three, not one."""
+    """Two short motions that wait long at home, and a standstill there: three, not one."""
     home = np.zeros(6)
-    moves = [joined(rest(home), wave(seed), rest(home)) for seed in (0, 1)]
+    wait = rest(home, seconds=60.0)
+    moves = [joined(wait, wave(seed, seconds=5.0), wait) for seed in (0, 1)]
     assert labels(*moves, rest(home)) == [0, 1, 2]
 
 
