@@ -33,10 +33,11 @@ from ur5lib.force.external_torque import is_still
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.template import Run
 from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.force_run import force_run
-from ur5lib.signals.lowpass import zero_phase_lowpass
-from ur5lib.tables import Array, channel, period, read_json, read_table
-from ur5lib.trajectories import Passed, group_by_path
+from ur5lib.pipeline.force_run import force_run
+from ur5lib.tables import channel, period, read_json, read_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 STEPS = [
     "fit_friction",

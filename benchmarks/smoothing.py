@@ -21,13 +21,13 @@ from ur5lib.robots.urdf import urdf
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import add_imu, encoder_system, smooth
+from ur5lib.timeseries.arrays import Array
 
 SAMPLES, PERIOD, ROUNDS = 10_000, 0.008, 3
 NOISE = EncoderNoise(np.ones((SAMPLES, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002))
 IMU_NOISE = np.tile(np.repeat([0.1, 0.01], 3), (SAMPLES, 1))
 TIME, SEGMENT = np.arange(SAMPLES) * PERIOD, np.zeros(SAMPLES, dtype=np.int64)
 
-Array = np.ndarray
 Kinematics = Callable[[Array], tuple[Array, Array]]
 """R6 (N, 3, 3) and J (N, 6, 6) of positions (N, 6)."""
 

@@ -19,14 +19,11 @@ import numpy as np
 import pandas as pd
 import torch
 
-from ur5lib.current_prior import controllers_ratio, prior_of
-from ur5lib.current_record import smoother
-from ur5lib.device_clock import device_clock
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import joint_states, unbroken
+from ur5lib.force.external_torque import joint_states
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
 from ur5lib.force.wrench_estimate import estimate_wrench
 from ur5lib.identification.currents import (
@@ -41,18 +38,23 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record, record_paths
-from ur5lib.intake import take_in
-from ur5lib.left_over import left_over
+from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
+from ur5lib.pipeline.current_record import smoother
+from ur5lib.pipeline.left_over import left_over
+from ur5lib.recordings.intake import take_in
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.imu_calibration import calibrate
 from ur5lib.signals.imu_record import imu_record
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
-from ur5lib.tables import WRENCH, Array, channel, labelled, named, read_json, read_table
+from ur5lib.tables import WRENCH, channel, labelled, named, read_json, read_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import unbroken
 
 SEEDS, SECONDS = 20, 20.0
 ORDER, CUTOFF = 4, 2.0  # of low-passes, as in the settings' defaults

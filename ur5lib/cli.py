@@ -46,7 +46,7 @@ def check(
     study: Annotated[Path, typer.Argument(help="the study's configuration, e.g. config.yaml")],
 ) -> None:
     """Read and repair every recording of a study, and print what was found in it."""
-    from ur5lib.check import print_findings
+    from ur5lib.study.check import print_findings
 
     if print_findings(study):
         raise SystemExit(1)
@@ -124,7 +124,7 @@ def _range(joint: int, within: list[str]) -> tuple[float, float]:
 @app.command()
 def schema() -> None:
     """Print the JSON schema of a study (workflow/study.schema.json)."""
-    from ur5lib.study import schema_text
+    from ur5lib.study.model import schema_text
 
     typer.echo(schema_text(), nl=False)
 
@@ -132,7 +132,7 @@ def schema() -> None:
 @app.command()
 def settings() -> None:
     """Print every setting of a study with its default (docs/settings.md)."""
-    from ur5lib.settings_table import settings_text
+    from ur5lib.study.settings_table import settings_text
 
     typer.echo(settings_text(), nl=False)
 

@@ -18,11 +18,9 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 UNITS = {  # of a channel, by its name without suffix

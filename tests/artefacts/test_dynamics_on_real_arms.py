@@ -9,9 +9,9 @@ import torch
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import gravity_torque, inverse_dynamics
-from ur5lib.intake import take_in
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.study import Recording, TableRecording, ThesisRecording
+from ur5lib.study.model import Recording, TableRecording, ThesisRecording
 from ur5lib.tables import channel
 
 TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"

@@ -10,8 +10,9 @@ from ur5lib.identification.friction import Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, design
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.tables import Array
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 PERIOD = 0.02
 CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])

@@ -12,12 +12,11 @@ import torch
 import yaml
 
 from tests.conftest import PROJECT
-from ur5lib.check import look_through, settled
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import States, joint_states, unbroken
+from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
 from ur5lib.force.sensor import SensorOffset, fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.force.template import Run, repeat_aware
@@ -33,16 +32,20 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
-from ur5lib.intake import take_in
-from ur5lib.left_over import left_over
+from ur5lib.pipeline.left_over import left_over
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clocks import Clock
 from ur5lib.signals.host_drifts import read_clock
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.signals.motion import differentiate
 from ur5lib.signals.resampling import resample
-from ur5lib.study import Recording, Study, parse_study
-from ur5lib.tables import Array, channel, period
+from ur5lib.study.check import look_through, settled
+from ur5lib.study.model import Recording, Study
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment, unbroken
 
 CUTOFF = 2.0  # Hz, of currents and external torques
 SENSOR = ["ft_fx", "ft_fy", "ft_fz", "ft_tx", "ft_ty", "ft_tz"]

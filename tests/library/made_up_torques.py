@@ -13,7 +13,7 @@ from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench
 from ur5lib.robots.description import Robot
-from ur5lib.tables import Array
+from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.032  # s, at which the estimate weighs samples, so that none is weighed in vain
 PRIOR = ContactPrior()

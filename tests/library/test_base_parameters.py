@@ -15,7 +15,6 @@ from ur5lib.dynamics.regressor import regressor
 from ur5lib.identification import base_parameters as module
 from ur5lib.identification.base_parameters import (
     NAMES,
-    Array,
     BaseParameters,
     Estimate,
     base_parameters,
@@ -28,12 +27,13 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.identified_model import identified_model, robot_yaml
-from ur5lib.intake import take_in
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.study import ThesisRecording
+from ur5lib.study.model import ThesisRecording
 from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
 
 torch.set_num_threads(1)
 

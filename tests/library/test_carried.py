@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ur5lib.carried import carried
+from ur5lib.pipeline.carried import carried
 from ur5lib.robots.description import Payload
 from ur5lib.tables import named
 

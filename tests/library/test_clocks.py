@@ -21,9 +21,9 @@ from ur5lib.signals.clocks import (
     clock_from_rotation,
     clock_from_stamps,
 )
-from ur5lib.signals.lowpass import zero_phase_lowpass
-from ur5lib.signals.motion import differentiate
 from ur5lib.signals.resampling import resample
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
 OFFSET, DRIFT = -0.08, -3300e-6
 STAMPS = clock_from_stamps(-0.03, 0.1)

@@ -20,11 +20,12 @@ from ur5lib.identification.closed_loop import (
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.intake import take_in
-from ur5lib.metrics import mean_absolute_error
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot
-from ur5lib.study import ThesisRecording
-from ur5lib.tables import Array, channel, period
+from ur5lib.study.model import ThesisRecording
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import mean_absolute_error
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 FAST = "Movement_No4_Acc"

@@ -8,8 +8,8 @@ import pytest
 from tests.library.made_up_torques import PRIOR, REGULAR, jacobians, torque_of
 from ur5lib.force.contact_wrench import contact_wrench, learned_size, least_squares_wrench
 from ur5lib.force.current_based import wrench_from_torque
-from ur5lib.metrics import coverage
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.metrics import coverage
 
 COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25
 LOSSLESS = replace(PRIOR, efficiency=1.0, efficiency_std=0.0, load_friction=0.0)

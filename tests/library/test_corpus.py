@@ -14,7 +14,7 @@ import pytest
 
 from tests.corpus import Case, corpus
 from ur5lib.errors import InputError
-from ur5lib.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, take_in
 from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
 

@@ -62,7 +62,8 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.tables import Array, read_json, write_json
+from ur5lib.tables import read_json, write_json
+from ur5lib.timeseries.arrays import Array
 
 RUNS = 200
 STUDY = 10  # recordings

@@ -24,12 +24,14 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.intake import take_in
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.signals.motion import differentiate
-from ur5lib.study import Recording, TableRecording, ThesisRecording
-from ur5lib.tables import Array, channel, period
+from ur5lib.study.model import Recording, TableRecording, ThesisRecording
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 FITTED = [
     "Movement_No1",

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from tests.library.test_base_parameters import blocks, columns, fit, parameters, sines, ur5_base
-from ur5lib.identification.base_parameters import Array, prior_width, stack
+from ur5lib.identification.base_parameters import prior_width, stack
 from ur5lib.identification.excitation import Excitation, candidate_motions, check_excitation
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
 
 
 @cache

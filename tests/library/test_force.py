@@ -15,7 +15,8 @@ from ur5lib.force.current_based import (
     wrench_from_torque,
 )
 from ur5lib.force.sensor import bias, move_to_frame_6, wrench_of_environment
-from ur5lib.metrics import (
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.metrics import (
     correlation,
     coverage,
     interval_score,
@@ -25,7 +26,6 @@ from ur5lib.metrics import (
     slope,
     zero_interval_score,
 )
-from ur5lib.robots.description import Robot
 
 RANDOM = np.random.default_rng(0)
 

@@ -22,8 +22,8 @@ from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import WrenchEstimate, contact_spans, estimate_wrench
-from ur5lib.metrics import coverage, slope
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.metrics import coverage, slope
 
 AXES = np.eye(3)
 SIZES = [5.0, 30.0, 80.0]  # N

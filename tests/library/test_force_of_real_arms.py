@@ -24,10 +24,10 @@ from ur5lib.force.contact_figures import figures_by_contact
 from ur5lib.force.detection import alarm_threshold, alarms, compare
 from ur5lib.force.sensed_contacts import contacts
 from ur5lib.force.wrench_estimate import WrenchEstimate
-from ur5lib.metrics import correlation
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clocks import Clock
-from ur5lib.study import Study, TableRecording
+from ur5lib.study.model import Study, TableRecording
+from ur5lib.timeseries.metrics import correlation
 
 FREE = ["Movement_No8_Singularity_Free_1", "Movement_No9_Singularity_Free_NoDist"]
 PUSHED = "Movement_No9_Singularity_Free_ForceSensor"

@@ -17,7 +17,6 @@ from ur5lib.force.external_torque import (
     external_torque,
     is_still,
     joint_states,
-    unbroken,
     without_edges,
 )
 from ur5lib.force.residual_model import (
@@ -27,6 +26,7 @@ from ur5lib.force.residual_model import (
     few_paths,
     fit_residual_model,
 )
+from ur5lib.timeseries.segments import unbroken
 
 PERIOD = 0.02
 BREAKAWAY = np.array([6.0, 6, 4, 2, 2, 2])

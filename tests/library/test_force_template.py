@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ur5lib.force.external_torque import RESTING, STATES, STILL, joint_states, unbroken
+from ur5lib.force.external_torque import RESTING, STATES, STILL, joint_states
 from ur5lib.force.residual_model import (
     ResidualModel,
     Stretch,
@@ -13,6 +13,7 @@ from ur5lib.force.residual_model import (
     fit_residual_model,
 )
 from ur5lib.force.template import Run, learn_repeats, repeat_aware, same_trajectory, template
+from ur5lib.timeseries.segments import unbroken
 
 PERIOD = 0.02
 COUNT = 1500

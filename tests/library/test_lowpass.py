@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from ur5lib.signals.lowpass import (
+from ur5lib.timeseries.lowpass import (
     THESIS_ACCELERATION,
     THESIS_CURRENT,
     Butterworth,

@@ -10,16 +10,16 @@ from pydantic import TypeAdapter
 
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
-from ur5lib.intake import Intake, take_in
 from ur5lib.recordings.checks import check_force_sensor
 from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.formats import READERS, read_recording
+from ur5lib.recordings.intake import Intake, take_in
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.study import Recording
+from ur5lib.study.model import Recording
 
 
 @pytest.fixture

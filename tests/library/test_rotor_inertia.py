@@ -11,13 +11,15 @@ import torch
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
-from ur5lib.intake import take_in
-from ur5lib.metrics import mean_absolute_error
+from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.signals.motion import differentiate
-from ur5lib.study import Recording, TableRecording, ThesisRecording
-from ur5lib.tables import Array, channel, period
+from ur5lib.study.model import Recording, TableRecording, ThesisRecording
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import by_segment
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd
 

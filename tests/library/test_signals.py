@@ -7,9 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ur5lib.signals.clocks import clock_from_stamps
-from ur5lib.signals.lowpass import by_segment, causal_lowpass, zero_phase_lowpass
-from ur5lib.signals.motion import differentiate
 from ur5lib.signals.resampling import resample
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import causal_lowpass, zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 RATE = 125.0
 TIME = np.arange(2000) / RATE

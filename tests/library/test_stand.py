@@ -24,7 +24,8 @@ from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import STEP, Experiment, perform
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.tables import Array, channel
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
 
 torch.set_num_threads(1)
 

@@ -10,21 +10,22 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
-from ur5lib.carried import told_payload
-from ur5lib.device_clock import device_clock
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
-from ur5lib.intake import Intake, take_in
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.recordings.intake import Intake, take_in
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.lowpass import zero_phase_lowpass
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.stand.faults import LATE, SPLIT, split_late
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import Format, simulate
-from ur5lib.study import parse_study
-from ur5lib.tables import Array, channel, read_json, read_table
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import channel, read_json, read_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
 FOURIER: dict[str, Any] = {"kind": "fourier"}
 HOME = (2.181661, -2.135061, -1.745329, 0.275936, -6.021385, 0.0)

@@ -8,8 +8,9 @@ import yaml
 
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
-from ur5lib.settings_table import settings_text
-from ur5lib.study import Study, arms_without_fit, parse_study, schema_text
+from ur5lib.study.model import Study, arms_without_fit, schema_text
+from ur5lib.study.reading import parse_study
+from ur5lib.study.settings_table import settings_text
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.trajectories import NEAR_POSITION, Passed, group_by_path, nearest, place
+from ur5lib.timeseries.trajectories import NEAR_POSITION, Passed, group_by_path, nearest, place
 
 PERIOD = 0.02
 Motion = tuple[np.ndarray, np.ndarray]

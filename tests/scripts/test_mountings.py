@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 
 from tests.scripts.conftest import script
-from ur5lib.current_record import current_record
 from ur5lib.force.current_based import wrench_from_torque
+from ur5lib.pipeline.current_record import current_record
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import ForceSensor, Imu
-from ur5lib.study import parse_study
-from ur5lib.tables import Array, channel, labelled_channel, read_json, read_table, write_table
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import channel, labelled_channel, read_json, read_table, write_table
+from ur5lib.timeseries.arrays import Array
 
 MOUNTINGS = {  # gravity in the base frame [m/s²]
     "floor": None,

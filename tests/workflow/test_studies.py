@@ -18,7 +18,7 @@ from ur5lib.report.compose import compose
 from ur5lib.report.contents import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
-from ur5lib.study import parse_study
+from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_csv
 
 STUDY = """\

@@ -110,9 +110,9 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
 @pytest.mark.parametrize(
     ("module", "expected"),
     [
-        ("ur5lib/signals/lowpass.py",
+        ("ur5lib/timeseries/lowpass.py",
          jobs(*FROM_CLOCKS) | ALL_ELSE),
-        ("ur5lib/signals/motion.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
+        ("ur5lib/timeseries/derivative.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/host_drifts.py",
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
@@ -132,7 +132,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/contact_prior.py",
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
-        ("ur5lib/trajectories.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
+        ("ur5lib/timeseries/trajectories.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
         ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | REPORT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),

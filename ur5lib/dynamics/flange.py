@@ -1,14 +1,11 @@
 """The flange: pose of frame 6 and its Jacobian, from joint positions as an array."""
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:

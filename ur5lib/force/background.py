@@ -3,12 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
 from ur5lib.force.external_torque import finite_rows
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 class Smoothed(NamedTuple):

@@ -8,8 +8,7 @@ held by a hand moves more than what nothing touches.
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Mask
 
 STRETCH = 0.1  # s
 DRAWS, TOGETHER = 600, 3  # candidates, and of how many stretches each where one is not enough

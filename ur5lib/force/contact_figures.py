@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.detection import overlap
 from ur5lib.force.sensed_contacts import CONTACT, contacts, in_contact, is_free
-from ur5lib.metrics import (
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import (
     correlation,
     coverage,
     interval_score,
@@ -18,9 +18,6 @@ from ur5lib.metrics import (
     slope,
     zero_interval_score,
 )
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 STATED = (0.5, 0.8, 0.95)  # what bands are said to hold
 DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and how many contacts they need

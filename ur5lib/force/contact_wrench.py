@@ -3,14 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import Mask, finite_rows
+from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.gate import diagonal
 from ur5lib.force.map_estimate import Posterior, regularised_wrench
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Mask
 
 ROUNDS = 30  # of learning a contact's size; most settle in ten
 WEIGHT = 1.0  # of the usual contact, in independent samples

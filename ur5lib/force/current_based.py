@@ -1,11 +1,9 @@
 """The thesis's estimates of a contact wrench from motor currents (Chapter 6)."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.robots.description import CurrentToTorque, Friction
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 # The published script takes the Jacobian by an index that starts 20 samples of 4 ms earlier
 # than the torques': found by matching Table 6.2, whose maxima for F are then met within 0.6 %.

@@ -4,10 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Mask
+
 Span = tuple[int, int]  # first sample, and the one after the last
 
 HYSTERESIS = 2.0  # in log-odds: what an alarm may lose before it ends

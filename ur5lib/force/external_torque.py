@@ -1,14 +1,12 @@
 """The torque that the environment puts on the joints, and in which state each joint is."""
 
-from itertools import pairwise
-
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, maximum_filter1d
 
-Array = NDArray[np.float64]
-States = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import unbroken
+
+States = Labels
 
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 STATES = 5
@@ -33,13 +31,7 @@ def finite_rows(values: Array) -> Mask:
     return np.asarray(np.isfinite(values).all(axis=1))
 
 
-def unbroken(segment: NDArray[np.int64]) -> list[slice]:
-    """The stretches of a recording (N,) that no gap divides."""
-    bounds = [0, *(1 + np.flatnonzero(np.diff(segment))), len(segment)]
-    return [slice(first, last) for first, last in pairwise(bounds)]
-
-
-def without_edges(values: Array, segment: NDArray[np.int64], samples: int) -> Array:
+def without_edges(values: Array, segment: Labels, samples: int) -> Array:
     """NaN for the first and last samples of each stretch: there a low-pass knows one side only."""
     result = values.copy()
     for stretch in unbroken(segment):
@@ -49,7 +41,7 @@ def without_edges(values: Array, segment: NDArray[np.int64], samples: int) -> Ar
     return result
 
 
-def joint_states(qd: Array, segment: NDArray[np.int64], period: float) -> States:
+def joint_states(qd: Array, segment: Labels, period: float) -> States:
     """The state (N, 6) of each joint, by which its friction is known well or badly.
 
     MOVING; REVERSING, near a change of direction; SETTLING, stopped for less than a second or about

@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force import hidden_markov
 from ur5lib.force.background import Smoothed, smooth
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import STATES, STILL, Mask, States, finite_rows
+from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
 from ur5lib.force.residual_model import ResidualModel
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Mask
 
 # How much of the background's uncertainty counts in each round: at first little, so that nothing
 # that may be a contact is learnt as background.

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.external_torque import finite_rows
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 SHORTEST = 2.0  # s; a shorter contact tells no load from a push
 EDGE = 0.5  # s at both ends, while it is taken up or put down

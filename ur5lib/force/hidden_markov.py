@@ -1,9 +1,8 @@
 """Which of several states a recording is in at each sample, as a hidden Markov chain."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:

@@ -3,11 +3,9 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.external_torque import finite_rows
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 class Posterior(NamedTuple):

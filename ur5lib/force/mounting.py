@@ -1,12 +1,10 @@
 """Whether a force sensor is mounted as it is read: by the motor currents, and by its tool."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.sensor import SensorOffset
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 # Correlation of sensor and estimate along an axis: 0.55 to 1 on six recordings, three of them real,
 # and the opposite of it where the sensor is turned.

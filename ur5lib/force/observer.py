@@ -1,12 +1,11 @@
 """External torque by the generalised momentum: no joint accelerations [De Luca et al. 2006]."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
-from ur5lib.force.external_torque import finite_rows, unbroken
-
-Array = NDArray[np.float64]
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import unbroken
 
 
 def momentum_rate(motor: Array, friction: Array, coriolis: Array, gravity: Array) -> Array:
@@ -18,7 +17,7 @@ def momentum_rate(motor: Array, friction: Array, coriolis: Array, gravity: Array
 
 
 def observe(
-    momentum: Array, rate: Array, segment: NDArray[np.int64], period: float, bandwidth: float
+    momentum: Array, rate: Array, segment: Labels, period: float, bandwidth: float
 ) -> Array:
     """External torque (N, 6) [Nm], the environment acting on the arm: r of K r' = dp/dt - rate - r.
 
@@ -40,9 +39,7 @@ def observe(
     return result
 
 
-def _known(momentum: Array, rate: Array, segment: NDArray[np.int64]) -> list[NDArray[np.int64]]:
+def _known(momentum: Array, rate: Array, segment: Labels) -> list[slice]:
     """Rows of each stretch without gap and without NaN."""
     finite = finite_rows(momentum + rate)
-    stretches = [np.arange(len(finite))[rows] for rows in unbroken(segment)]
-    parts = [np.split(rows, 1 + np.flatnonzero(np.diff(finite[rows]))) for rows in stretches]
-    return [part for split in parts for part in split if finite[part[0]]]
+    return [rows for rows in unbroken(segment, finite) if finite[rows.start]]

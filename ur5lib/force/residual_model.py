@@ -5,7 +5,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtri, stdtrit
 
@@ -17,12 +16,10 @@ from ur5lib.force.external_torque import (
     REVERSING,
     SETTLING,
     STATES,
-    Mask,
     States,
     finite_rows,
 )
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Mask
 
 SHORT, LONG = 0.5, 2.0  # s: half a push of a hand, and twice one
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, between which the slow part renews itself

@@ -1,13 +1,10 @@
 """When something touches the arm, as its force sensor tells it."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from ur5lib.force.detection import Span, spans
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Mask
 
 TOUCH, RELEASE = 3.0, 2.0  # N: what a contact reaches, and above what it lasts
 CONTACT = 5.0  # N, above which errors count as those in contact

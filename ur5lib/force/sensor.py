@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 
 from ur5lib.force.consensus import TOGETHER, agreement, candidates, drawn, quiet_stretches
-from ur5lib.force.external_torque import Mask, finite_rows
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.timeseries.arrays import Array, Mask
 
-Array = NDArray[np.float64]
 Fit = tuple[Array, Mask, Array]  # parameters (10,), free samples (N,), their noise (6,)
 
 ROUNDS = 20  # of fitting and leaving contacts out; they settle in fewer

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
 
-Array = NDArray[np.float64]
 Limits = list[tuple[float, float]]
 
 KINDS = ("shoulder", "elbow", "wrist")

@@ -10,21 +10,18 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.force.external_torque import (
     RESTING,
     STATES,
-    Mask,
     States,
     finite_rows,
     is_still,
-    unbroken,
 )
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
-from ur5lib.trajectories import SAME, nearest, place
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.trajectories import SAME, nearest, place
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ class Run:
     qd: Array
     torque: Array
     states: States
-    segment: NDArray[np.int64]
+    segment: Labels
     period: float
     doubt: Array | None = None
 

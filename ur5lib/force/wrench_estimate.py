@@ -7,19 +7,18 @@ when there is a contact and what b is; each contact's own samples then say how l
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
 from ur5lib.force.detection import Span, spans
-from ur5lib.force.external_torque import Mask, States, finite_rows, unbroken
+from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import unbroken
 
 STEP = 0.032  # s between the samples that are weighed: torques hold nothing above some 2 Hz
 OPENS, CLOSES = 0.5, 0.1  # probability from which a contact is one, and to which it lasts
@@ -67,7 +66,7 @@ def estimate_wrench(
     torque: Array,
     jacobian: Array,
     states: States,
-    segment: NDArray[np.int64],
+    segment: Labels,
     period: float,
     model: ResidualModel,
     prior: ContactPrior,

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
-from ur5lib.metrics import mean_absolute_error
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import mean_absolute_error
 
-Array = NDArray[np.float64]
 Blocks = Iterable[tuple[Array, Array]]
 
 LINK = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
@@ -74,7 +74,7 @@ class Estimate:
         """Of groups π; groups: (B, P)."""
         return np.asarray(np.linalg.norm(groups @ self.scatter.T, axis=1), dtype=np.float64)
 
-    def determined(self, groups: Array) -> NDArray[np.bool_]:
+    def determined(self, groups: Array) -> Mask:
         """Which of groups π the data tell, (B,): they, not the prior, give it a small error."""
         before = np.linalg.norm(groups * self.width, axis=1)
         share = prior_share(groups, self.spread, self.width)

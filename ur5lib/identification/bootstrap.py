@@ -6,11 +6,9 @@ larger of both spreads counts.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, stdtrit
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels
 
 DRAWS = 500
 

@@ -10,15 +10,14 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 from scipy.ndimage import minimum_filter
 from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
 from scipy.signal import lfilter
 from scipy.stats import f as fisher
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import unbroken
 
 NODES = 31  # of the grid of gains, on each axis
 STARTS = 5  # how many of its valleys are followed down
@@ -210,12 +209,14 @@ def _joints(tracking: Tracking) -> list[_Joint]:
     t = tracking
     signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd], axis=2)
     finite = np.asarray(np.isfinite(signals).all(axis=(1, 2)))
-    breaks = 1 + np.flatnonzero((np.diff(t.segment) != 0) | (np.diff(finite) != 0))
-    unbroken = np.split(np.arange(len(finite)), breaks)
-    stretches = [rows for rows in unbroken if len(rows) > 1 and finite[rows[0]]]
-    if not stretches:
+    complete = [
+        rows
+        for rows in unbroken(t.segment, finite)
+        if finite[rows.start] and rows.stop - rows.start > 1
+    ]
+    if not complete:
         raise ValueError("no two successive samples are complete")
-    return [_Joint([signals[rows, joint] for rows in stretches], t.period) for joint in range(6)]
+    return [_Joint([signals[rows, joint] for rows in complete], t.period) for joint in range(6)]
 
 
 def _noise(errors: list[Array]) -> float:

@@ -2,11 +2,9 @@
 
 import cvxpy as cp
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification.base_parameters import Estimate
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 LENGTH = 0.1  # m: a link's size, to bring masses, moments and inertias to one scale
 MARGIN = 1e-6  # kg, kg m²: far below any link's, far above what the solver misses it by

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification import bootstrap
 from ur5lib.identification.estimation import (
@@ -23,8 +22,6 @@ from ur5lib.identification.friction import CONSIDERED, FAMILY, PRESLIDING, Term
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.samples import (
     FEW,
-    Labels,
-    Mask,
     Record,
     Samples,
     Smooth,
@@ -39,8 +36,7 @@ from ur5lib.identification.selection import (
     held_current,
     left_out_residuals,
 )
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification import bootstrap
 from ur5lib.identification.friction import Term
@@ -15,8 +14,7 @@ from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import Normal, posterior_mean
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels
 
 
 @dataclass(frozen=True)
@@ -110,7 +108,7 @@ def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:
     return prior.mean + normal @ root.T
 
 
-def _unit_of_block(samples: Sequence[Samples], count: int) -> NDArray[np.int64]:
+def _unit_of_block(samples: Sequence[Samples], count: int) -> Labels:
     unit = np.full(count, -1)
     for joint in samples:
         unit[joint.block] = joint.unit

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ur5lib.identification.base_parameters import (
@@ -18,8 +17,8 @@ from ur5lib.identification.base_parameters import (
     solve,
     total,
 )
+from ur5lib.timeseries.arrays import Array, Mask
 
-Array = NDArray[np.float64]
 Motion = tuple[Array, Array, Array]
 
 GROUPS = {  # of parameters, by the words their names begin with
@@ -93,7 +92,7 @@ def _rows(regressor: Array) -> Array:
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
-def _told(rows: Array, base: BaseParameters, width: Array, noise: Array) -> NDArray[np.bool_]:
+def _told(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= LARGEST_SHARE
 
@@ -121,9 +120,7 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     }
 
 
-def _advice(
-    base: BaseParameters, unknown: NDArray[np.bool_], after: dict[str, NDArray[np.bool_]]
-) -> list[str]:
+def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> list[str]:
     """The motion that would tell most of what is unknown, then the next one for the rest."""
     sentences: list[str] = []
     left = unknown

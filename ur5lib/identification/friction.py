@@ -8,10 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import starts
 
 MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is stiction
 # Slip before sliding [rad]: Coulomb torque over this is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
@@ -31,14 +31,14 @@ class JointMotion:
     direction: Array
 
 
-def friction_direction(q: Array, segment: NDArray[np.int64], distance: float) -> Array:
+def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
     """Direction of a joint's dry friction (N,), -1 to 1: it turns over a distance, not at once.
 
     dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample; at
     rest it stays. q: (N,) [rad]; distance: [rad]. Zero at the start of a segment, where nothing is
     known of it.
     """
-    fresh = np.diff(segment, prepend=segment[0] - 1) != 0
+    fresh = starts(segment)
     step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
     kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
     bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])

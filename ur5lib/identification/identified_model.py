@@ -1,14 +1,11 @@
 """Identified parameters as one more model of an arm, and the arm as YAML."""
 
-import numpy as np
 import yaml
-from numpy.typing import NDArray
 
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.inertia import shift_inertia, tensor
 from ur5lib.robots.urdf import link_tail
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def identified_model(robot: Robot, parameters: Array, description: str) -> Model:

@@ -8,15 +8,13 @@ run to run, runs tell that carry nothing.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
 from ur5lib.identification.bootstrap import spread
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.regression import Normal, regress
-from ur5lib.identification.samples import STEP, Labels, Record, Smooth, blocks, smoothed_moving
-
-Array = NDArray[np.float64]
+from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
+from ur5lib.timeseries.arrays import Array, Labels
 
 ROUNDS = 5
 DRAWS = 50

@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ur5lib.identification.friction import Term
 from ur5lib.identification.regression import Normal
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels
 
 HUBER = 1.345  # standard deviations; 95 % as efficient as least squares on Gaussian noise
 ROUNDS = 10

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 HUBER = 1.345  # standard deviations: 95 % efficient where errors are normal (Huber 1964)
 PARTS = 8  # into which a recording is cut where it is the only one

@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification.friction import (
     BASE,
@@ -20,11 +19,9 @@ from ur5lib.identification.friction import (
     friction_direction,
     resting,
 )
-from ur5lib.trajectories import Passed, group_by_path
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 STEP = 0.1  # s between samples
 BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
@@ -187,5 +184,4 @@ def _whole(count: int) -> int:
 def blocks(record: Record) -> Labels:
     """Labels (N,) of stretches of BLOCK seconds that cross no segment."""
     running = np.arange(len(record.segment)) // max(1, round(BLOCK / record.period))
-    changed = (np.diff(record.segment) != 0) | (np.diff(running) != 0)
-    return np.concatenate([[0], np.cumsum(changed)])
+    return np.cumsum(starts(record.segment) | starts(running)) - 1

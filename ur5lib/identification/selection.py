@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification.friction import BASE, Term, is_dissipative
 from ur5lib.identification.prior import JointPrior
 from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
 from ur5lib.identification.samples import Samples
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 # Of the left-out error's logarithm. Many terms are tried, so one has to win by three standard
 # errors over the recordings, and by a twentieth: less is not worth a term.

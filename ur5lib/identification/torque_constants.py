@@ -3,11 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification.regression import Normal
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 STILL = 1e-3  # rad/s
 LOAD = 0.1  # Nm; a joint that carries less tells no ratio

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.identification.friction import BASE, MOVING, Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from ur5lib.errors import InputError
@@ -12,9 +11,7 @@ from ur5lib.recordings.columns import SUFFIXES
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # filled shape-preserving
 OFF_GRID = 0.1  # cycles that a step may miss a whole number of them by
@@ -136,14 +133,14 @@ def _repair_stretch(stretch: pd.DataFrame, timing: Timing, max_gap: float) -> St
 
 
 def _fill_channels(
-    stretch: pd.DataFrame, place: Array, slots: NDArray[np.int64], timing: Timing, max_gap: float
-) -> tuple[dict[str, Array], dict[str, Flags], Flags]:
+    stretch: pd.DataFrame, place: Array, slots: Labels, timing: Timing, max_gap: float
+) -> tuple[dict[str, Array], dict[str, Mask], Mask]:
     """Columns at the slots, which of them were filled by channel, and slots that one of them lost.
 
     A slot is lost to a gap that is too long in any channel, and to one that is there nowhere.
     """
     columns_at: dict[str, Array] = {}
-    flags: dict[str, Flags] = {}
+    flags: dict[str, Mask] = {}
     lost = np.zeros(len(slots), dtype=bool)
     for name, columns in _vectors(stretch).items():
         values = stretch[columns].to_numpy(float)
@@ -168,8 +165,8 @@ def _places(time: Array, timing: Timing) -> Array:
 
 
 def _fill(
-    place: Array, values: Array, slots: NDArray[np.int64], timing: Timing, max_gap: float, name: str
-) -> tuple[Array, Flags, Flags]:
+    place: Array, values: Array, slots: Labels, timing: Timing, max_gap: float, name: str
+) -> tuple[Array, Mask, Mask]:
     """Values at the slots, which of them were not received, and which lie in too long a gap."""
     after = np.clip(np.searchsorted(place, slots), 0, len(place) - 1)
     before = np.maximum(np.searchsorted(place, slots, side="right") - 1, 0)
@@ -186,7 +183,7 @@ def _fill(
     return filled, missing, beyond
 
 
-def _interpolate(place: Array, values: Array, slots: NDArray[np.int64], name: str) -> Array:
+def _interpolate(place: Array, values: Array, slots: Labels, name: str) -> Array:
     if f"{name}_" in SMOOTH:
         return PchipInterpolator(place, values, axis=0)(slots)
     return np.stack([np.interp(slots, place, column) for column in values.T], axis=1)

@@ -3,14 +3,12 @@
 import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.tables import unit
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Mask
 
 BOUNDS = {  # far beyond what any of the maker's arms does, SI units
     "actual_q_": 4 * np.pi,
@@ -56,7 +54,7 @@ def drop_implausible(
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 
 
-def _beyond(channels: pd.DataFrame, bound: float, source: str) -> NDArray[np.bool_]:
+def _beyond(channels: pd.DataFrame, bound: float, source: str) -> Mask:
     """Which rows (N,) lie beyond a bound. Raises InputError when more than a few do."""
     size = channels.abs()
     beyond = (size > bound).any(axis="columns").to_numpy()
@@ -88,7 +86,7 @@ def check_pace(time: Array, source: str, shortest: float = SHORTEST_STEP) -> Non
         )
 
 
-def stray_times(time: Array) -> NDArray[np.bool_]:
+def stray_times(time: Array) -> Mask:
     """Which stamps [s] (N,) are far from all others, or far from those around them in the file."""
     steps = np.diff(time)
     if len(time) < 2 * AROUND + 1 or (steps.min() >= 0 and steps.max() <= PAUSE):
@@ -104,7 +102,7 @@ def first_time(time: Array) -> float:
     return float(time[epochs(time) == 0].min())
 
 
-def _contradicted(time: Array) -> NDArray[np.bool_]:
+def _contradicted(time: Array) -> Mask:
     """Stamps far from the middle of those around them; in rising stamps, there are none."""
     if np.mean(np.diff(time) < 0) > FEW:  # rows are shuffled: neighbours tell nothing
         return np.zeros(len(time), dtype=bool)
@@ -112,7 +110,7 @@ def _contradicted(time: Array) -> NDArray[np.bool_]:
     return np.abs(time - np.median(around, axis=1)) > LONGEST_STEP
 
 
-def _islands(time: Array) -> NDArray[np.bool_]:
+def _islands(time: Array) -> Mask:
     """Stamps beyond a long pause with few others."""
     order = np.argsort(time, kind="stable")
     island = np.concatenate([[0], np.cumsum(np.diff(time[order]) > PAUSE)])

@@ -24,14 +24,13 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.csv as pacsv
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding
 from ur5lib.tables import columns
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+Integers = Labels
 
 SOFTWARE = {  # of the controller, by the size of its messages [bytes]
     756: "1.5, 1.6",
@@ -167,7 +166,7 @@ class _Messages:
             at += max(count * size, 1)
         self._rest = stream[at:]
 
-    def _keep(self, doubles: NDArray[np.float64], size: int) -> None:
+    def _keep(self, doubles: Array, size: int) -> None:
         """Enter messages, their doubles as sent (N, D), into the table of their size."""
         fields = _fields(size)
         if size not in self.tables:
@@ -379,12 +378,12 @@ def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
     return size, stamps[: _leading(agree & possible)]
 
 
-def _leading(flags: NDArray[np.bool_]) -> int:
+def _leading(flags: Mask) -> int:
     """How many flags (N,) are set before the first that is not."""
     return len(flags) if flags.all() else int(flags.argmin())
 
 
-def _follows(before: Array, after: Array, longest: float = LONGEST) -> NDArray[np.bool_]:
+def _follows(before: Array, after: Array, longest: float = LONGEST) -> Mask:
     """Whether stamps [s] can belong to consecutive messages: moved on, or stale, which is seen."""
     step = after - before
     return ((step == 0) & (after > 0)) | ((step >= SHORTEST) & (step <= longest))

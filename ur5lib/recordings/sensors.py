@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.columns import expand, to_si
@@ -18,8 +17,7 @@ from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
 from ur5lib.recordings.quality import SENSORS, Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
 IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.patches import Ellipse
-from numpy.typing import NDArray
 
 from ur5lib.report.house_style import (
     DOTS,
@@ -20,8 +19,8 @@ from ur5lib.report.house_style import (
     Drawing,
     nothing_to_draw,
 )
+from ur5lib.timeseries.arrays import Array
 
-Array = NDArray[np.float64]
 MARGIN = 0.2  # m, around an arm
 
 

@@ -3,9 +3,8 @@
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 POINTS = 1400  # about two for each dot across a printed page
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.metrics import mean_absolute_error
 from ur5lib.report.reference import PrintedTable, published
 from ur5lib.tables import channel
+from ur5lib.timeseries.metrics import mean_absolute_error
 
 Row = dict[str, object]
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.metrics import mean_absolute_error
 from ur5lib.report.reference import PrintedTable, published
 from ur5lib.tables import channel
+from ur5lib.timeseries.metrics import mean_absolute_error
 
 Row = dict[str, object]
 

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from ur5lib.report.decimation import decimate
 from ur5lib.report.house_style import (
@@ -26,8 +25,8 @@ from ur5lib.report.house_style import (
     Drawing,
     nothing_to_draw,
 )
+from ur5lib.timeseries.arrays import Array, Mask
 
-Array = NDArray[np.float64]
 Series = Mapping[str, tuple[Array, str]]
 SMALLEST_SPAN = 1e-3  # of a panel
 ERRORS = "error of {}"
@@ -74,7 +73,7 @@ class Traces:
     series: Series
     errors: Series | None = None
     band: tuple[Array, Array] | None = None
-    hidden: NDArray[np.bool_] | None = None
+    hidden: Mask | None = None
 
 
 def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
@@ -181,9 +180,7 @@ def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
     return pd.DataFrame({"time [s]": traces.time, **drawn})
 
 
-def _columns(
-    series: Series, name: str, panels: Sequence[Panel]
-) -> Iterator[tuple[str, NDArray[np.float64]]]:
+def _columns(series: Series, name: str, panels: Sequence[Panel]) -> Iterator[tuple[str, Array]]:
     for label, (values, _) in series.items():
         for i, panel in enumerate(panels):
             yield f"{name.format(label)}, {panel.name} [{panel.unit}]", values[:, i]
@@ -195,7 +192,7 @@ def _gaps(time: Array) -> tuple[Array, Array]:
     return time[inside - 1], time[inside + 1]
 
 
-def _stretches(time: Array, where: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
     """Where stretches begin and end."""
     known = np.isfinite(time) & (where == 1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]])))

@@ -7,8 +7,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm, t
 
-from ur5lib.metrics import Array, coverage, mean_absolute_error
 from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
 Row = dict[str, object]
 

@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.robots.description import Cylinder, Payload, Robot
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)

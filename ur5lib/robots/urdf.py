@@ -7,7 +7,8 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import numpy as np
 
 from ur5lib.robots.description import DenavitHartenberg, Robot
-from ur5lib.robots.inertia import Array, RigidBodies
+from ur5lib.robots.inertia import RigidBodies
+from ur5lib.timeseries.arrays import Array
 
 
 def link_tail(parameters: DenavitHartenberg) -> tuple[Array, Array]:

@@ -6,10 +6,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ur5lib.signals.lowpass import by_segment, inner_lowpass
-
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.lowpass import inner_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 GAP = 5.0  # mean steps of a device; a longer one is a gap
 BAND, ORDER = 4.0, 4  # Hz; below it an arm moves, above it it shakes

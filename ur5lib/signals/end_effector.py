@@ -1,11 +1,9 @@
 """Acceleration of a point of the end effector: from the joints, and as its IMU felt it."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.signals.imu_model import jacobian_derivative, point_jacobian
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def point_velocity(rotation: Array, jacobian: Array, qd: Array, point: Array) -> Array:

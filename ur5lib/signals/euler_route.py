@@ -3,13 +3,11 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ur5lib.signals.lowpass import by_segment
-from ur5lib.signals.motion import differentiate
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.segments import by_segment
 
 
 def euler_acceleration(
@@ -17,7 +15,7 @@ def euler_acceleration(
     jacobian: Array,
     qd: Array,
     qdd: Array,
-    segment: NDArray[np.int64],
+    segment: Labels,
     period: float,
     printed: bool,
 ) -> Array:

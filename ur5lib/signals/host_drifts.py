@@ -5,11 +5,9 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.signals.clocks import BY_MOTION, WANDER, Clock
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from ur5lib.signals.lowpass import by_segment
-from ur5lib.signals.motion import differentiate
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.segments import by_segment
 
 BLOCK = 2.0  # s; residuals further apart than this are taken as independent
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 MOTION, BIASES = 18, 6  # entries of the state: q, q̇, q̈; accelerometer and gyroscope biases
 

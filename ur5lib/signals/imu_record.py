@@ -9,10 +9,12 @@ import pandas as pd
 
 from ur5lib.signals.clocks import BY_MOTION
 from ur5lib.signals.end_effector import point_velocity
-from ur5lib.signals.imu_calibration import Array, ImuRecord
-from ur5lib.signals.lowpass import by_segment, inner_lowpass
-from ur5lib.signals.motion import differentiate
+from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import inner_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 ACCELEROMETER = ["imu_ax", "imu_ay", "imu_az"]
 GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]

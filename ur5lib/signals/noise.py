@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import solve_discrete_are
@@ -12,9 +11,8 @@ from scipy.optimize import minimize
 from scipy.special import softmax
 from scipy.stats import chi2
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import unbroken
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
 JERK_WINDOW, IMU_WINDOW = 0.13, 0.5  # s, over which an intensity is taken as constant
@@ -174,7 +172,7 @@ class _Record:
         scale = np.array([1, H[1, 1]])
         filters = [signal.ss2tf(A, K, -H, np.eye(2), input=index) for index in (0, 1)]
         innovations = np.empty_like(self.values)
-        for rows in _stretches(self.segment):
+        for rows in unbroken(self.segment):
             z = self.values[rows]
             z = scale * (z - z[0] - np.outer(np.arange(len(z)), [z[0, 1], 0]))
             innovations[rows] = sum(
@@ -203,15 +201,10 @@ def jerk_covariance(step: Array | float) -> Array:
     return gained[..., :, None] * gained[..., None, :]
 
 
-def _stretches(segment: Labels) -> list[NDArray[np.intp]]:
-    """Rows of each segment."""
-    return np.split(np.arange(len(segment)), 1 + np.flatnonzero(np.diff(segment)))
-
-
 def _moving_mean(values: Array, segment: Labels, count: int) -> Array:
     """Mean of the finite values about each row within its segment, zero where there are none."""
     result = np.empty_like(values)
-    for rows in _stretches(segment):
+    for rows in unbroken(segment):
         known = np.isfinite(values[rows])
         total = uniform_filter1d(np.where(known, values[rows], 0), count, axis=0, mode="nearest")
         share = uniform_filter1d(known.astype(float), count, axis=0, mode="nearest")

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from ur5lib.signals.clocks import Clock, even_samples, interpolate
-from ur5lib.signals.lowpass import by_segment
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import by_segment
 
 PASSED, STOPPED = 0.8, 60.0  # share of the robot's Nyquist frequency; dB from there on
 

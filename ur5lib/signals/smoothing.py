@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from filterpy.kalman import ExtendedKalmanFilter
-from numpy.typing import NDArray
 
 from ur5lib.signals.imu_model import BIASES, MOTION, LinearImu
 from ur5lib.signals.noise import (
@@ -15,9 +14,8 @@ from ur5lib.signals.noise import (
     innovation_test,
     jerk_covariance,
 )
-
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import starts
 
 UNKNOWN = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: a joint nothing is known of
 BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: what a sensor's bias may be
@@ -132,7 +130,7 @@ def encoder_system(
     driven_by_jerk[:, :, joint, :, joint] = each.transpose(3, 0, 1, 2)
     Q = driven_by_jerk.reshape(F.shape)
     # At its start a segment knows nothing of the one before.
-    fresh = np.diff(segment, prepend=segment[0] - 1) != 0
+    fresh = starts(segment)
     F[fresh], Q[fresh] = 0, np.diag(UNKNOWN**2)
     H = np.eye(12, MOTION)
     H[6:, 12:] = -np.diag(noise.lag)

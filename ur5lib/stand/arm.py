@@ -2,14 +2,12 @@
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import DenavitHartenberg, Mounting, Robot
 from ur5lib.robots.inertia import rigid_bodies, tensor
 from ur5lib.robots.urdf import link_tail, thick
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 FLANGE, TOOL = "link_6", "tool"
 SENSORS = {  # name: what it is, the site where it is mounted

@@ -4,12 +4,11 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.stand.arm import FLANGE, TOOL
 from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
+from ur5lib.timeseries.arrays import Array
 
-Array = NDArray[np.float64]
 Kind = Push | Hand | Spring | Wall | Load
 
 GRASP = 0.2  # s, until a load is lifted, or put down

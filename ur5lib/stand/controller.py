@@ -3,7 +3,6 @@
 import mujoco
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 from scipy.spatial.transform import Rotation
 
@@ -12,7 +11,8 @@ from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.drive import current_noise, stir
 from ur5lib.stand.engine import STEP, Experiment, Motion
 from ur5lib.stand.trajectories import Targets
-from ur5lib.tables import Array, named
+from ur5lib.tables import named
+from ur5lib.timeseries.arrays import Array, Labels
 
 DECIMALS = 6  # of what the controller sends, as the thesis's logs keep them
 COUNTS = 2**19  # of an encoder in a turn
@@ -24,7 +24,7 @@ FORCE_CUTOFF = 5.0  # Hz, of the controller's estimate of force
 SINGULAR = 0.02  # damping of that estimate near singularities
 TEMPERATURE = 30.0  # °C, of every motor
 
-Steps = NDArray[np.int64]
+Steps = Labels
 
 
 def frames(

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.robots.description import Robot
 from ur5lib.stand.friction import FrictionParameters
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 # rad/s; with these, joints stray from their targets as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])

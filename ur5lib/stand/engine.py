@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot
@@ -14,8 +13,7 @@ from ur5lib.stand.drive import Drive, drive_of, link_torques
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s, of the integration
 SETTLE = 300  # steps before the recording

@@ -5,11 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from ur5lib.stand.plan import Faults
-
-Flags = NDArray[np.bool_]
+from ur5lib.timeseries.arrays import Array, Mask
 
 BUFFER = 4096  # bytes; what had not filled one was never written
 LATE, SPLIT, REST = 3, 694, 0.001  # every how many packets; bytes that come first; s to the others
@@ -20,10 +18,10 @@ MOVES = 1e-3  # rad/s, of an arm that moves
 class Hit:
     """Which frames (N,) faults hit: never the first two or the last."""
 
-    lost: Flags
-    cut: Flags
-    stale_stamp: Flags
-    stale_data: Flags
+    lost: Mask
+    cut: Mask
+    stale_stamp: Mask
+    stale_data: Mask
 
 
 def choose_hit(faults: Faults, count: int, random: np.random.Generator) -> Hit:
@@ -49,9 +47,7 @@ def spoil(frames: pd.DataFrame, hit: Hit, random: np.random.Generator) -> pd.Dat
     return frames[~hit.lost]
 
 
-def split_late(
-    messages: list[bytes], sent: NDArray[np.float64], moving: Flags
-) -> list[tuple[float, bytes]]:
+def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[float, bytes]]:
     """When a capture receives which bytes, with every third packet late (Figure 4.4).
 
     messages; sent: when [s] (N,); moving: whether the arm does (N,). The late packet comes with the
@@ -71,7 +67,7 @@ def split_late(
     return [*received, (float(sent[-1]) + REST, late)] if late else received
 
 
-def is_moving(frames: pd.DataFrame) -> Flags:
+def is_moving(frames: pd.DataFrame) -> Mask:
     """Whether the arm is to move, frame by frame (N,)."""
     speed = frames.filter(like="target_qd_").abs().max(axis="columns")
     return (speed > MOVES).to_numpy()

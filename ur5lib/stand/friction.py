@@ -9,11 +9,9 @@ largest torque, so that any arm has them.
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.robots.description import Robot
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 COULOMB = np.array([0.054, 0.058, 0.054, 0.078, 0.083, 0.071])  # of the motor's largest torque
 VISCOUS = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # of that, per rad/s

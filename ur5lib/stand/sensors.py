@@ -2,13 +2,11 @@
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from ur5lib.stand.engine import Motion
 from ur5lib.stand.plan import Clock, ForceSensor, Imu
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
 TICK = 0.001  # s, of the IMU's stamps

@@ -7,13 +7,11 @@ from itertools import cycle, pairwise
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import PerJoint, Robot
 from ur5lib.stand.plan import Fourier, Movej, Standstill
-
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 REST = 1.0  # s; every recording begins at rest
 SHORTEST = 0.008  # s, of a command, even to where the arm is

@@ -12,7 +12,8 @@ from ur5lib.stand import drive as drives
 from ur5lib.stand.engine import STEP, Experiment, Motion
 from ur5lib.stand.faults import Hit
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.tables import Array, named, write_json, write_table
+from ur5lib.tables import named, write_json, write_table
+from ur5lib.timeseries.arrays import Array
 
 
 def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> None:

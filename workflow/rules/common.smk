@@ -9,7 +9,7 @@ import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
-from ur5lib.study import parse_study
+from ur5lib.study.reading import parse_study
 
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))

@@ -9,8 +9,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import contacts, in_contact
 from ur5lib.force.wrench_estimate import Ablation, estimate_wrench
-from ur5lib.force_run import force_run
-from ur5lib.metrics import Array, coverage, interval_score, mean_absolute_error
+from ur5lib.pipeline.force_run import force_run
 from ur5lib.steps import run_step
 from ur5lib.tables import (
     WRENCH,
@@ -21,6 +20,8 @@ from ur5lib.tables import (
     read_table,
     write_json,
 )
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_error
 
 
 def ablate_forces(input: Any, output: Any, params: Any) -> None:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.metrics import Array, mean_absolute_error
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.signals.clocks import clock_from_stamps
 from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
@@ -20,17 +19,19 @@ from ur5lib.signals.imu_calibration import (
     calibrate,
 )
 from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, has_valid_imu, imu_record
-from ur5lib.signals.lowpass import (
-    THESIS_ACCELERATION,
-    Butterworth,
-    by_segment,
-    causal_lowpass,
-    inner_lowpass,
-)
-from ur5lib.signals.motion import differentiate
 from ur5lib.signals.resampling import resample
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, named, period, read_json, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import (
+    THESIS_ACCELERATION,
+    Butterworth,
+    causal_lowpass,
+    inner_lowpass,
+)
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import by_segment
 
 COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
 ESTIMATES = {"encoders": "", "encoders+imu": "fused_"}  # prefixes of their channels in motion

@@ -16,7 +16,6 @@ from ur5lib.force.sensor import (
     offset_doubt,
     wrench_of_environment,
 )
-from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import (
@@ -30,6 +29,7 @@ from ur5lib.tables import (
     write_json,
     write_table,
 )
+from ur5lib.timeseries.arrays import Array
 
 SENSOR = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
 NEW = ["Fmap", "least_squares", "observer", "repeat"]

@@ -11,13 +11,14 @@ import torch
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration
 from ur5lib.dynamics.rigid_body import inverse_dynamics
-from ur5lib.metrics import Array
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import COLUMNS, JOINTS, Row
 from ur5lib.robots.description import Payload, Robot, load_robot
-from ur5lib.signals.lowpass import by_segment, inner_lowpass
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, period, read_json, read_table, write_csv
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import inner_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 Truths = Mapping[str, Any]
 EACH_RECORDING = ("clocks", "motion", "accelerations", "forces", "truth", "truth_summary")

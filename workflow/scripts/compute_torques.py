@@ -6,7 +6,6 @@ import numpy as np
 import pandas as pd
 import torch
 
-from ur5lib.carried import Carried, carried
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
@@ -14,9 +13,11 @@ from ur5lib.dynamics.rigid_body import (
     inertia_matrix,
     inverse_dynamics,
 )
+from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import Array, channel, named, read_table, write_json, write_table
+from ur5lib.tables import channel, named, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
 
 
 def compute_torques(input: Any, output: Any, params: Any) -> None:

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import (
@@ -23,10 +22,10 @@ from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.force_run import force_run
-from ur5lib.metrics import Array
+from ur5lib.pipeline.force_run import force_run
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, labelled_channel, period, read_json, read_table, write_json
+from ur5lib.timeseries.arrays import Array, Mask
 
 CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 AXES = ["Fx", "Fy", "Fz"]
@@ -143,7 +142,7 @@ def median(delays: Array) -> float | None:
     return float(np.median(delays)) if len(delays) else None
 
 
-def marked(stretches: list[Span], count: int) -> NDArray[np.bool_]:
+def marked(stretches: list[Span], count: int) -> Mask:
     """Samples (N,) inside any of the stretches."""
     inside = np.zeros(count, bool)
     for span in stretches:

@@ -4,12 +4,12 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.metrics import Array
 from ur5lib.report.charts import calibration_panels
 from ur5lib.report.estimates import NEW
 from ur5lib.report.house_style import save
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
+from ur5lib.timeseries.arrays import Array
 
 BANDS = [50, 80, 95]  # %
 DURING = {"contact": "in contact", "free": "free"}

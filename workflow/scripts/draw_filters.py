@@ -6,8 +6,8 @@ import numpy as np
 
 from ur5lib.report.charts import response_panel
 from ur5lib.report.house_style import save
-from ur5lib.signals.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 from ur5lib.steps import run_step
+from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 
 RATE = 125.0  # Hz, of the thesis's controller
 STEPS = {

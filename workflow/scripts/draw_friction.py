@@ -5,15 +5,15 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.current_record import current_record, smoother
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.samples import Record, smoothed_moving
-from ur5lib.metrics import Array
+from ur5lib.pipeline.current_record import current_record, smoother
 from ur5lib.report.charts import residual_panels, scatter_panels
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table
+from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between the samples that are drawn
 

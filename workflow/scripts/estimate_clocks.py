@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Any
 
-from ur5lib.device_clock import device_clock
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, read_json, read_table, write_json
 

@@ -10,8 +10,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.template import Run, repeat_aware
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench
-from ur5lib.force_run import force_run
-from ur5lib.metrics import Array
+from ur5lib.pipeline.force_run import force_run
 from ur5lib.steps import run_step
 from ur5lib.tables import (
     WRENCH,
@@ -23,6 +22,7 @@ from ur5lib.tables import (
     read_table,
     write_table,
 )
+from ur5lib.timeseries.arrays import Array
 
 ALIKE = 1.96  # standard errors between the masses of runs that may carry the same
 

@@ -10,11 +10,11 @@ import pandas as pd
 
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import Tracking
-from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
-from ur5lib.signals.lowpass import by_segment
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, named, period, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import by_segment
 
 TOLD = ["target_q", "target_qd", "target_qdd"]
 DONE = ["actual_q", "actual_qd"]

@@ -7,17 +7,17 @@ import numpy as np
 import pandas as pd
 import torch
 
-from ur5lib.current_record import current_record, smoother
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.regressor import regressor
 from ur5lib.identification import payload
 from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import smoothed_moving
-from ur5lib.metrics import Array
+from ur5lib.pipeline.current_record import current_record, smoother
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.urdf import link_tail
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, named, read_json, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
 
 LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of link 6
 

@@ -5,9 +5,10 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
 from ur5lib.steps import run_step
 from ur5lib.tables import period, read_table, write_table
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 MEASURED = ("actual_q_", "actual_qd_", "actual_current_", "ft_", "imu_")
 

@@ -3,13 +3,13 @@
 from dataclasses import asdict
 from typing import Any
 
-from ur5lib.current_prior import controllers_ratio, prior_of
-from ur5lib.current_record import current_record, smoother
 from ur5lib.identification.currents import fit_currents, fit_without_each_path, parameters
 from ur5lib.identification.friction import FAMILY
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients
+from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
+from ur5lib.pipeline.current_record import current_record, smoother
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import read_table, write_json

@@ -3,14 +3,14 @@
 from typing import Any
 
 from ur5lib.errors import InputError
-from ur5lib.force.external_torque import unbroken
 from ur5lib.force.residual_model import Stretch, few_paths, fit_residual_model
 from ur5lib.force.template import Run
-from ur5lib.force_run import force_run
 from ur5lib.identification.currents import CurrentFit, breakaway_torque
-from ur5lib.metrics import Array
+from ur5lib.pipeline.force_run import force_run
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import unbroken
 
 TORQUES = ["tau_ext", "tau_observer"]
 ONE_PATH = (

@@ -6,15 +6,15 @@ import numpy as np
 import pandas as pd
 import torch
 
-from ur5lib.carried import told_payload
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification import rotor_inertia
-from ur5lib.metrics import Array
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.torque_record import comparable, torque_states
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, read_table, write_json
-from ur5lib.torque_record import comparable, torque_states
+from ur5lib.timeseries.arrays import Array
 
 
 def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:

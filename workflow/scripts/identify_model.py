@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import torch
 
-from ur5lib.carried import told_payload
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import inverse_dynamics
@@ -25,13 +24,14 @@ from ur5lib.identification.base_parameters import (
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.excitation import Motion, candidate_motions, check_excitation
 from ur5lib.identification.identified_model import identified_model, robot_yaml
-from ur5lib.metrics import Array
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.torque_record import comparable, torque_states
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, period, read_json, read_table, write_json, write_text
-from ur5lib.torque_record import comparable, torque_states
+from ur5lib.timeseries.arrays import Array
 
 BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
 RESOLUTION = 1e-3  # Nm: what the excitation check takes a torque to be good to

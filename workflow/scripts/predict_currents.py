@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.current_record import current_record, smoother
 from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
 from ur5lib.identification.currents import (
@@ -19,11 +18,12 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.payload import LEFT, Payload, joint_gains, judge, run_to_run
 from ur5lib.identification.samples import Record, Smooth, blocks, smoothed_moving
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
-from ur5lib.left_over import edge, left_over
-from ur5lib.metrics import Array
+from ur5lib.pipeline.current_record import current_record, smoother
+from ur5lib.pipeline.left_over import edge, left_over
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, named, read_json, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
 
 
 def predict_currents(input: Any, output: Any, params: Any) -> None:

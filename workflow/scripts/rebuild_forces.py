@@ -15,11 +15,12 @@ from ur5lib.force.current_based import (
     motor_torque_as_published,
     wrench_from_torque,
 )
-from ur5lib.metrics import Array
 from ur5lib.robots.description import Robot, load_robot
-from ur5lib.signals.lowpass import by_segment, causal_lowpass, zero_phase_lowpass
 from ur5lib.steps import run_step
 from ur5lib.tables import WRENCH, channel, labelled, period, read_table, write_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import causal_lowpass, zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 Wrenches = dict[str, Array]
 

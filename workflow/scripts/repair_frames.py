@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.intake import checksum, take_in
+from ur5lib.recordings.intake import checksum, take_in
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import write_json, write_table

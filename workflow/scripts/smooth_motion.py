@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.metrics import Array
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.imu_record import ACCELEROMETER, GYROSCOPE, has_valid_imu
-from ur5lib.signals.lowpass import by_segment
-from ur5lib.signals.motion import differentiate
 from ur5lib.signals.smoothing import SmoothedMotion, smooth_encoders, smooth_with_imu
 from ur5lib.steps import run_step
 from ur5lib.tables import channel, named, period, read_json, read_table, write_json, write_table
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.segments import by_segment
 
 STATES = {"q": slice(0, 6), "qd": slice(6, 12), "qdd": slice(12, 18)}
 BIASES = {"accelerometer_bias": slice(18, 21), "gyroscope_bias": slice(21, 24)}

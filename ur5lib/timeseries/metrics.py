@@ -1,10 +1,9 @@
 """How far an estimate is from its reference."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:

@@ -4,15 +4,16 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from ur5lib.study import Study, allowed, branches
+from ur5lib.study.explanation import allowed, branches
+from ur5lib.study.model import Study
 
 Schema = dict[str, Any]
 
 HEAD = """\
 # Settings
 
-Made by `make schema` from the model in `ur5lib/study.py`; do not edit. Units are the suffixes of
-the names (`cutoff_hz`), else in brackets. Keys of other names are refused.
+Made by `make schema` from the model in `ur5lib/study/model.py`; do not edit. Units are the suffixes
+of the names (`cutoff_hz`), else in brackets. Keys of other names are refused.
 """
 
 

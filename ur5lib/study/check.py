@@ -11,13 +11,14 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from ur5lib.device_clock import device_clock
 from ur5lib.errors import InputError
-from ur5lib.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, take_in
 from ur5lib.report.result_tables import clock_table, group_findings, quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
-from ur5lib.study import Recording, Study, arms_without_fit, parse_study
+from ur5lib.study.model import Recording, Study, arms_without_fit
+from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel
 
 COLOURS = {"error": "bold red", "warning": "yellow", "note": ""}

@@ -1,9 +1,8 @@
 """Joint motion from filtered encoders."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 def differentiate(values: Array, period: float) -> Array:

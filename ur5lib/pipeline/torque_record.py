@@ -3,8 +3,10 @@
 import numpy as np
 import pandas as pd
 
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.tables import Array, channel, period
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 TARGETS = ("target_q", "target_qd", "target_qdd")
 MEASURED = ("q", "qd", "qdd")

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
 SLOW = 0.03  # rad/s, below which a joint may as well rest
@@ -24,7 +23,7 @@ def place(q: Array, qd: Array) -> Array:
     return np.concatenate([q / NEAR_POSITION, qd / NEAR_VELOCITY], axis=1)
 
 
-def nearest(places: Array, of: Array) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+def nearest(places: Array, of: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Whether each state (N, 12) lies near one of others (M, 12), and which is nearest (N,)."""
     distance, index = cKDTree(of).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index

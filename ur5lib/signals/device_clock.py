@@ -6,10 +6,11 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from ur5lib.signals.clocks import Array, Clock, clock_from_rotation, clock_from_stamps
-from ur5lib.signals.lowpass import by_segment
-from ur5lib.signals.motion import differentiate
+from ur5lib.signals.clocks import Clock, clock_from_rotation, clock_from_stamps
 from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.segments import by_segment
 
 GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
 

@@ -8,7 +8,8 @@ import pandas as pd
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.robots.description import Robot
-from ur5lib.tables import Array, channel
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
 
 # Relative: of the maker's constants, among joints with motors of one size, of the controller's.
 WIDTHS = (0.3, 0.1, 0.1)

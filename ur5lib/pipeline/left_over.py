@@ -2,7 +2,7 @@
 
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.samples import Record, Smooth
-from ur5lib.tables import Array
+from ur5lib.timeseries.arrays import Array
 
 
 def left_over(

@@ -5,8 +5,10 @@ from functools import partial
 import pandas as pd
 
 from ur5lib.identification.samples import Record, Smooth
-from ur5lib.signals.lowpass import by_segment, zero_phase_lowpass
-from ur5lib.tables import Array, channel, period
+from ur5lib.tables import channel, period
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
 
 
 def current_record(

@@ -1,13 +1,11 @@
 """Butterworth low-pass filters, designed in Hz as second-order sections."""
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
-Array = NDArray[np.float64]
+from ur5lib.timeseries.arrays import Array
 
 
 class Butterworth(NamedTuple):
@@ -57,22 +55,6 @@ def frequency_response(frequency: Array, rate: float, order: int, cutoff: float)
     rate, cutoff: [Hz]. Raises ValueError for a cut-off beyond Nyquist.
     """
     return np.abs(signal.freqz_sos(_design(rate, order, cutoff), frequency, fs=rate)[1])
-
-
-def by_segment(
-    function: Callable[[Array], Array], values: Array, segment: NDArray[np.int64]
-) -> Array:
-    """Apply a function of uniform samples to each unbroken stretch on its own.
-
-    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and breaks its segment.
-    """
-    result = np.full_like(values, np.nan)
-    finite = np.asarray(np.isfinite(values).all(axis=1))
-    breaks = 1 + np.flatnonzero((np.diff(segment) != 0) | (np.diff(finite) != 0))
-    for rows in np.split(np.arange(len(values)), breaks):
-        if finite[rows[0]]:
-            result[rows] = function(values[rows])
-    return result
 
 
 def _design(rate: float, order: int, cutoff: float) -> Array:

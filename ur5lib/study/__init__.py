@@ -1,0 +1,1 @@
+"""What a study may say, and what is said where it errs."""

@@ -1,0 +1,109 @@
+"""What is wrong with a study: key, value, what is allowed, and the nearest valid name."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+from pydantic_core import ErrorDetails
+
+QUOTE = "'"  # around a discriminator's name in pydantic's errors
+
+
+def explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
+    """One sentence for one error: key, value, what is allowed, the nearest valid name."""
+    location, node = _descend(schema, error["loc"])
+    key, kind = _key(location), error["type"]
+    if kind == "extra_forbidden":
+        known = _descend(schema, error["loc"][:-1])[1]["properties"]
+        return f"unknown key `{key}`{_near(location[-1], known)}; known: {', '.join(known)}"
+    if kind.startswith("union_tag"):
+        return _explain_tag(error, key, list(branches(node)))
+    if kind == "missing":
+        return f"`{key}` is missing; give {allowed(node)}"
+    near = _near(error["input"], _choices(node))
+    told = error["ctx"]["error"] if kind == "value_error" else allowed(node)
+    return f"`{key}` is {shown(error['input'])}{near}; give {told}"
+
+
+def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
+    """Of a part that comes in several kinds, told apart by its `format` or `kind`."""
+    key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
+    known = f"give one of {', '.join(tags)}"
+    if error["type"] == "union_tag_not_found":
+        return f"`{key}` is missing; {known}"
+    value = error["ctx"]["tag"]
+    return f"`{key}` is {value!r}{_near(value, tags)}; {known}"
+
+
+def _key(location: Iterable[str | int]) -> str:
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    return "".join(parts).lstrip(".")
+
+
+def _descend(
+    schema: dict[str, Any], location: Iterable[str | int]
+) -> tuple[list[str | int], dict[str, Any]]:
+    """The keys of a location, less the tags of its kinds, and what a JSON schema says there."""
+    node, keys = schema, list[str | int]()
+    for part in location:
+        kinds = branches(node)
+        if part in kinds:
+            node = kinds[str(part)]
+        else:
+            keys.append(part)
+            node = _child(node, part)
+        node = next((option for option in node.get("anyOf", []) if "$ref" in option), node)
+        if "$ref" in node:
+            node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
+    return keys, node
+
+
+def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """The kinds of a part by their tags; where values of two types are allowed, these."""
+    tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
+    options = {tags.get(o.get("$ref"), o.get("type")): o for o in node.get("oneOf", [])}
+    return {tag: option for tag, option in options.items() if tag is not None}
+
+
+def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
+    """What a schema says of a key, or of an entry of a list."""
+    if isinstance(part, str):
+        return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
+    each = node.get("prefixItems", [])
+    return each[part] if part < len(each) else node.get("items", {})
+
+
+def _near(value: object, candidates: Iterable[str]) -> str:
+    matches = get_close_matches(str(value), list(candidates), n=1, cutoff=0.5)
+    return f" (did you mean `{matches[0]}`?)" if matches else ""
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _choices(node: dict[str, Any]) -> list[str]:
+    return node.get("enum", [node["const"]] if "const" in node else [])
+
+
+def allowed(node: dict[str, Any]) -> str:
+    """What a node of a JSON schema allows, in words: "a number above 0 and below 62.5"."""
+    if choices := _choices(node):
+        return "one of " + ", ".join(choices)
+    bounds = {
+        "minimum": "at least",
+        "exclusiveMinimum": "above",
+        "maximum": "at most",
+        "exclusiveMaximum": "below",
+        "minItems": "with entries, at least",
+    }
+    limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
+    if "maxItems" in node:
+        limits = [f"of {node['maxItems']}"]
+    type_ = "object" if "discriminator" in node else node.get("type", "value")
+    kind = {"array": "a list", "object": "a mapping"}.get(type_, f"a {type_}")
+    if "pattern" in node:
+        limits.append(f"of {node['description']}")
+    return f"{kind.replace('a integer', 'an integer')} {' and '.join(limits)}".strip()

@@ -1,0 +1,1 @@
+"""Arrays of samples: what every room stands on."""

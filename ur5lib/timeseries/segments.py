@@ -1,0 +1,33 @@
+"""Unbroken stretches of a recording."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+
+def starts(segment: Labels) -> Mask:
+    """Return whether each sample (N,) is the first of its segment."""
+    return np.diff(segment, prepend=segment[:1] - 1) != 0
+
+
+def unbroken(*labels: Labels | Mask) -> list[slice]:
+    """Return the longest stretches of samples in which none of the labels (N,) changes."""
+    changes = np.any([np.diff(label) != 0 for label in labels], axis=0)
+    bounds = [0, *(1 + np.flatnonzero(changes)), len(labels[0])]
+    return [slice(start, end) for start, end in pairwise(bounds) if end > start]
+
+
+def by_segment(function: Callable[[Array], Array], values: Array, segment: Labels) -> Array:
+    """Apply a function of uniform samples to each unbroken stretch on its own.
+
+    values: (N, M); segment: (N,) labels. A row with NaN stays NaN and breaks its segment.
+    """
+    result = np.full_like(values, np.nan)
+    finite = np.asarray(np.isfinite(values).all(axis=1))
+    for stretch in unbroken(segment, finite):
+        if finite[stretch.start]:
+            result[stretch] = function(values[stretch])
+    return result
