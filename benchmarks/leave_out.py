@@ -25,15 +25,15 @@ import numpy as np
 import pandas as pd
 import torch
 import yaml
+from ur5lib.pipeline.force_run import force_run
 
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms
 from ur5lib.force.external_torque import is_still
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.template import Run
+from ur5lib.force.template import ForceInput
 from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.pipeline.force_run import force_run
 from ur5lib.tables import channel, period, read_json, read_table
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
@@ -364,7 +364,9 @@ def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Ar
     return np.concatenate([force, np.cross(point, force)], axis=1)
 
 
-def figures(wrench: Array, std: Array, true: Array, where: Array, run: Run) -> dict[str, float]:
+def figures(
+    wrench: Array, std: Array, true: Array, where: Array, run: ForceInput
+) -> dict[str, float]:
     """Of the force in its direction: mean share that is told, in motion and at rest; coverage."""
     axis = int(np.argmax(np.abs(true[where][0, :3])))
     inside = np.abs(wrench - true)[:, :3] <= 1.96 * std[:, :3]

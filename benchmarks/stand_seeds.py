@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import torch
+from ur5lib.pipeline.current_record import smoother
+from ur5lib.pipeline.left_over import left_over
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.flange import flange_kinematics
@@ -39,8 +41,6 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_record import smoother
-from ur5lib.pipeline.left_over import left_over
 from ur5lib.recordings.intake import take_in
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row

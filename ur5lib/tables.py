@@ -10,7 +10,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -76,51 +76,6 @@ UNITS = {  # of a channel, by its name without suffix
     "imu_a": "m/s2",
     "imu_g": "rad/s",
     "imu_m": "1",
-    "q": "rad",
-    "qd": "rad/s",
-    "qdd": "rad/s2",
-    "q_std": "rad",
-    "qd_std": "rad/s",
-    "qdd_std": "rad/s2",
-    "fused_q": "rad",
-    "fused_qd": "rad/s",
-    "fused_qdd": "rad/s2",
-    "fused_accelerometer_bias": "m/s2",
-    "fused_gyroscope_bias": "rad/s",
-    "felt": "m/s2, rad/s2",
-    "published": "m/s2, rad/s2",
-    "acceleration": "m/s2, rad/s2",
-    "o6": "m",
-    "R6": "1",
-    "J": "m, 1",
-    "sigma_min": "1",
-    "tau_ext": "Nm",
-    "tau_background": "Nm",
-    "load_doubt": "Nm",
-    "load_regressor": "Nm/kg, Nm/(kg m)",
-    "tau_observer": "Nm",
-    "coriolis_torque": "Nm",
-    "gravity_torque": "Nm",
-    "momentum": "Nm s",
-    "payload_torque": "Nm",
-    "log_odds": "1",
-    "causal_log_odds": "1",
-    "tau_motor": "Nm",
-    "predicted_current": "A",
-    "current_band": "A",
-    "tau_friction": "Nm",
-    "tau_contact": "Nm",
-    "wrench": "N, Nm",
-    "tau_target": "Nm",
-    "tau_measured": "Nm",
-    "tau_closed_loop": "Nm",
-    "printed": "N, Nm",
-    "corrected": "N, Nm",
-    "compensated": "N, Nm",
-    "Fmap": "N, Nm",
-    "least_squares": "N, Nm",
-    "observer": "N, Nm",
-    "repeat": "N, Nm",
 }
 
 
@@ -143,10 +98,19 @@ def _known_names(column: str) -> list[str]:
     return [name for name in UNITS if re.match(rf"{name}(_|[xyz]?$)", column)]
 
 
-def write_table(table: pd.DataFrame, path: str | Path) -> None:
-    """Write signals as Parquet, with the unit of each column."""
+def write_table(
+    table: pd.DataFrame, path: str | Path, units: Mapping[str, str] | None = None
+) -> None:
+    """Write signals as Parquet, with the unit of each column: as given, else that of its channel.
+
+    Raises ValueError for a column whose unit is neither given nor known.
+    """
+    known = units or {}
     arrow = pa.Table.from_pandas(table, preserve_index=False)
-    fields = [field.with_metadata({"unit": unit(field.name)}) for field in arrow.schema]
+    fields = [
+        field.with_metadata({"unit": known.get(field.name) or unit(field.name)})
+        for field in arrow.schema
+    ]
     schema = pa.schema(fields, metadata=arrow.schema.metadata)
     # A dictionary of measured values takes three quarters of the time, and makes files larger.
     _write_aside(
@@ -157,11 +121,6 @@ def write_table(table: pd.DataFrame, path: str | Path) -> None:
 def read_table(path: str | Path) -> pd.DataFrame:
     """Read a table of signals."""
     return pd.read_parquet(path)
-
-
-def period(table: pd.DataFrame) -> float:
-    """The cycle [s] of a table on a uniform grid."""
-    return round(float(table["time"].diff().median()), 9)
 
 
 def columns(name: str, count: int = 6) -> list[str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import torch
 import yaml
+from ur5lib.pipeline.left_over import left_over
 
 from tests.conftest import PROJECT
 from ur5lib.dynamics.arm import build_arm
@@ -19,7 +20,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
 from ur5lib.force.sensor import SensorOffset, fit_offset, move_to_frame_6, wrench_of_environment
-from ur5lib.force.template import Run, repeat_aware
+from ur5lib.force.template import ForceInput, repeat_aware
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench
 from ur5lib.identification.currents import (
     CurrentFit,
@@ -32,7 +33,6 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
-from ur5lib.pipeline.left_over import left_over
 from ur5lib.recordings.intake import take_in
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clocks import Clock
@@ -140,10 +140,10 @@ class Fitted:
         """External torque, by a fit that has not seen the path."""
         return external(self.unseen.get(taken.record.name, self.fit), taken)
 
-    def run(self, taken: Taken) -> Run:
+    def run(self, taken: Taken) -> ForceInput:
         record = taken.record
         grid = taken.states, record.segment, record.period
-        return Run(record.q, record.qd, self.torque(taken), *grid)
+        return ForceInput(record.q, record.qd, self.torque(taken), *grid)
 
     def estimate(
         self, taken: Taken, extra: Array | float = 0.0, prior: ContactPrior = PRIOR

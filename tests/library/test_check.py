@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import pytest
+from ur5lib.report.result_tables import group_findings, quality_table
 
 from tests.synthetic import write_recording
 from ur5lib import cli
-from ur5lib.report.result_tables import group_findings, quality_table
 
 
 @pytest.fixture

@@ -12,7 +12,7 @@ from ur5lib.force.residual_model import (
     few_paths,
     fit_residual_model,
 )
-from ur5lib.force.template import Run, learn_repeats, repeat_aware, same_trajectory, template
+from ur5lib.force.template import ForceInput, learn_repeats, repeat_aware, same_trajectory, template
 from ur5lib.timeseries.segments import unbroken
 
 PERIOD = 0.02
@@ -21,7 +21,9 @@ CUTOFF = 2.0
 BREAKAWAY = np.array([6.0, 6, 4, 2, 2, 2])
 
 
-def run(seed: int, amplitude: float = 0.5, noise: float = 0.05, period: float = PERIOD) -> Run:
+def run(
+    seed: int, amplitude: float = 0.5, noise: float = 0.05, period: float = PERIOD
+) -> ForceInput:
     """A trajectory of 6 s periods after 3 s of rest; friction by place and direction."""
     random = np.random.default_rng(seed)
     time = np.arange(0, COUNT * PERIOD, period) + random.uniform(0, 0.01) - 3
@@ -31,10 +33,10 @@ def run(seed: int, amplitude: float = 0.5, noise: float = 0.05, period: float = 
     place = np.sin(7 * q) + 2 * np.sign(qd)
     torque = place + random.normal(0, noise, q.shape)
     segment = np.zeros(len(time), int)
-    return Run(q, qd, torque, joint_states(qd, segment, period), segment, period)
+    return ForceInput(q, qd, torque, joint_states(qd, segment, period), segment, period)
 
 
-def model_of(*runs: Run) -> ResidualModel:
+def model_of(*runs: ForceInput) -> ResidualModel:
     stretches = [Stretch(one.torque, one.states, one.period) for one in runs]
     return fit_residual_model(stretches, CUTOFF, BREAKAWAY)
 

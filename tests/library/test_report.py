@@ -8,9 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-
-from ur5lib.errors import InputError
-from ur5lib.report.cells import extremes, number, signed, significant
 from ur5lib.report.current_tables import (
     ablation_rows,
     contact_rows,
@@ -18,6 +15,10 @@ from ur5lib.report.current_tables import (
     payload_rows,
     remark_rows,
 )
+from ur5lib.report.result_tables import force_errors, torque_errors
+
+from ur5lib.errors import InputError
+from ur5lib.report.cells import extremes, number, signed, significant
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -34,7 +35,6 @@ from ur5lib.report.document import (
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
-from ur5lib.report.result_tables import force_errors, torque_errors
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains

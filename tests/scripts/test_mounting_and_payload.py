@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 import torch
+from ur5lib.pipeline.current_record import current_record
 
 from tests.scripts.conftest import script
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import gravity_torque, inertia_matrix
-from ur5lib.pipeline.current_record import current_record
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import Experiment, perform

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ur5lib.pipeline.current_record import current_record
 
 from tests.scripts.conftest import script
 from ur5lib.force.current_based import wrench_from_torque
-from ur5lib.pipeline.current_record import current_record
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.study.reading import parse_study

@@ -25,7 +25,7 @@ from ur5lib.timeseries.trajectories import SAME, nearest, place
 
 
 @dataclass(frozen=True)
-class Run:
+class ForceInput:
     """q, qd, external torque, joint states, (N, 6) each, NaN where unknown; segment: (N,).
 
     period: [s]; doubt: (N, 6) [Nm], by which a load that was found may be off; None where none was.
@@ -57,7 +57,7 @@ class Repeated(NamedTuple):
 
 
 def repeat_aware(
-    run: Run, contact_free: list[Run], model: ResidualModel, cutoff: float
+    run: ForceInput, contact_free: list[ForceInput], model: ResidualModel, cutoff: float
 ) -> Repeated | None:
     """What `estimate_wrench` needs for the repeat-aware estimate of a run.
 
@@ -79,7 +79,7 @@ def repeat_aware(
     return Repeated(torque, states, model.beside(learn_repeats(same, cutoff, model.breakaway)))
 
 
-def learn_repeats(runs: list[Run], cutoff: float, breakaway: Array) -> ResidualModel:
+def learn_repeats(runs: list[ForceInput], cutoff: float, breakaway: Array) -> ResidualModel:
     """Residual model of contact-free runs of one trajectory, each less the template of the others.
 
     cutoff: [Hz]; breakaway: (6,) [Nm]. As wide as so few runs allow (Student's t). Raises
@@ -94,14 +94,14 @@ def learn_repeats(runs: list[Run], cutoff: float, breakaway: Array) -> ResidualM
     return fit_residual_model(stretches, cutoff, breakaway).wider(few_paths(len(runs)))
 
 
-def same_trajectory(run: Run, contact_free: Run) -> bool:
+def same_trajectory(run: ForceInput, contact_free: ForceInput) -> bool:
     """Whether the other run passes nearly everywhere where this one moves."""
     moves = run.moves()
     matched = finite_rows(template(run, [contact_free]))
     return bool(moves.any() and matched[moves].mean() >= SAME)
 
 
-def template(run: Run, contact_free: list[Run]) -> Array:
+def template(run: ForceInput, contact_free: list[ForceInput]) -> Array:
     """External torque (N, 6) of the nearest sample of the contact-free runs, in (q, qd).
 
     NaN where the run rests, or none of their samples is near.

@@ -1,13 +1,13 @@
 """What an arm carries beyond its description: in truth, and as its controller was told."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
-import pandas as pd
 
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Payload
-from ur5lib.tables import columns
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -22,29 +22,38 @@ class Carried:
     told: Payload | None
 
 
-def carried(declared: Payload | None, signals: pd.DataFrame) -> Carried:
-    """What a recording's arm carries: what the study declares, else what RTDE's channels say."""
+def carried(declared: Payload | None, signals: Signals) -> Carried:
+    """Return what a recording's arm carries: as the study declares it, else by RTDE's channels."""
     told = told_payload(signals)
     if declared is not None:
         return Carried(declared, "study", told)
     return Carried(told, "none" if told is None else "rtde", told)
 
 
-def told_payload(signals: pd.DataFrame) -> Payload | None:
-    """The payload that the controller was told, by RTDE's channels (their medians).
+def told_payload(signals: Signals) -> Payload | None:
+    """Return the payload that the controller was given, the medians of RTDE's channels.
 
-    `payload` [kg], `payload_cog` [m, frame 6], `payload_inertia` [kg m²], the last two zero where
-    they were not recorded. None where no mass was recorded, or none is carried.
+    Centre of mass and inertia are zero where they were not recorded. None where no mass was
+    recorded, or none is carried.
     """
-    mass = _median(signals, ["payload"])[0]
-    if not mass > 0:
+    if signals.payload is None or not np.nanmedian(signals.payload) > 0:
         return None
-    x, y, z = _median(signals, columns("payload_cog", 3))
-    xx, yy, zz, xy, xz, yz = _median(signals, columns("payload_inertia"))
-    return Payload(mass=mass, center_of_mass=(x, y, z), inertia=(xx, yy, zz, xy, xz, yz))
+    return Payload(
+        mass=float(np.nanmedian(signals.payload)),
+        center_of_mass=_medians(signals.payload_cog, 3),
+        inertia=_medians(signals.payload_inertia, 6),
+    )
 
 
-def _median(signals: pd.DataFrame, names: list[str]) -> list[float]:
-    """The median of each column, zero where it was not recorded."""
-    recorded = signals.reindex(columns=names).median().to_numpy(dtype=float)
-    return [float(value) for value in np.nan_to_num(recorded)]
+def _medians(values: Array | None, count: int) -> Any:
+    """Return the median of each of some columns, zero where it was not recorded."""
+    if values is None:
+        return (0.0,) * count
+    return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
+
+
+def load_account(load: Carried) -> dict[str, Any]:
+    """Return the payload, its source, and the one that the controller was given, as plain data."""
+    payloads = {"payload": load.payload, "told": load.told}
+    plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
+    return plain | {"source": load.source}

@@ -3,28 +3,27 @@
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 # Relative: of the maker's constants, among joints with motors of one size, of the controller's.
 WIDTHS = (0.3, 0.1, 0.1)
 
 
-def controllers_ratio(signals: pd.DataFrame, qd: Array) -> Array:
-    """The controller's own torque constants (6,) [Nm/A], as far as a recording shows them."""
-    if "target_moment_0" not in signals or "target_current_0" not in signals:
+def controllers_ratio(signals: Signals, motion: Motion) -> Array:
+    """Return the controller's own torque constants (6,) [Nm/A], NaN where none are shown."""
+    if signals.target_moment is None or signals.target_current is None:
         return np.full(6, np.nan)
-    moment, current = channel(signals, "target_moment"), channel(signals, "target_current")
-    return standstill_ratio(moment, current, qd)
+    return standstill_ratio(signals.target_moment, signals.target_current, motion.qd)
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
-    """What the maker and the controller's ratios of recordings (6,) [Nm/A], NaN where none, tell.
+    """Return what the maker and the controller's ratios of recordings (6,) [Nm/A] say.
 
     Raises ValueError where that is too little, or no recording.
     """

@@ -4,10 +4,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from scipy.stats import norm, t
 
-from ur5lib.tables import channel
+from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.pipeline.records.truth import Truth
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
@@ -18,10 +21,9 @@ COLUMNS += ["truth", "estimate", "std_error", "within95", "zero"]
 JOINTS = [1, 2, 3, 4, 5, 6]
 AXES = ["x", "y", "z"]
 MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
-WRENCH_COMPONENTS = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
-WRENCHES = {name: (f"{name}_", f"{name}_std_") for name in ("Fmap", "least_squares", "observer")}
+COMPARED = ("Fmap", "least_squares", "observer")  # estimates of the contact wrench
 PARTS = 8  # of an only recording, in a jackknife
 INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
 
@@ -88,13 +90,12 @@ def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[
                     yield row | {"method": found["method"]}
 
 
-def joint_acceleration_rows(motion: pd.DataFrame, truth: pd.DataFrame) -> Iterator[Row]:
-    """RMSE of q̈, and how much of it lies inside two of its standard deviations."""
-    true = channel(truth, "qdd")
-    for method, prefix in (("encoders", ""), ("encoders+imu", "fused_")):
-        if f"{prefix}qdd_0" in motion:
-            found, std = (channel(motion, f"{prefix}{name}") for name in ("qdd", "qdd_std"))
-            inside = coverage(found, std, true, INSIDE2)
+def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
+    """RMSE of q̈ by method, and how much of it lies inside two of its standard deviations."""
+    for method, motion in motions.items():
+        if len(motion.time):
+            found, true = motion.qdd, truth.qdd
+            inside = coverage(found, motion.qdd_std, true, INSIDE2)
             rows = [
                 *errors("joint_acceleration", JOINTS, ["rad/s2"] * 6, true, found),
                 *shares("joint_acceleration_inside_2_std", JOINTS, INSIDE2, inside),
@@ -102,26 +103,19 @@ def joint_acceleration_rows(motion: pd.DataFrame, truth: pd.DataFrame) -> Iterat
             yield from (row | {"method": method} for row in rows)
 
 
-def end_effector_rows(accelerations: pd.DataFrame, truth: Array) -> Iterator[Row]:
+def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
     """RMSE of the end effector's acceleration; truth: (N, 6), low-passed as the estimates."""
-    names = {"imu": "felt"} | {
-        name: f"acceleration_{name}" for name in ("encoders", "encoders+imu")
-    }
-    for method, name in names.items():
-        if f"{name}_0" in accelerations:
-            found = channel(accelerations, name)
-            about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
-            yield from (row | {"method": method} for row in errors(*about, truth, found))
+    felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
+    for method, found in (felt | accelerations.acceleration).items():
+        about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
+        yield from (row | {"method": method} for row in errors(*about, truth, found))
 
 
-def wrench_rows(forces: pd.DataFrame, truth: pd.DataFrame) -> Iterator[Row]:
+def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """RMSE, MAE and share inside the 95 % band of each estimate that states a band."""
-    true, index = channel(truth, "wrench"), WRENCH_COMPONENTS
-    for method, prefixes in WRENCHES.items():
-        names = [prefix + component for prefix in prefixes for component in index]
-        if not set(names) <= set(forces):
-            continue
-        found, std = np.hsplit(forces[names].to_numpy(), 2)
+    true, index = truth.wrench, WRENCH
+    for method in (name for name in COMPARED if name in forces.wrench):
+        found, std = forces.wrench[method], forces.std[method]
         off, zero = (mean_absolute_error(array, true) for array in (found, np.zeros_like(true)))
         rows = [
             *errors("wrench", index, WRENCH_UNITS, true, found),

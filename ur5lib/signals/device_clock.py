@@ -4,45 +4,40 @@ from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.signals.clocks import Clock, clock_from_rotation, clock_from_stamps
-from ur5lib.tables import channel, period
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.derivative import differentiate
-from ur5lib.timeseries.segments import by_segment
-
-GYROSCOPE = ["imu_gx", "imu_gy", "imu_gz"]
+from ur5lib.timeseries.segments import by_segment, period
 
 
 def device_clock(
-    device: pd.DataFrame,
+    device_time: Array,
+    gyroscope: Array | None,
     start: Mapping[str, float],
-    robot: pd.DataFrame,
-    rotation: Array,
-    jacobian: Array,
+    robot: tuple[Array, Labels, Array],
+    frames: tuple[Array, Array],
 ) -> tuple[Clock, str | None]:
-    """How a device's clock runs against the robot's, and why only its stamps could tell, if so.
+    """Return how a device's clock runs against the robot's, and why only its stamps show it, if so.
 
-    device: as read, on its own clock; start: its stamp's `seconds` and `std`; robot: repaired;
-    rotation, jacobian: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
-    A gyroscope is compared with the turning of frame 6. Other devices feel no motion that could
-    be told apart from contact: their stamps stand.
+    device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], where it has one;
+    start: its stamp's `seconds` and `std`; robot: time (N,) [s], segment (N,) and q (N, 6) [rad],
+    repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
+    A gyroscope is compared with the angular rate of frame 6. Other devices feel no motion that
+    could be distinguished from contact: their stamps stand.
     """
     stamps = clock_from_stamps(start["seconds"], start["std"])
-    if not set(GYROSCOPE) <= set(device):
+    if gyroscope is None:
         return stamps, None
-    segment = robot["segment"].to_numpy()
+    (time, segment, q), (rotation, jacobian) = robot, frames
     # Not the controller's velocities: they come some ms after the positions.
-    qd = by_segment(
-        partial(differentiate, period=period(robot)), channel(robot, "actual_q"), segment
-    )
+    qd = by_segment(partial(differentiate, period=period(time)), q, segment)
     omega = np.einsum("nij,nj->ni", jacobian[:, 3:], qd)
     return clock_from_rotation(
-        time=robot["time"].to_numpy(),
+        time=time,
         rate=np.einsum("nji,nj->ni", rotation, omega),  # in frame 6
         segment=segment,
-        device_time=device["time"].to_numpy(),
-        gyroscope=device[GYROSCOPE].to_numpy(),
+        device_time=device_time,
+        gyroscope=gyroscope,
         stamps=stamps,
     )

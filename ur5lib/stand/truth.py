@@ -19,7 +19,8 @@ from ur5lib.timeseries.arrays import Array
 def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> None:
     """Write truth + .parquet, at the controller's frames, and .json: what made the recording."""
     plan, motion = experiment.plan, experiment.motion
-    write_table(truth_table(motion, cycle), f"{truth}.parquet")
+    table, units = truth_table(motion, cycle)
+    write_table(table, f"{truth}.parquet", units)
     summary = {
         "robot": experiment.robot.name,
         "gravity": experiment.robot.gravity,
@@ -36,26 +37,28 @@ def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> 
     write_json(summary, f"{truth}.json")
 
 
-def truth_table(motion: Motion, cycle: float) -> pd.DataFrame:
+def truth_table(motion: Motion, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
     """`time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the environment on
-    link 6 and beyond [N, Nm], base axes, at the origin of frame 6, at the controller's frames.
+    link 6 and beyond [N, Nm], base axes, at the origin of frame 6, at the controller's frames; and
+    the unit of each column.
     """
     every = slice(None, None, round(cycle / STEP))
     parts = {
-        "q": motion.q,
-        "qd": motion.qd,
-        "qdd": motion.qdd,
-        "tau_motor": motion.motor_torque,
-        "tau_friction": motion.friction_torque,
-        "tau_contact": motion.contact_torque,
-        "wrench": motion.wrench,
-        "o6": motion.origin,
-        "R6": motion.rotation,
+        "q": (motion.q, "rad"),
+        "qd": (motion.qd, "rad/s"),
+        "qdd": (motion.qdd, "rad/s2"),
+        "tau_motor": (motion.motor_torque, "Nm"),
+        "tau_friction": (motion.friction_torque, "Nm"),
+        "tau_contact": (motion.contact_torque, "Nm"),
+        "wrench": (motion.wrench, "N, Nm"),
+        "o6": (motion.origin, "m"),
+        "R6": (motion.rotation, "1"),
     }
-    columns = {"time": motion.time[every]}
-    for name, values in parts.items():
+    columns, units = {"time": motion.time[every]}, {"time": "s"}
+    for name, (values, unit) in parts.items():
         columns |= named(values[every], name)
-    return pd.DataFrame(columns)
+        units |= dict.fromkeys(named(values[every], name), unit)
+    return pd.DataFrame(columns), units
 
 
 def _noise() -> dict[str, Any]:

@@ -1,7 +1,6 @@
 """A study's recordings looked through, without the workflow."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +11,16 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.own_clocks import own_clocks
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, take_in
-from ur5lib.report.result_tables import clock_table, group_findings, quality_table
+from ur5lib.report.findings import group_findings
+from ur5lib.report.tables import clocks as clock_table
+from ur5lib.report.tables import quality as quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import channel
 
 COLOURS = {"error": "bold red", "warning": "yellow", "note": ""}
 
@@ -46,10 +47,12 @@ def print_findings(path: Path) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(study, qualities, {name: own for name, (_, own) in results.items()})
-    quality = quality_table(qualities, clocks, {})
+    rows = quality_table.finding_rows(qualities, clocks, {})
+    quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
     console.print(_findings(quality, list(results)))
     if any(clocks.values()):
-        console.print(_clocks(clock_table(clocks)))
+        found = pd.DataFrame(clock_table.clock_rows(clocks), columns=clock_table.COLUMNS)
+        console.print(_clocks(found))
     return int((quality["severity"] == "error").sum())
 
 
@@ -93,13 +96,9 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
         return {}
     from ur5lib.dynamics.flange import flange_kinematics  # torch, where there is a clock to tell
 
-    rotation, _, jacobian = flange_kinematics(arm, channel(intake.robot, "actual_q"))
-    clocks = {}
-    for device, start in intake.quality["starts"].items():
-        table = intake.sensors[device]
-        clock, warning = device_clock(table, start, intake.robot, rotation, jacobian)
-        clocks[device] = asdict(clock) | {"warning": warning, "stamps": start["seconds"]}
-    return clocks
+    robot = Signals.from_table(intake.robot)
+    rotation, _, jacobian = flange_kinematics(arm, robot.actual_q)
+    return own_clocks(intake.quality["starts"], intake.sensors, robot, rotation, jacobian)
 
 
 def settled(

@@ -8,6 +8,11 @@ import numpy as np
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 
+def period(time: Array) -> float:
+    """Return the cycle [s] of uniform times (N,) [s]."""
+    return round(float(np.median(np.diff(time))), 9)
+
+
 def starts(segment: Labels) -> Mask:
     """Return whether each sample (N,) is the first of its segment."""
     return np.diff(segment, prepend=segment[:1] - 1) != 0

@@ -17,7 +17,6 @@ rule compute_torques:
     input:
         signals=result("signals.parquet"),
         motion=result("motion.parquet"),
-        closed_loop=result("closed_loop.parquet"),
         arm=parameter_of("arm.yaml"),
         code=code("compute_torques"),
     output:

@@ -10,6 +10,8 @@ rule estimate_gains:
         f"{RESULTS}/logs/estimate_gains/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/estimate_gains/{{recording}}.tsv"
+    params:
+        gravity=gravity_of,
     script:
         "../scripts/estimate_gains.py"
 

@@ -12,32 +12,7 @@ FIGURES = [
     "forces_friction_corrected",
 ]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
-TABLES = [
-    "recordings",
-    "files",
-    "quality",
-    "clocks",
-    "torque_mae",
-    "closed_loop_mae",
-    "gains",
-    "published_gains",
-    "rotor_inertia",
-    "parameters",
-    "excitation",
-    "acceleration_mae",
-    "imu_calibration",
-    "innovations",
-    "friction",
-    "remarks",
-    "current_rmse",
-    "cross_validation",
-    "payload",
-    "force_mae",
-    "contact_errors",
-    "detection",
-    "contacts",
-    "ablation",
-]
+TABLES = sorted(path.stem for path in Path("ur5lib/report/tables").glob("[!_]*.py"))
 
 
 rule draw_figures:
@@ -76,6 +51,7 @@ rule make_tables:
         gains=results("gains.json"),
         accelerations=results("accelerations.json"),
         motion=results("motion.json"),
+        fused=results("fused_motion.json"),
         forces=results("forces.json"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
@@ -86,6 +62,7 @@ rule make_tables:
         currents=results("currents.json"),
         detection=results("detection.json"),
         ablation=results("ablation.json", TOUCHED),
+        modules=[f"ur5lib/report/tables/{name}.py" for name in TABLES],
         code=code("make_tables"),
     output:
         **tables(TABLES),
@@ -93,10 +70,6 @@ rule make_tables:
         f"{RESULTS}/logs/make_tables.log",
     benchmark:
         f"{RESULTS}/benchmarks/make_tables.tsv"
-    params:
-        recordings=list(RECORDINGS),
-        touched=TOUCHED,
-        robots=ROBOTS,
     script:
         "../scripts/make_tables.py"
 

@@ -52,23 +52,6 @@ rule align_signals:
         "../scripts/align_signals.py"
 
 
-rule filter_signals:
-    input:
-        signals=result("signals.parquet"),
-        code=code("filter_signals"),
-    output:
-        filtered=result("filtered.parquet"),
-    log:
-        f"{RESULTS}/logs/filter_signals/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/filter_signals/{{recording}}.tsv"
-    params:
-        order=SETTINGS.filter_signals.order,
-        cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
-    script:
-        "../scripts/filter_signals.py"
-
-
 rule calibrate_imu:
     input:
         signals=fitted_results("signals.parquet"),
@@ -94,10 +77,6 @@ rule calibrate_imu:
 rule smooth_motion:
     input:
         signals=result("signals.parquet"),
-        kinematics=result("kinematics.parquet"),
-        clocks=result("clocks.json"),
-        calibration=parameter_of("imu.json"),
-        arm=arm_file,
         code=code("smooth_motion"),
     output:
         motion=result("motion.parquet"),
@@ -106,11 +85,30 @@ rule smooth_motion:
         f"{RESULTS}/logs/smooth_motion/{{recording}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/smooth_motion/{{recording}}.tsv"
+    script:
+        "../scripts/smooth_motion.py"
+
+
+rule fuse_imu:
+    input:
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        clocks=result("clocks.json"),
+        calibration=parameter_of("imu.json"),
+        arm=arm_file,
+        code=code("fuse_imu"),
+    output:
+        motion=result("fused_motion.parquet"),
+        summary=result("fused_motion.json"),
+    log:
+        f"{RESULTS}/logs/fuse_imu/{{recording}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/fuse_imu/{{recording}}.tsv"
     params:
         recording="{recording}",
         gravity=gravity_of,
     script:
-        "../scripts/smooth_motion.py"
+        "../scripts/fuse_imu.py"
 
 
 rule compare_accelerations:
@@ -118,6 +116,7 @@ rule compare_accelerations:
         signals=result("signals.parquet"),
         kinematics=result("kinematics.parquet"),
         motion=result("motion.parquet"),
+        fused=result("fused_motion.parquet"),
         clocks=result("clocks.json"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),

@@ -32,6 +32,7 @@ if SIMULATED:
             truth_summary=[f"{RESULTS}/truth/{name}.json" for name in SIMULATED],
             clocks=results("clocks.json", SIMULATED),
             motion=results("motion.parquet", SIMULATED),
+            fused=results("fused_motion.parquet", SIMULATED),
             accelerations=results("accelerations.parquet", SIMULATED),
             forces=results("forces.parquet", SIMULATED),
             described=[f"ur5lib/robots/{robot}.yaml" for robot in ROBOTS],

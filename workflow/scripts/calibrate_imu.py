@@ -2,40 +2,26 @@
 
 from typing import Any
 
-import numpy as np
-import pandas as pd
-
-from ur5lib.robots.description import Robot, load_robot
-from ur5lib.signals.imu_calibration import ImuRecord, calibrate_without_each
-from ur5lib.signals.imu_record import has_valid_imu, imu_record
+from ur5lib.pipeline.imu_samples import all_imu_samples
+from ur5lib.robots.description import load_robot
+from ur5lib.signals.imu_calibration import calibrate_without_each
 from ur5lib.steps import run_step
-from ur5lib.tables import read_json, read_table, write_json
+from ur5lib.tables import read_json, write_json
+from ur5lib.timeseries.lowpass import Butterworth
 
 
 def calibrate_imu(input: Any, output: Any, params: Any) -> None:
-    robot = load_robot(input.arm)
     recordings = zip(
         params.recordings,
         params.gravities,
         input.signals,
         input.kinematics,
-        input.clocks,
+        map(read_json, input.clocks),
         strict=True,
     )
-    records = {
-        name: record_of(robot.mounted(gravity), read_table(signals), read_table(kinematics), params)
-        for name, gravity, signals, kinematics, clocks in recordings
-        if has_valid_imu(read_json(clocks))
-    }
+    design = Butterworth(params.order, params.cutoff_hz)
+    records = all_imu_samples(load_robot(input.arm), recordings, design)
     write_json(calibrate_without_each(records), output.calibration)
-
-
-def record_of(
-    robot: Robot, signals: pd.DataFrame, kinematics: pd.DataFrame, params: Any
-) -> ImuRecord:
-    """What the IMU of an arm and its joints tell, low-passed alike."""
-    place = np.array(robot.mounting.imu), np.array(robot.gravity)
-    return imu_record(signals, kinematics, *place, params.order, params.cutoff_hz)
 
 
 if __name__ == "__main__":

@@ -3,25 +3,24 @@
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
-from ur5lib.tables import channel, named, read_table, write_table
 
 
 def compute_kinematics(input: Any, output: Any, params: Any) -> None:
-    robot = read_table(input.robot)
-    rotation, origin, J = flange_kinematics(load_robot(input.arm), channel(robot, "actual_q"))
-    kinematics = {
-        "time": robot["time"],
-        **named(origin, "o6"),
-        **named(rotation, "R6"),
-        **named(J, "J"),
-        "sigma_min": np.linalg.svd(J, compute_uv=False)[:, -1],
-    }
-    write_table(pd.DataFrame(kinematics), output.kinematics)
+    robot = Signals.read(input.robot)
+    rotation, origin, J = flange_kinematics(load_robot(input.arm), robot.actual_q)
+    Kinematics(
+        time=robot.time,
+        origin=origin,
+        rotation=rotation,
+        jacobian=J,
+        smallest_singular_value=np.linalg.svd(J, compute_uv=False)[:, -1].astype(float),
+    ).write(output.kinematics)
 
 
 if __name__ == "__main__":

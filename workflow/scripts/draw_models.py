@@ -3,10 +3,8 @@
 from typing import Any
 
 import numpy as np
-import torch
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.kinematics import link_frames
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import Robot, load_robot
@@ -18,9 +16,8 @@ BENT = [0.0, -1.3, 1.1, -1.3, -1.5, 0.0]  # rad: no link hides another
 
 def draw_models(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    arm = build_arm(robot, robot.chosen_model)
-    frames = link_frames(arm, torch.tensor([BENT], dtype=torch.float64))
-    rotation, origin = (part[0].numpy() for part in frames)
+    frames = LinkModel(robot, robot.chosen_model).link_frames(np.array([BENT]))
+    rotation, origin = (part[0] for part in frames)
     models = {}
     for names in alike(robot):
         bodies = rigid_bodies(robot, names[0])
@@ -31,7 +28,7 @@ def draw_models(input: Any, output: Any, params: Any) -> None:
 
 
 def alike(robot: Robot) -> list[list[str]]:
-    """Models by their links: one with rotors has those of the one without."""
+    """Return models by their links: one with rotors has those of the one without."""
     groups: dict[str, list[str]] = {}
     for name, links in robot.models.items():
         rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})

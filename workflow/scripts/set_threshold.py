@@ -3,22 +3,20 @@
 from typing import Any
 
 from ur5lib.force.detection import alarm_threshold
+from ur5lib.pipeline.records.forces import GATED, Forces
 from ur5lib.steps import run_step
-from ur5lib.tables import period, read_table, write_json
-
-ODDS = "log_odds_"
+from ur5lib.tables import write_json
 
 
 def set_threshold(input: Any, output: Any, params: Any) -> None:
-    tables = [read_table(path) for path in input.forces]
-    estimates = sorted({name for table in tables for name in table.filter(regex=f"^{ODDS}")})
+    recordings = [Forces.read(path) for path in input.forces]
     thresholds = {}
-    for name in estimates:
-        known = [table for table in tables if name in table]
-        odds = [table[name].to_numpy() for table in known]
-        thresholds[name.removeprefix(ODDS)] = alarm_threshold(
-            odds, [period(table) for table in known], params.false_alarms_per_min
-        )
+    for name in sorted(GATED):
+        known = [forces for forces in recordings if name in forces.log_odds]
+        if known:
+            odds, periods = zip(*((own.log_odds[name], own.period) for own in known), strict=True)
+            rate = params.false_alarms_per_min
+            thresholds[name] = alarm_threshold([*odds], [*periods], rate)
     write_json(thresholds, output.threshold)
 
 

@@ -4,7 +4,7 @@ import pandas as pd
 
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.result_tables import group_findings
+from ur5lib.report.findings import group_findings
 from ur5lib.report.results import Body, Results
 
 MOST_NAMED = 4  # recordings of one finding

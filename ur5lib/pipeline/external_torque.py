@@ -1,14 +1,14 @@
-"""The torque that a current without contact leaves for a contact."""
+"""The torque that the measured current has beyond the one that motion without contact needs."""
 
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.timeseries.arrays import Array
 
 
-def left_over(
+def smoothed_external_torque(
     record: Record, predicted: Array, constant: Array, smooth: Smooth, cutoff: float
 ) -> Array:
-    """External torque (N, 6) [Nm], the environment acting on the arm, low-passed.
+    """Return the external torque (N, 6) [Nm], the environment acting on the arm, low-passed.
 
     predicted: current without contact (N, 6) [A]; constant: torque constants (6,) [Nm/A]; cutoff:
     of `smooth` [Hz].
@@ -19,5 +19,5 @@ def left_over(
 
 
 def edge(record: Record, cutoff: float) -> int:
-    """Samples at the ends of a stretch in which a low-pass [Hz] knows one side only."""
+    """Return how many samples at the ends of a stretch a low-pass [Hz] knows from one side only."""
     return round(0.5 / cutoff / record.period)

@@ -1,0 +1,61 @@
+"""An arm under one of its link models: arrays in, arrays out."""
+
+import torch
+
+from ur5lib.dynamics import kinematics, regressor, rigid_body
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+
+class LinkModel:
+    """Rigid-body dynamics of an arm under one of its link models.
+
+    q, qd, qdd are arrays (N, 6) [rad, rad/s, rad/s²]; torques are (N, 6) [Nm]. Raises KeyError
+    where the arm has no link model of this name.
+    """
+
+    def __init__(self, robot: Robot, model: str) -> None:
+        """Build the arm's tensors; see `build_arm`."""
+        self.arm = build_arm(robot, model)
+
+    @property
+    def parameters(self) -> Array:
+        """The inertial parameters π (66,) of τ = Y π."""
+        return self.arm.parameters.numpy()
+
+    def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Return τ = D(q) q̈ + C(q, q̇) q̇ + g(q)."""
+        return rigid_body.inverse_dynamics(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
+
+    def regressor(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """Return Y (N, 6, 66) of τ = Y π."""
+        return regressor.regressor(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
+
+    def momentum(self, q: Array, qd: Array) -> Array:
+        """Return the generalised momentum p = D(q) q̇ (N, 6) [Nm s]."""
+        inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
+        return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+    def coriolis_torque(self, q: Array, qd: Array) -> Array:
+        """Return Cᵀ(q, q̇) q̇, by which the momentum changes besides gravity and motors."""
+        matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
+        return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+    def gravity_torque(self, q: Array) -> Array:
+        """Return g(q)."""
+        return rigid_body.gravity_torque(self.arm, torch.from_numpy(q)).numpy()
+
+    def link_frames(self, q: Array) -> tuple[Array, Array]:
+        """Return rotations (N, 7, 3, 3) and origins (N, 7, 3) [m] of frames 0 to 6."""
+        rotation, origin = kinematics.link_frames(self.arm, torch.from_numpy(q))
+        return rotation.numpy(), origin.numpy()
+
+    def acceleration(self, q: Array, qd: Array, qdd: Array, point: Array) -> Array:
+        """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point that
+        frame 6 carries; point: (3,) [m], in frame 6.
+        """
+        position, velocity, acceleration = map(torch.from_numpy, (q, qd, qdd))
+        return kinematics.acceleration(
+            self.arm, position, velocity, acceleration, point=torch.from_numpy(point)
+        ).numpy()

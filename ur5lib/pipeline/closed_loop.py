@@ -1,0 +1,86 @@
+"""The joints in closed loop, with published gains and with estimated ones."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.identification import closed_loop
+from ur5lib.identification.closed_loop import JointGains, Tracking
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import ClosedLoop
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import by_segment
+
+Gains = tuple[Array, Array]
+
+
+def tracking_of(signals: Signals) -> Tracking | None:
+    """Return targets and what the joints made of them; None where one was not recorded."""
+    recorded = {
+        name: getattr(signals, name)
+        for name in ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
+    }
+    if any(values is None for values in recorded.values()):
+        return None
+    return Tracking(**recorded, segment=signals.segment, period=signals.period)
+
+
+def published_gains(robot: Robot) -> dict[str, Gains]:
+    """Return gains K0 [1/s²] and K1 [1/s] by the model they were published for, (6,) each."""
+    return {
+        name: (np.array(gains.position), np.array(gains.velocity))
+        for name, gains in robot.closed_loop_gains.items()
+    }
+
+
+def gain_summary(
+    tracking: Tracking, joints: list[JointGains], published: Mapping[str, Gains]
+) -> dict[str, Any]:
+    """Return the estimated gains and what published ones cost beside them, as in gains.json."""
+    noise = np.stack([joint.noise for joint in joints])
+    costs = {
+        name: closed_loop.tracking_cost(tracking, *gains, noise)
+        for name, gains in published.items()
+    }
+    return {"joints": list(map(asdict, joints)), "published": costs}
+
+
+def best(joints: list[JointGains]) -> Gains:
+    """Return the gains of least cost: a point in their ranges, good for a simulation."""
+    position = np.array([joint.position.best for joint in joints])
+    return position, np.array([joint.velocity.best for joint in joints])
+
+
+def simulated(
+    signals: Signals, robot: Robot, tracking: Tracking, sets: Mapping[str, Gains]
+) -> ClosedLoop:
+    """Return q̂, q̂̇ and q̂̈ under each set of gains, and each link model's torque at its own."""
+    targets = np.hstack([tracking.target_q, tracking.target_qd, tracking.target_qdd])
+
+    def simulate(states: Array, gains: Gains) -> Array:
+        q, qd, qdd = np.hsplit(states, 3)
+        return np.hstack(closed_loop.simulate_closed_loop(q, qd, qdd, tracking.period, *gains))
+
+    states = {
+        name: np.hsplit(by_segment(partial(simulate, gains=gains), targets, tracking.segment), 3)
+        for name, gains in sets.items()
+    }
+    given = robot.carrying(told_payload(signals))
+    return ClosedLoop(
+        time=signals.time,
+        segment=signals.segment,
+        q={name: q for name, (q, _, _) in states.items()},
+        qd={name: qd for name, (_, qd, _) in states.items()},
+        qdd={name: qdd for name, (_, _, qdd) in states.items()},
+        torque={
+            name: LinkModel(given, name).inverse_dynamics(*motion)
+            for name, motion in states.items()
+            if name in robot.models
+        },
+    )

@@ -1,0 +1,91 @@
+"""The controller's own torque, `target_moment`, as what identification explains."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
+
+BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
+
+
+class States(NamedTuple):
+    """q, q̇, q̈ (N, 6) that go with `target_moment`, and whether they are its exact targets."""
+
+    states: tuple[Array, Array, Array]
+    exact: bool
+
+
+def torque_states(signals: Signals, motion: Motion) -> States:
+    """Return the targets, or the measured motion where they were not recorded."""
+    q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
+    if q is None or qd is None or qdd is None:
+        return States((motion.q, motion.qd, motion.qdd), exact=False)
+    return States((q, qd, qdd), exact=True)
+
+
+def comparable(rows: Array, signals: Signals, exact: bool, design: Butterworth) -> Array:
+    """Return rows (N, M) of torques and regressors, NaN where a frame was interpolated.
+
+    Unless the states are exact, all are low-passed alike: measured accelerations already are.
+    """
+    if not exact:
+        rate = 1 / signals.period
+        rows = by_segment(lambda x: zero_phase_lowpass(x, rate, *design), rows, signals.segment)
+    return np.where(signals.interpolated[:, None], np.nan, rows)
+
+
+def rotor_samples(
+    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
+) -> tuple[Array, Array, Array] | None:
+    """Return the torque that rigid links leave, q̇ and q̈, (N, 6) each, NaN where interpolated.
+
+    robot: under the recording's gravity; its links carry the payload that the controller was given:
+    `target_moment` contains it. None where that was not recorded.
+    """
+    if signals.target_moment is None:
+        return None
+    states, exact = torque_states(signals, motion)
+    model = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    residual = signals.target_moment - model.inverse_dynamics(*states)
+    samples = comparable(np.hstack([residual, *states[1:]]), signals, exact, design)
+    residual, qd, qdd = np.hsplit(samples, 3)
+    return residual, qd, qdd
+
+
+def torque_blocks(
+    robot: Robot, signals: Signals, motion: Motion, design: Butterworth
+) -> Iterator[tuple[Array, Array]]:
+    """Yield regressors (n, 6, 66) and the controller's torques (n, 6), a block each two seconds.
+
+    The torques are those of the bare arm: a payload that the controller was given is taken off.
+    Nothing where `target_moment` was not recorded.
+    """
+    if signals.target_moment is None:
+        return
+    states, exact = torque_states(signals, motion)
+    bare = LinkModel(robot, robot.chosen_model)
+    loaded = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    load = loaded.inverse_dynamics(*states) - bare.inverse_dynamics(*states)
+    columns = bare.regressor(*states).reshape(len(signals.time), -1)
+    rows = np.hstack([columns, signals.target_moment - load])
+    rows = comparable(rows, signals, exact, design)
+    every = max(1, round(STEP / signals.period))
+    for part in _blocks(signals):
+        chosen = rows[part[::every]]
+        yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]
+
+
+def _blocks(signals: Signals) -> list[Array]:
+    """Return the samples of each block of two seconds within a segment."""
+    labels = np.stack([signals.segment, signals.time // BLOCK])
+    changes = np.flatnonzero((np.diff(labels) != 0).any(axis=0))
+    return np.split(np.arange(len(signals.time)), 1 + changes)

@@ -1,0 +1,122 @@
+"""The current that motion without contact needs, and the external torque beside it."""
+
+from dataclasses import asdict, replace
+from typing import Any
+
+import numpy as np
+
+from ur5lib.force.external_torque import without_edges
+from ur5lib.force.observer import momentum_rate, observe
+from ur5lib.identification.currents import CurrentFit, band, predict, torque_constants
+from ur5lib.identification.payload import LEFT, joint_gains
+from ur5lib.identification.samples import Record, Smooth, blocks, smoothed_moving
+from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
+from ur5lib.pipeline.external_torque import edge, smoothed_external_torque
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+
+def predicted_currents(
+    record: Record,
+    fit: CurrentFit,
+    load_torque: Array,
+    signals: Signals,
+    torques: Torques,
+    smooth: Smooth,
+    cutoff: float,
+) -> Currents:
+    """Return prediction, band and external torques of a recording.
+
+    record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; cutoff: of
+    `smooth` [Hz].
+    """
+    predicted, constant = predict(fit, record), torque_constants(fit)
+    external = smoothed_external_torque(record, predicted, constant, smooth, cutoff)
+    return Currents(
+        time=signals.time,
+        segment=signals.segment,
+        predicted_current=predicted,
+        current_band=band(fit, smoothed_moving(record, smooth)),
+        external_torque=external,
+        load_doubt=LEFT * np.abs(smooth(load_torque, record)),
+        observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
+    )
+
+
+def observed_torque(
+    record: Record,
+    torques: Torques,
+    predicted: Array,
+    load_torque: Array,
+    constant: Array,
+    cutoff: float,
+) -> Array:
+    """Return the external torque by the generalised momentum, which needs no accelerations but of
+    an estimated load; arguments as above, constant: (6,) [Nm/A].
+    """
+    rate = momentum_rate(
+        motor=constant * record.current - load_torque,
+        friction=constant * predicted - record.torque,
+        coriolis=torques.coriolis_torque,
+        gravity=torques.gravity_torque,
+    )
+    torque = observe(torques.momentum, rate, record.segment, record.period, cutoff)
+    return without_edges(torque, record.segment, edge(record, cutoff))
+
+
+def with_load(
+    record: Record, load_torque: Array, fit: CurrentFit, smooth: Smooth, cutoff: float
+) -> tuple[Record, Array]:
+    """Return the record with a load's torque (N, 6) [Nm] in it, and that torque as motors feel it.
+
+    By which factor each motor feels a load, the same recording says.
+    """
+    if load_torque.any():
+        loaded = replace(record, torque=record.torque + load_torque)
+        predicted, constant = predict(fit, loaded), torque_constants(fit)
+        left = smoothed_external_torque(loaded, predicted, constant, smooth, cutoff)
+        count = int(blocks(record)[-1]) + 1
+        load_torque = load_torque * (1 - joint_gains(left, smooth(load_torque, record), count))
+    return replace(record, torque=record.torque + load_torque), load_torque
+
+
+def baselines(
+    record: Record, robot: Robot, least_squares: Array, signals: Signals
+) -> dict[str, Array]:
+    """Return currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
+    as the controller expected them.
+    """
+    currents = {"least_squares": baseline_current(record, least_squares)}
+    constants, friction = robot.current_to_torque, robot.friction
+    if constants is not None and friction is not None:
+        nothing = np.zeros(6)
+        coefficients = coefficients_of_constants(
+            np.array(constants.torque_constant),
+            np.array(constants.offset),
+            np.array(friction.coulomb),
+            np.array(friction.viscous),
+        )
+        preliminary = np.array(constants.preliminary_torque_constant)
+        without = coefficients_of_constants(preliminary, nothing, nothing, nothing)
+        currents["thesis"] = baseline_current(record, coefficients)
+        currents["thesis_without_friction"] = baseline_current(record, without)
+    if signals.target_current is not None:
+        currents["i_target"] = signals.target_current
+    return currents
+
+
+def scores(
+    record: Record, currents: Currents, others: dict[str, Array], smooth: Smooth
+) -> dict[str, Any]:
+    """Return how well each current is predicted; a band is stated for ours alone."""
+    assert currents.predicted_current is not None
+    assert currents.current_band is not None
+    half = currents.current_band
+    figures = {"fitted": asdict(score(record, currents.predicted_current, smooth, half))}
+    for name, current in others.items():
+        figures[name] = asdict(score(record, current, smooth, half))
+        figures[name]["coverage"] = np.full(6, np.nan)
+    return figures

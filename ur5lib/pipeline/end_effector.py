@@ -1,0 +1,112 @@
+"""Acceleration of the end effector: from joints, through Euler angles, and as an IMU felt it."""
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
+from ur5lib.signals.euler_route import euler_acceleration
+from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import (
+    THESIS_ACCELERATION,
+    Butterworth,
+    causal_lowpass,
+    inner_lowpass,
+)
+from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import by_segment
+
+COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
+EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
+
+
+def as_calibrated(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    motions: Mapping[str, Motion],
+    calibration: ImuCalibration,
+    design: Butterworth,
+) -> tuple[Array, dict[str, Array], Array]:
+    """Return what the calibrated IMU felt, J_g q̈ + J̇_g q̇ at its place by each motion, both (N, 6)
+    and low-passed without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
+
+    robot: under the recording's gravity.
+    """
+    rotation = kinematics.rotation
+    bias = accelerometer_bias(imu_samples(robot, signals, kinematics, design), calibration)
+    accelerometer = signals.imu[:, :3] - bias
+    axes, up = rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
+    turning = derivative(signals, signals.imu[:, 3:])
+    felt = felt_acceleration(axes, accelerometer, turning, up)
+    point = np.array(robot.mounting.imu)
+    estimates = {
+        name: point_acceleration(rotation, kinematics.jacobian, motion.qd, motion.qdd, point)
+        for name, motion in motions.items()
+    }
+    smooth = partial(lowpassed, signals, inner_lowpass, design)
+    return smooth(felt), {name: smooth(values) for name, values in estimates.items()}, bias
+
+
+def as_published(
+    robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
+) -> tuple[Array, dict[str, Array]]:
+    """Return what the IMU felt and Euler angles' accelerations, (N, 6), as in Section 5.5: an IMU
+    without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
+    printed and put right.
+
+    by_stamps: the IMU's reading (N, 6), placed by its start stamp.
+    """
+    qd = signals.actual_qd
+    if qd is None:
+        qd = derivative(signals, signals.actual_q)
+    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
+    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
+    qdd = derivative(signals, qd)
+    frames = kinematics.rotation, kinematics.jacobian
+    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
+    angles = {
+        name: euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
+        for name, printed in EULER.items()
+    }
+    return smooth(felt), {name: smooth(values) for name, values in angles.items()}
+
+
+def derivative(signals: Signals, values: Array) -> Array:
+    """Return the time derivative of values (N, M) within the segments."""
+    return by_segment(partial(differentiate, period=signals.period), values, signals.segment)
+
+
+def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Array) -> Array:
+    """Return values (N, M), low-passed within the segments."""
+    run = partial(function, rate=1 / signals.period, **design._asdict())
+    return by_segment(run, values, signals.segment)
+
+
+def acceleration_errors(accelerations: Accelerations) -> dict[str, Any]:
+    """Return the MAE by estimate and component against what was felt, and that of zero."""
+    published, ours = accelerations.published_felt, accelerations.felt
+    if published is None or ours is None:
+        return {}
+    return _errors(accelerations.published, published) | _errors(accelerations.acceleration, ours)
+
+
+def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, Any]:
+    zero = mean_absolute_error(np.zeros_like(felt), felt)
+    return {
+        name: {
+            "mae": dict(zip(COMPONENTS, mean_absolute_error(values, felt), strict=True)),
+            "zero_mae": dict(zip(COMPONENTS, zero, strict=True)),
+        }
+        for name, values in estimates.items()
+    }

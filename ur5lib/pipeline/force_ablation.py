@@ -1,0 +1,44 @@
+"""What each part of the force estimate is worth in contact."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.sensed_contacts import contacts, in_contact
+from ur5lib.force.wrench_estimate import Ablation
+from ur5lib.pipeline.force_estimates import Problem
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_error
+
+
+def variants(
+    problem: Problem, jacobian: Array, prior: ContactPrior, reference: Array
+) -> dict[str, tuple[Array, Array]]:
+    """Return wrench and standard deviation of F̂ᵐᵃᵖ, whole and with one part replaced or left out.
+
+    jacobian: (N, 6, 6); reference: the sensor's force (N, 3) [N].
+    """
+    touched = np.zeros(len(reference), bool)
+    for span in contacts(np.linalg.norm(reference, axis=1)):
+        touched[slice(*span)] = True
+    settings = {
+        "whole": (prior, Ablation()),
+        "contacts by the sensor": (prior, Ablation(contacts=touched)),
+        "no background": (prior, Ablation(background=False)),
+        "usual contact": (prior, Ablation(learning=False)),
+        "efficiency of 1": (replace(prior, efficiency=1.0), Ablation()),
+    }
+    estimates = {name: problem.solve(jacobian, *own) for name, own in settings.items()}
+    return {name: (own.wrench, own.std) for name, own in estimates.items()}
+
+
+def figures_in_contact(wrench: Array, std: Array, reference: Array) -> dict[str, Array]:
+    """Return error, coverage and interval score (3,) in contact, by the sensor's force (N, 3)."""
+    where = in_contact(np.linalg.norm(reference, axis=1)) & np.isfinite(wrench).all(axis=1)
+    part = wrench[where, :3], std[where, :3], reference[where]
+    return {
+        "mae": mean_absolute_error(part[0], part[2]),
+        "coverage95": coverage(*part),
+        "interval_score95": interval_score(*part),
+    }

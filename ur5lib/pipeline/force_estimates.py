@@ -1,0 +1,109 @@
+"""Contact wrenches from the external torque: each estimate's problem, and its solution."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.template import ForceInput, repeat_aware
+from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench
+from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.timeseries.arrays import Array
+
+ALIKE = 1.96  # standard errors between the masses of runs that may carry the same
+WHOLE = Ablation()
+
+
+class Problem(NamedTuple):
+    """An external torque with its motion, and what is known of it without contact."""
+
+    input: ForceInput
+    model: ResidualModel
+
+    def solve(
+        self, jacobian: Array, prior: ContactPrior, ablation: Ablation = WHOLE
+    ) -> WrenchEstimate:
+        """Return the contact wrench; jacobian: (N, 6, 6)."""
+        one = self.input
+        samples = one.torque, jacobian, one.states, one.segment, one.period
+        return estimate_wrench(*samples, self.model, prior, one.doubt, ablation)
+
+
+def direct_problems(
+    motion: Motion, currents: Currents, residuals: Mapping[str, Any]
+) -> dict[str, Problem]:
+    """Return the problems of Fmap, by the external torque, and of the observer, by its own.
+
+    residuals: residuals.json. Without those whose torque is not known.
+    """
+    found = {}
+    for name, torque, fitted in (
+        ("Fmap", currents.external_torque, "tau_ext"),
+        ("observer", currents.observed_torque, "tau_observer"),
+    ):
+        if torque is not None and fitted in residuals:
+            model = ResidualModel.from_dict(residuals[fitted])
+            found[name] = Problem(force_input(motion, torque, currents), model)
+    return found
+
+
+def repeat_problem(
+    fmap: Problem, alike: Iterable[tuple[Currents, Motion]], cutoff: float
+) -> Problem | None:
+    """Return the problem of Fmap less the external torque of the same trajectory without contact.
+
+    alike: contact-free recordings that carry the same; cutoff: of the torques [Hz]. None where none
+    of them is of the same trajectory.
+    """
+    free = [
+        force_input(motion, currents.external_torque, currents)
+        for currents, motion in alike
+        if currents.external_torque is not None
+    ]
+    repeated = repeat_aware(fmap.input, free, fmap.model, cutoff)
+    if repeated is None:
+        return None
+    return Problem(fmap.input.with_torque(repeated.torque, repeated.states), repeated.model)
+
+
+def estimated_forces(
+    motion: Motion, jacobian: Array, found: Mapping[str, Problem], prior: ContactPrior
+) -> Forces:
+    """Return the estimates of all problems, and least squares in the contacts of Fmap."""
+    solved = {name: problem.solve(jacobian, prior) for name, problem in found.items()}
+    wrench = {name: estimate.wrench for name, estimate in solved.items()}
+    std = {name: estimate.std for name, estimate in solved.items()}
+    whole = solved.get("Fmap")
+    if whole is not None:
+        wrench["least_squares"], std["least_squares"] = whole.least_squares, whole.least_squares_std
+    return Forces(
+        time=motion.time,
+        segment=motion.segment,
+        wrench=wrench,
+        std=std,
+        log_odds={name: estimate.log_odds for name, estimate in solved.items()},
+        causal_log_odds={name: estimate.causal_log_odds for name, estimate in solved.items()},
+        background=None if whole is None else whole.background,
+    )
+
+
+def carry_alike(own: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> list[bool]:
+    """Return whether each other recording may carry the same; not where that is unknown.
+
+    own, others: currents.json.
+    """
+    return [_same_load(own.get("load"), other.get("load")) for other in others]
+
+
+def _same_load(own: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:
+    if own is None or other is None:
+        return False
+    mass, error = (
+        np.array([load[name] for load in (own, other)]) for name in ("carried", "std_error")
+    )
+    return bool(abs(mass[1] - mass[0]) <= ALIKE * np.hypot(*error))

@@ -1,0 +1,21 @@
+"""A recording as a force estimate without a sensor uses it."""
+
+from ur5lib.force.external_torque import joint_states
+from ur5lib.force.template import ForceInput
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.timeseries.arrays import Array
+
+
+def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput:
+    """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
+    states = joint_states(motion.qd, motion.segment, motion.period)
+    return ForceInput(
+        motion.q,
+        motion.qd,
+        torque,
+        states,
+        motion.segment,
+        motion.period,
+        currents.load_doubt,
+    )

@@ -1,0 +1,114 @@
+"""The arm with its identified models: fitted rotors, and the controller's rigid bodies."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.identification.base_parameters import (
+    BaseParameters,
+    Estimate,
+    Stack,
+    base_parameters,
+    identify,
+    prior_width,
+    stack,
+    torque_error,
+)
+from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.identification.identified_model import identified_model
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+RESOLUTION = 1e-3  # Nm: what the excitation check takes a torque to be good to
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
+DESCRIPTION = "identified from the controller's torques, physically consistent"
+
+Block = tuple[Array, Array]  # regressors (n, 6, 66) and torques (n, 6) [Nm]
+
+
+def with_rotors(robot: Robot, rotors: Mapping[str, Any]) -> Robot:
+    """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
+    if not rotors["from"]:
+        return robot
+    name = f"{robot.chosen_model}+rotors"
+    described = robot.models.get(name, robot.models[robot.chosen_model])
+    # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
+    fitted = [
+        inertia if value is None or value < 0 else value
+        for value, inertia in zip(rotors["value"]["inertia"], described.rotor_inertias, strict=True)
+    ]
+    return robot.with_model(name, described.model_copy(update={"rotor_inertias": tuple(fitted)}))
+
+
+def with_identified(
+    robot: Robot, gravities: Sequence[list[float] | None], blocks: list[Block]
+) -> tuple[Robot, dict[str, Any]]:
+    """Return the arm with the model "identified" from some blocks, and how it was found.
+
+    gravities: of the recordings, which decide what their torques determine.
+    Raises ValueError where there are too few blocks, or none that bodies could explain.
+    """
+    data = stack(blocks)
+    unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
+    models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
+    estimate = identify(data, models[0].parameters, prior_width())
+    parameters = consistent(estimate)
+    model = identified_model(robot, parameters, DESCRIPTION)
+    summary = identification_summary(models, data, estimate, parameters, blocks)
+    return robot.with_model("identified", model), summary
+
+
+def identification_summary(
+    models: Sequence[LinkModel],
+    data: Stack,
+    estimate: Estimate,
+    parameters: Array,
+    blocks: list[Block],
+) -> dict[str, Any]:
+    """Return base parameters, what consistency costs, and what no recording determines."""
+    motions = candidate_motions(SPEED, ACCELERATION)
+    candidates = {
+        name: np.concatenate([model.regressor(*motion) for model in models])
+        for name, motion in motions.items()
+    }
+    base = base_parameters(candidates[list(motions)[-1]])
+    excitation = check_excitation(data, base, estimate.width, np.full(6, RESOLUTION), candidates)
+    return {
+        "noise": estimate.noise,
+        "parameters": parameter_rows(base, estimate, parameters),
+        "mae": {
+            "without constraint": torque_error(blocks, estimate.parameters),
+            "consistent": torque_error(blocks, parameters),
+        },
+        "smallest_eigenvalues": {
+            "without constraint": smallest_eigenvalues(estimate.parameters),
+            "consistent": smallest_eigenvalues(parameters),
+        },
+        "excitation": asdict(excitation),
+    }
+
+
+def parameter_rows(
+    base: BaseParameters, estimate: Estimate, parameters: Array
+) -> list[dict[str, Any]]:
+    """Return each base parameter: the sum it stands for, its value and standard error, and whether
+    the data determine it.
+
+    weights: (66,), of the arm's parameters π in that sum.
+    """
+    return [
+        {"parameter": name, "value": value, "std_error": std, "determined": bool(told)}
+        | {"weights": weights}
+        for name, weights, value, std, told in zip(
+            base.names(),
+            base.groups,
+            base.groups @ parameters,
+            estimate.standard_errors(base.groups),
+            estimate.determined(base.groups),
+            strict=True,
+        )
+    ]

@@ -1,0 +1,52 @@
+"""What the IMU of a recording and its joints say of one another."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.robots.description import Robot
+from ur5lib.signals.clocks import BY_MOTION
+from ur5lib.signals.imu_calibration import ImuRecord
+from ur5lib.signals.imu_record import imu_record
+from ur5lib.timeseries.lowpass import Butterworth
+
+
+def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
+    """Return whether motion showed the IMU's clock (clocks.json): it then felt that motion."""
+    return bool(clocks.get("imu", {}).get("method") == BY_MOTION)
+
+
+def imu_samples(
+    robot: Robot, signals: Signals, kinematics: Kinematics, design: Butterworth
+) -> ImuRecord:
+    """Return joints and IMU, low-passed alike; robot: under the recording's gravity."""
+    return imu_record(
+        signals.time,
+        signals.segment,
+        signals.actual_q,
+        (kinematics.rotation, kinematics.jacobian),
+        signals.imu,
+        (np.array(robot.mounting.imu), np.array(robot.gravity)),
+        design,
+    )
+
+
+def all_imu_samples(
+    robot: Robot,
+    recordings: Iterable[tuple[str, list[float] | None, str, str, Mapping[str, Any]]],
+    design: Butterworth,
+) -> dict[str, ImuRecord]:
+    """Return the same of each recording with a valid IMU, by name.
+
+    recordings: name, gravity, paths of signals and kinematics, and clocks.json of each.
+    """
+    return {
+        name: imu_samples(
+            robot.mounted(gravity), Signals.read(signals), Kinematics.read(kinematics), design
+        )
+        for name, gravity, signals, kinematics, clocks in recordings
+        if has_valid_imu(clocks)
+    }

@@ -1,0 +1,40 @@
+"""What each device's start stamp and motion say of its clock, as own_clocks.json."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import pandas as pd
+
+from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.signals.device_clock import device_clock
+from ur5lib.timeseries.arrays import Array
+
+GYROSCOPE = SENSOR_COLUMNS["imu"][3:]
+
+
+def own_clocks(
+    starts: Mapping[str, Mapping[str, float]],
+    devices: Mapping[Any, pd.DataFrame],
+    robot: Signals,
+    rotation: Array,
+    jacobian: Array,
+) -> dict[str, Any]:
+    """Return each device's clock.
+
+    starts: of quality.json; devices: as read, each on its own clock; rotation, jacobian: R_6
+    (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
+    """
+    clocks = {}
+    for name, start in starts.items():
+        device = devices[name]
+        turns = set(GYROSCOPE) <= set(device)
+        clock, warning = device_clock(
+            device["time"].to_numpy(),
+            device[GYROSCOPE].to_numpy() if turns else None,
+            start,
+            (robot.time, robot.segment, robot.actual_q),
+            (rotation, jacobian),
+        )
+        clocks[name] = asdict(clock) | {"warning": warning, "stamps": start["seconds"]}
+    return clocks

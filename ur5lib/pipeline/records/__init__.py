@@ -1,0 +1,1 @@
+"""The tables in results/ as typed records: one module a table."""

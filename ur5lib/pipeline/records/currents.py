@@ -1,0 +1,43 @@
+"""What the motor currents say of torque."""
+
+from dataclasses import dataclass
+
+from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
+from ur5lib.timeseries.arrays import Array
+
+PER_LOAD = tuple(map(str, range(24)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Currents(SegmentedTable):
+    """The current that motion without contact needs, and the external torque, (N, 6) each.
+
+    predicted_current and current_band, half its 95 % band [A]; external_torque: from the inverse
+    dynamics, observed_torque: by the momentum observer, the environment acting on the arm [Nm];
+    load_doubt: standard deviation that an estimated load leaves [Nm]. All None where no currents
+    were recorded, or no recording could be fitted.
+    """
+
+    predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
+    current_band: Array | None = channel("current_band", "A", JOINTS, optional=True)
+    external_torque: Array | None = channel("tau_ext", "Nm", JOINTS, optional=True)
+    load_doubt: Array | None = channel("load_doubt", "Nm", JOINTS, optional=True)
+    observed_torque: Array | None = channel("tau_observer", "Nm", JOINTS, optional=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadRegressor(SegmentedTable):
+    """Torque per mass [Nm/kg] and first moments [Nm/(kg m)] of a load, frame 6: (N, 6, 4).
+
+    None where no currents were recorded.
+    """
+
+    load_regressor: Array | None = channel(
+        "load_regressor", "Nm/kg, Nm/(kg m)", PER_LOAD, shape=(6, 4), optional=True
+    )
+
+    def torque(self, parameters: Array) -> Array:
+        """Return the torque (N, 6) [Nm] of a load's mass and first moments (4,) [kg, kg m]."""
+        if self.load_regressor is None:
+            raise ValueError("without currents, no load was estimated")
+        return self.load_regressor @ parameters

@@ -1,0 +1,49 @@
+"""Estimates of the contact wrench, and what the force sensor says."""
+
+from dataclasses import dataclass
+
+from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel, channels
+from ur5lib.timeseries.arrays import Array
+
+ESTIMATES = ("Fmap", "least_squares", "observer", "repeat")
+GATED = ("Fmap", "observer", "repeat")  # estimates with a gate of their own
+PUBLISHED = ("Fu", "F", "F*")
+REFERENCES = ("printed", "corrected", "compensated")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Forces(SegmentedTable):
+    """Contact wrenches from currents: the environment acting on the arm, base axes, frame 6's
+    origin, (N, 6) [N, Nm].
+
+    wrench and std, its standard deviation, by estimate; log_odds and causal_log_odds: that there is
+    a contact, (N,), given all samples, or those so far; background: (N, 6) [Nm], slow external
+    torque that is no contact.
+    """
+
+    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, ESTIMATES)
+    std: dict[str, Array] = channels("{}_std", "N, Nm", WRENCH, ESTIMATES)
+    log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), GATED)
+    causal_log_odds: dict[str, Array] = channels("causal_log_odds_{}", "1", (), GATED)
+    background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PublishedForces(SegmentedTable):
+    """The thesis's estimates Fu, F and F*, (N, 6) [N, Nm]: as its script printed them, and by its
+    equations put right; the environment acting on the arm, base axes.
+    """
+
+    printed: dict[str, Array] = channels("printed_{}", "N, Nm", WRENCH, PUBLISHED)
+    corrected: dict[str, Array] = channels("corrected_{}", "N, Nm", WRENCH, PUBLISHED)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorWrenches(SegmentedTable):
+    """The force sensor's wrench, (N, 6) [N, Nm], the environment acting on the arm, base axes.
+
+    printed: the raw reading; corrected: less its mean at the start, both placed by start stamps;
+    compensated: by the best clock, less bias and tool weight; the last two at frame 6's origin.
+    """
+
+    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, REFERENCES)

@@ -1,0 +1,33 @@
+"""Joint motion by the Kalman smoother."""
+
+from dataclasses import dataclass
+
+from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, channel
+from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion(SegmentedTable):
+    """Joint positions [rad], velocities [rad/s], accelerations [rad/s²], and their standard
+    deviations, (N, 6) each.
+    """
+
+    q: Array = channel("q", "rad", JOINTS)
+    qd: Array = channel("qd", "rad/s", JOINTS)
+    qdd: Array = channel("qdd", "rad/s2", JOINTS)
+    q_std: Array = channel("q_std", "rad", JOINTS)
+    qd_std: Array = channel("qd_std", "rad/s", JOINTS)
+    qdd_std: Array = channel("qdd_std", "rad/s2", JOINTS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FusedMotion(Motion):
+    """The same from encoders and IMU, and the IMU's biases, (N, 3) [m/s², rad/s].
+
+    Without any sample where no IMU's clock could be estimated from its motion.
+    """
+
+    accelerometer_bias: Array = channel("accelerometer_bias", "m/s2", XYZ)
+    gyroscope_bias: Array = channel("gyroscope_bias", "rad/s", XYZ)
+    accelerometer_bias_std: Array = channel("accelerometer_bias_std", "m/s2", XYZ)
+    gyroscope_bias_std: Array = channel("gyroscope_bias_std", "rad/s", XYZ)

@@ -1,0 +1,41 @@
+"""Joint torques of the link models."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
+from ur5lib.timeseries.arrays import Array, Mask
+
+
+@dataclass(frozen=True, kw_only=True)
+class Torques(SegmentedTable):
+    """Inverse dynamics and its parts, (N, 6) [Nm] each.
+
+    target, measured: by link model, at the targets and at the measured motion, with the payload
+    that the controller was given; payload_torque: what the true payload adds to that; momentum: D q̇
+    [Nm s], coriolis_torque: Cᵀ q̇ and gravity_torque: g of the fullest model with the true payload.
+    """
+
+    interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)
+    target: dict[str, Array] = channels("tau_target_{}", "Nm", JOINTS)
+    measured: dict[str, Array] = channels("tau_measured_{}", "Nm", JOINTS)
+    payload_torque: Array = channel("payload_torque", "Nm", JOINTS)
+    momentum: Array = channel("momentum", "Nm s", JOINTS)
+    coriolis_torque: Array = channel("coriolis_torque", "Nm", JOINTS)
+    gravity_torque: Array = channel("gravity_torque", "Nm", JOINTS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedLoop(SegmentedTable):
+    """The joints in closed loop, (N, 6) each, by the set of gains: a link model's published ones,
+    or "estimated".
+
+    q [rad], qd [rad/s], qdd [rad/s²]; torque: inverse dynamics at that motion [Nm], of the link
+    model whose gains they are.
+    """
+
+    q: dict[str, Array] = channels("q_{}", "rad", JOINTS)
+    qd: dict[str, Array] = channels("qd_{}", "rad/s", JOINTS)
+    qdd: dict[str, Array] = channels("qdd_{}", "rad/s2", JOINTS)
+    torque: dict[str, Array] = channels("tau_{}", "Nm", JOINTS)

@@ -1,0 +1,65 @@
+"""What was simulated of an arm, beside which its estimates are held."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.pipeline.records.truth import Truth
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
+from ur5lib.timeseries.segments import by_segment, period
+
+Truths = Mapping[str, Any]  # truth.json by recording
+
+
+def shared(truths: Truths, recordings: list[str], part: Callable[[Any], Any]) -> Any:
+    """Return a part of the truth that recordings have in common, None where they have not."""
+    if not recordings or not set(recordings) <= set(truths):
+        return None
+    parts = [part(truths[name]) for name in recordings]
+    return parts[0] if all(np.array_equal(one, parts[0]) for one in parts) else None
+
+
+def true_friction(truth: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the torque constants and the friction that were simulated."""
+    constant = truth["drive"]["torque_constant"]
+    return {"drive": {"torque_constant": constant}, "friction": truth["friction"]}
+
+
+def true_robot(robot: Robot, truth: Mapping[str, Any]) -> Robot:
+    """Return the arm as it was simulated: under its gravity, with what it carried."""
+    for name in ("payload", "undeclared_payload"):
+        payload = truth["plan"][name]
+        robot = robot.carrying(payload and Payload.model_validate(payload))
+    return robot.mounted(truth["gravity"])
+
+
+def true_rotors(robot: Robot, truth: Mapping[str, Any]) -> Any:
+    """Return the simulated rotor inertias (6,) [kg m²]."""
+    return robot.models[truth["model"]].rotor_inertias
+
+
+def true_parameters(robot: Robot, truth: Mapping[str, Any]) -> Array:
+    """Return π (66,) of the simulated model, without a payload: the controller's is known."""
+    return LinkModel(robot, truth["model"]).parameters
+
+
+def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butterworth) -> Array:
+    """Return the end effector's at the IMU's place (N, 6), low-passed as its estimates are."""
+    model, point = LinkModel(robot, robot.chosen_model), np.array(robot.mounting.imu)
+    exact = model.acceleration(true.q, true.qd, true.qdd, point)
+    rate = 1 / period(true.time)
+    return by_segment(lambda x: inner_lowpass(x, rate, *design), exact, segment)
+
+
+def rigid_torques(robot: Robot, truth: Mapping[str, Any], true: Truth) -> dict[str, Array]:
+    """Return models' torques (N, 6) [Nm] at the true motion, with what the arm carried."""
+    carrying = true_robot(robot, truth)
+    return {
+        name: LinkModel(carrying, name).inverse_dynamics(true.q, true.qd, true.qdd)
+        for name in (robot.chosen_model, "identified")
+        if name in robot.models
+    }

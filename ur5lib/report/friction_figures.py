@@ -1,0 +1,80 @@
+"""Currents and friction of an arm, after Figures 6.1 and 6.2, and what their fit leaves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+
+from ur5lib.identification.currents import CurrentFit, predict
+from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.report.charts import residual_panels, scatter_panels
+from ur5lib.report.house_style import Drawing
+from ur5lib.timeseries.arrays import Array
+
+STEP = 0.1  # s between the samples that are drawn
+
+
+@dataclass(frozen=True)
+class MovingSamples:
+    """Low-passed samples of recordings, (N, 6) each; NaN where a joint rests."""
+
+    time: Array
+    q: Array
+    qd: Array
+    torque: Array
+    current: Array
+    predicted: Array
+
+    @classmethod
+    def of(cls, record: Record, fit: CurrentFit, smooth: Smooth) -> Self:
+        """Return a recording's samples where each joint moves."""
+        every = max(1, round(STEP / record.period))
+        moving = smoothed_moving(record, smooth)[::every]
+
+        def thinned(values: Array) -> Array:
+            return np.where(moving, smooth(values, record)[::every], np.nan)
+
+        time = np.arange(len(record.q))[::every, None] * record.period * np.ones(6)
+        return cls(
+            time=np.where(moving, time, np.nan),
+            q=thinned(record.q),
+            qd=thinned(record.qd),
+            torque=thinned(record.torque),
+            current=thinned(record.current),
+            predicted=thinned(predict(fit, record)),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Self]) -> Self:
+        """Return the samples of all parts, after a row of NaN: panels may be empty."""
+        nothing = np.full((1, 6), np.nan)
+        arrays = ([nothing, *(getattr(part, own.name) for part in parts)] for own in fields(cls))
+        return cls(*map(np.concatenate, arrays))
+
+
+def friction_figures(samples: MovingSamples, constant: Array) -> dict[str, Drawing]:
+    """Return the four figures by name; constant: torque constants (6,) [Nm/A]."""
+    friction = constant * samples.predicted - samples.torque
+    needed = samples.torque + friction
+    ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
+    line = ends, ends / constant
+    current = "i_{} [A]"
+    measured = constant * samples.current - samples.torque
+    labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
+    against = {
+        "position [rad]": samples.q,
+        "velocity [rad/s]": samples.qd,
+        "rigid torque [Nm]": samples.torque,
+        "time [s]": samples.time,
+    }
+    return {
+        "current_torque": scatter_panels(
+            samples.torque, samples.current, ("rigid τ_{} [Nm]", current), line
+        ),
+        "current_torque_friction": scatter_panels(
+            needed, samples.current, ("with friction τ_{} [Nm]", current), line
+        ),
+        "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
+        "residuals": residual_panels(samples.current - samples.predicted, against, "A"),
+    }

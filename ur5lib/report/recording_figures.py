@@ -1,0 +1,161 @@
+"""Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4 to 6.9."""
+
+import numpy as np
+
+from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import ClosedLoop, Torques
+from ur5lib.report.estimates import NEW
+from ur5lib.report.house_style import Drawing
+from ur5lib.report.traces import (
+    ACCELERATION,
+    CURRENT,
+    TORQUE,
+    WRENCH,
+    Traces,
+    draw_traces,
+    joint_quantity,
+)
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import starts
+
+Series = dict[str, tuple[Array, str]]  # values (N, M) and style, by label
+BAND = 1.96  # standard deviations that hold 95 %
+DRAWN = ("third", "first", "second", "fourth")  # styles of estimates; the first has the band's
+PUBLISHED = {
+    "Fu": ("controller's estimate", "first"),
+    "F": ("without friction", "second"),
+    "F*": ("with friction", "third"),
+}
+STATES = {  # symbol, unit
+    "q": (r"\Delta q", "rad"),
+    "qd": (r"\Delta \dot{q}", "rad/s"),
+}
+
+
+def tracking_figure(signals: Signals, closed_loop: ClosedLoop, robot: Robot, state: str) -> Drawing:
+    """Return Figure 5.9 (state q) or 5.10 (qd): what the loop misses, and what the targets miss."""
+    gains = robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
+    looped = getattr(closed_loop, state).get(gains)
+    series: Series = {}
+    if looped is not None:
+        measured, target = (getattr(signals, f"{kind}_{state}") for kind in ("actual", "target"))
+        series = {
+            "measured − target": (unbroken(measured - target, signals.segment), "measured"),
+            f"measured − closed loop, gains {gains}": (
+                unbroken(measured - looped, signals.segment),
+                "joint",
+            ),
+        }
+    traces = Traces(unbroken(signals.time, signals.segment), series)
+    return draw_traces(traces, joint_quantity(*STATES[state]))
+
+
+def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
+    """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
+    motion = "target" if model in torques.target else "measured"
+    modelled = unbroken(getattr(torques, motion)[model], signals.segment)
+    series: Series = {f"Model {model}, {motion} motion": (modelled, "joint")}
+    reference = None
+    if signals.target_moment is not None:
+        reference = unbroken(signals.target_moment, signals.segment)
+        series = {"controller's target_moment": (reference, "measured")} | series
+    time = unbroken(signals.time, signals.segment)
+    return draw_traces(Traces(time, series, errors(series, reference)), TORQUE)
+
+
+def current_figure(signals: Signals, currents: Currents) -> Drawing:
+    """Return the measured current and the one that motion without contact needs."""
+    series: Series = {}
+    measured = None
+    if signals.actual_current is not None:
+        measured = unbroken(signals.actual_current, signals.segment)
+        series = {"actual_current": (measured, "measured")}
+    if currents.predicted_current is not None:
+        predicted = unbroken(currents.predicted_current, signals.segment)
+        series["predicted without contact"] = (predicted, "joint")
+    time = unbroken(signals.time, signals.segment)
+    return draw_traces(Traces(time, series, errors(series, measured)), CURRENT)
+
+
+def acceleration_figure(accelerations: Accelerations) -> Drawing:
+    """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
+    estimates = {"from the joints": (accelerations.acceleration.get("encoders"), "first")}
+    return _felt_figure(accelerations, accelerations.felt, estimates)
+
+
+def published_acceleration_figure(accelerations: Accelerations) -> Drawing:
+    """Return Figures 5.14 and 5.15 as published."""
+    label = "Euler angles, Equation 2.33 as printed"
+    estimates = {label: (accelerations.published.get("euler"), "second")}
+    return _felt_figure(accelerations, accelerations.published_felt, estimates)
+
+
+def _felt_figure(
+    table: Accelerations, felt: Array | None, estimates: dict[str, tuple[Array | None, str]]
+) -> Drawing:
+    known = {"IMU": (felt, "measured")} | estimates
+    series: Series = {
+        label: (unbroken(values, table.segment), style)
+        for label, (values, style) in known.items()
+        if values is not None
+    }
+    reference = series["IMU"][0] if series else None
+    time = unbroken(table.time, table.segment)
+    return draw_traces(Traces(time, series, errors(series, reference)), ACCELERATION)
+
+
+def published_force_figure(
+    published: PublishedForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
+) -> Drawing:
+    """Return Figures 6.4 to 6.9 of some estimates, as printed or corrected: values and errors."""
+    measured = _wrench(sensor, sensor.wrench.get(kind))
+    series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
+    for estimate in estimates:
+        values = getattr(published, kind).get(estimate)
+        if values is not None:
+            label, style = PUBLISHED[estimate]
+            series[label] = unbroken(values, published.segment), style
+    time = unbroken(sensor.time, sensor.segment)
+    return draw_traces(Traces(time, series, errors(series, measured)), WRENCH)
+
+
+def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
+    """Return the new estimates, the band of F̂ᵐᵃᵖ, the sensor, and where a force hides (N,)."""
+    measured = _wrench(sensor, sensor.wrench.get("compensated"))
+    series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
+    for (name, label), style in zip(NEW.items(), DRAWN, strict=True):
+        if name in forces.wrench:
+            series[label] = unbroken(forces.wrench[name], forces.segment), style
+    band = None
+    if "Fmap" in forces.wrench:
+        whole, half = forces.wrench["Fmap"], BAND * forces.std["Fmap"]
+        low, high = (unbroken(whole + sign * half, forces.segment) for sign in (-1, 1))
+        band = low, high
+    time, dark = (unbroken(values, forces.segment) for values in (forces.time, hidden))
+    traces = Traces(time, series, errors(series, measured), band, dark > 0)
+    return draw_traces(traces, WRENCH)
+
+
+def _wrench(sensor: SensorWrenches, values: Array | None) -> Array | None:
+    return None if values is None else unbroken(values, sensor.segment)
+
+
+def errors(series: Series, reference: Array | None) -> Series | None:
+    """Return what every other series misses of the one that is the reference."""
+    if reference is None or len(series) < 2:
+        return None
+    return {
+        label: (reference - values, style)
+        for label, (values, style) in series.items()
+        if values is not reference
+    }
+
+
+def unbroken(values: Array | Mask, segment: Labels) -> Array:
+    """Return values with NaN between segments, so that no line is drawn across a gap."""
+    breaks = np.flatnonzero(starts(segment)[1:]) + 1
+    return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)

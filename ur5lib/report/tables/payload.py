@@ -1,0 +1,42 @@
+"""What the flange carries beyond the known payload."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ur5lib.report.study_results import Row, StudyResults
+
+COLUMNS = [
+    "recording",
+    "mass",
+    "std_error",
+    "low",
+    "high",
+    "center_of_mass_x",
+    "center_of_mass_y",
+    "center_of_mass_z",
+    "configured",
+    "taken",
+]
+
+
+def rows(results: StudyResults) -> Iterator[Row]:
+    """Yield the table's rows."""
+    for name, summary in results.each("currents"):
+        yield from payload_rows(name, summary)
+
+
+def payload_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
+    """What the flange carries beyond the known payload, from currents.json; none at rest."""
+    if load := currents.get("load"):
+        low, high = load["interval"]
+        center = zip("xyz", load["center_of_mass"], strict=True)
+        yield {
+            "recording": recording,
+            "mass": load["mass"],
+            "std_error": load["std_error"],
+            "low": low,
+            "high": high,
+            **{f"center_of_mass_{axis}": value for axis, value in center},
+            "configured": load["configured"],
+            "taken": "yes" if load["taken"] else "no",
+        }

@@ -1,0 +1,76 @@
+"""Findings about the files of every recording."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ur5lib.report.study_results import Row, StudyResults
+
+COLUMNS = ["recording", "device", "finding", "severity", "count", "detail"]
+REMEDY = "if an IMU's samples were stamped by the same computer, name both under `hosts`"
+
+
+def rows(results: StudyResults) -> Iterator[Row]:
+    """Yield the table's rows."""
+    yield from finding_rows(results.all("quality"), results.all("clocks"), results.all("forces"))
+
+
+def finding_rows(
+    qualities: Mapping[str, Any], clocks: Mapping[str, Any], forces: Mapping[str, Any]
+) -> Iterator[Row]:
+    """Yield the findings of quality.json, clocks.json and forces.json, each by recording."""
+    for recording, quality in qualities.items():
+        for finding in [
+            *quality["findings"],
+            *_copies(recording, qualities),
+            *_poor_clocks(clocks.get(recording, {})),
+            *_doubted_sensor(forces.get(recording, {})),
+        ]:
+            yield {"recording": recording, **finding}
+
+
+def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
+    """Devices that only start stamps place on the robot's clock."""
+    for device, clock in clocks.items():
+        row = {"device": device, "severity": "warning", "count": 1}
+        errors = clock["offset_std"], clock["end_std"]
+        good_to = "good to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
+        if clock["warning"]:
+            detail = f"{clock['warning']}; {good_to}"
+            yield row | {"finding": "clock by stamps alone", "detail": detail}
+        elif clock["drift"] is None:
+            detail = f"only its start stamp places it on the robot's clock: {good_to}; {REMEDY}"
+            yield row | {"finding": "unknown drift", "detail": detail}
+
+
+def _doubted_sensor(forces: Mapping[str, Any]) -> Iterator[Row]:
+    """A force sensor that contradicts the motor currents or its tool's weight, or whose bias may be
+    a push.
+    """
+    for doubted in ("mounting", "offset"):
+        if forces.get(f"{doubted}_doubt"):
+            yield {
+                "device": "force",
+                "finding": doubted,
+                "severity": "warning",
+                "count": 1,
+                "detail": forces[f"{doubted}_doubt"],
+            }
+
+
+def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:
+    """Device files that are byte for byte those of another recording."""
+    for device, checksum in qualities[recording]["files"].items():
+        others = [
+            other
+            for other, quality in qualities.items()
+            if other != recording and quality["files"].get(device) == checksum
+        ]
+        if others:
+            used = "used" if device in qualities[recording]["devices"] else "not used"
+            yield {
+                "device": device,
+                "finding": "same file",
+                "severity": "note",
+                "count": len(others),
+                "detail": f"byte for byte that of {', '.join(others)}; {used} here",
+            }

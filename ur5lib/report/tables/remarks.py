@@ -1,0 +1,29 @@
+"""What fits say of themselves, by joint, and why one made nothing."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ur5lib.report.study_results import Row, StudyResults
+
+COLUMNS = ["robot", "step", "joint", "remark"]
+
+
+def rows(results: StudyResults) -> Iterator[Row]:
+    """Yield the table's rows."""
+    summaries = {
+        "identification": results.all("identification"),
+        "friction": results.all("friction"),
+        "contact forces": results.all("residuals"),
+    }
+    for robot in results.paths_of("arm"):
+        yield from remark_rows(robot, {step: found[robot] for step, found in summaries.items()})
+
+
+def remark_rows(robot: str, steps: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
+    """What fits say of themselves, by joint, and why one made nothing; steps: summaries by name."""
+    for step, summary in steps.items():
+        for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
+            yield {"robot": robot, "step": step, "remark": remark}
+        for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
+            for remark in fit["remarks"]:
+                yield {"robot": robot, "step": step, "joint": joint, "remark": remark}

@@ -1,0 +1,73 @@
+"""All rows of the table of estimates beside the truth."""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.motion import FusedMotion, Motion
+from ur5lib.pipeline.records.truth import Truth
+from ur5lib.pipeline.true_arm import (
+    Truths,
+    rigid_torques,
+    shared,
+    true_acceleration,
+    true_friction,
+    true_parameters,
+    true_rotors,
+)
+from ur5lib.report import truth_table
+from ur5lib.report.truth_table import JOINTS, Row
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.tables import read_json
+from ur5lib.timeseries.lowpass import Butterworth
+
+Files = Mapping[str, str]  # paths of one arm's or one recording's results
+
+
+def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
+    """Yield rows about what was fitted to several recordings, where all have one truth.
+
+    files: described, rotors, identification, calibration and friction of an arm.
+    """
+    rotors, identification = read_json(files["rotors"]), read_json(files["identification"])
+    calibration = read_json(files["calibration"]).get("all", {"from": []})
+    friction, robot = read_json(files["friction"]), load_robot(files["described"])
+    comparisons: list[tuple[Mapping[str, Any], Callable[[Any], Any], Callable[..., Any]]] = [
+        (rotors, partial(true_rotors, robot), truth_table.rotor_rows),
+        (identification, partial(true_parameters, robot), truth_table.parameter_rows),
+        (calibration, lambda truth: truth["plan"]["imu"], truth_table.imu_rows),
+        (friction, true_friction, truth_table.friction_rows),
+    ]
+    for found, part, rows in comparisons:
+        truth = shared(truths, found["from"], part)
+        if truth is not None:
+            yield from rows(found, truth)
+
+
+def recording_rows(files: Files, truth: Mapping[str, Any], design: Butterworth) -> list[Row]:
+    """Return rows about one recording; design: of the low-pass of accelerations.
+
+    files: clocks, motion, fused, accelerations, forces, truth of it; described and fitted arm.
+    """
+    motion, fused = Motion.read(files["motion"]), FusedMotion.read(files["fused"])
+    true = Truth.read(files["truth"]).at(motion.time)
+    robot = load_robot(files["described"])
+    felt = true_acceleration(robot, true, motion.segment, design)
+    motions = {"encoders": motion, "encoders+imu": fused}
+    return [
+        *truth_table.clock_rows(read_json(files["clocks"]), truth),
+        *truth_table.joint_acceleration_rows(motions, true),
+        *truth_table.end_effector_rows(Accelerations.read(files["accelerations"]), felt),
+        *torque_rows(load_robot(files["fitted"]), truth, true),
+        *truth_table.wrench_rows(Forces.read(files["forces"]), true),
+    ]
+
+
+def torque_rows(robot: Robot, truth: Mapping[str, Any], true: Truth) -> Iterator[Row]:
+    """Yield the RMSE of models' torques at the true motion, against what the simulated arm took."""
+    rigid = true.motor_torque - true.friction_torque + true.contact_torque
+    for model, torque in rigid_torques(robot, truth, true).items():
+        for row in truth_table.errors("torque", JOINTS, ["Nm"] * 6, rigid, torque):
+            yield row | {"method": f"Model {model}"}

@@ -1,0 +1,38 @@
+"""Joint motion from encoders and IMU by a Kalman smoother, where the IMU is valid."""
+
+from typing import Any
+
+from ur5lib.pipeline.imu_samples import has_valid_imu
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.smoothed_motion import (
+    fused_record,
+    imu_model,
+    measured,
+    motion_account,
+    no_fused_motion,
+)
+from ur5lib.robots.description import load_robot
+from ur5lib.signals.imu_calibration import calibration_for
+from ur5lib.signals.smoothing import smooth_encoders, smooth_with_imu
+from ur5lib.steps import run_step
+from ur5lib.tables import read_json, write_json
+
+
+def fuse_imu(input: Any, output: Any, params: Any) -> None:
+    record, summary = no_fused_motion(), dict[str, Any]()
+    if has_valid_imu(read_json(input.clocks)):
+        signals, kinematics = Signals.read(input.signals), Kinematics.read(input.kinematics)
+        robot = load_robot(input.arm).mounted(params.gravity)
+        _, calibration = calibration_for(params.recording, read_json(input.calibration))
+        samples = signals.time, signals.segment, *measured(signals)
+        encoders = smooth_encoders(*samples)
+        model = imu_model(robot, kinematics, calibration, encoders.qd)
+        fused = smooth_with_imu(*samples, signals.imu, model, encoders)
+        record, summary = fused_record(signals, fused), {"encoders+imu": motion_account(fused)}
+    record.write(output.motion)
+    write_json(summary, output.summary)
+
+
+if __name__ == "__main__":
+    run_step(fuse_imu, snakemake)  # type: ignore[name-defined]  # noqa: F821
