@@ -29,7 +29,8 @@ class Strict(BaseModel):
 def existing_file(path: str) -> str:
     """The path itself. Raises ValueError where there is no such file."""
     if not Path(path).is_file():
-        raise ValueError("an existing file")
+        kind = _special_kind(Path(path))
+        raise ValueError(f"a file, not {kind}" if kind else "an existing file")
     return path
 
 
@@ -38,16 +39,20 @@ def expect_file(path: Path) -> None:
 
     What is missing, or a folder, is told when it is read.
     """
+    if kind := _special_kind(path):
+        raise InputError(
+            f"{path} is {kind}, which cannot be read as a file; save its content in a file and "
+            "name that one"
+        )
+
+
+def _special_kind(path: Path) -> str | None:
+    """What a path leads to instead of a file or folder, where it leads anywhere."""
     try:
         mode = path.stat().st_mode
     except OSError:
-        return
-    for is_kind, kind in SPECIAL.items():
-        if is_kind(mode):
-            raise InputError(
-                f"{path} is {kind}, which cannot be read as a file; save its content in a file and "
-                "name that one"
-            )
+        return None
+    return next((kind for is_kind, kind in SPECIAL.items() if is_kind(mode)), None)
 
 
 def read_yaml(path: Path) -> Any:

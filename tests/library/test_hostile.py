@@ -188,6 +188,23 @@ def test_way_points_and_references_that_are_no_files_are_told(
         read("file")
 
 
+@special
+def test_a_study_that_names_such_a_file_is_told(
+    study: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture,
+    kind: str,
+    make: Make,
+) -> None:
+    make(study.with_name("way_points"))
+    plan = "{trajectory: {kind: movej, way_points: way_points}}"
+    entry = f"- {{name: made, robot: ur5, format: thesis-csv, role: fit, simulate: {plan}}}\n"
+    study.write_text(f"reference: way_points\n{study.read_text()}{entry}")
+    assert run(monkeypatch, "check", study) == 1
+    told = capsys.readouterr().err
+    assert told.count(f"is 'way_points'; give a file, not {kind}") == 2
+
+
 # Few lines that mean many
 
 

@@ -53,7 +53,7 @@ def read_reference(path: str | Path | None) -> Reference:
         return Reference()
     try:
         return Reference.model_validate(read_yaml(Path(path)))
-    except (ValidationError, yaml.YAMLError) as error:
+    except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(f"{path} is no file of published values: {error}") from error
 
 
