@@ -5,6 +5,7 @@ ratios to Pinocchio's loop. What is called in a Python loop is given at most LOO
 time a state does not depend on their number.
 """
 
+import argparse
 import os
 import resource
 import statistics
@@ -12,6 +13,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -24,11 +26,22 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 
-SIZES = (100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
 LOOPED = 10_000
-ROUNDS = 5
 MODEL = "C+rotors"
 REFERENCE = "pinocchio"
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured: numbers of states, rounds, and whether fused functions are compiled."""
+
+    sizes: tuple[int, ...] = (100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
+    large: tuple[int, ...] = (100_000, 1_000_000, 10_000_000)
+    rounds: int = 5
+    fused: bool = True
+
+
+QUICK = Effort(sizes=(100,), large=(1_000,), rounds=1, fused=False)
 
 States = list[np.ndarray]
 Contender = Callable[[States], Callable[[], object]]
@@ -37,42 +50,50 @@ Contender = Callable[[States], Callable[[], object]]
 
 def main() -> None:
     """Print the tables; each number of threads has a process of its own."""
-    robot = load_robot(robot_path("ur5"))
-    if len(sys.argv) > 1:
-        return compare_on_threads(robot, int(sys.argv[1]))
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument(
+        "--quick", action="store_true", help="small sizes: only shows that it runs"
+    )
+    options.add_argument("--threads", type=int, help="measure in this process, on so many")
+    given = options.parse_args()
+    robot, effort = load_robot(robot_path("ur5")), QUICK if given.quick else Effort()
+    if given.threads:
+        return compare_on_threads(robot, given.threads, effort)
     for threads in sorted({1, os.cpu_count() or 1}):
-        subprocess.run([sys.executable, __file__, str(threads)], check=True)
-    print_memory(robot)
+        command = [sys.executable, *sys.argv, "--threads", str(threads)]
+        subprocess.run(command, check=True)
+    print_memory(robot, effort)
     if torch.cuda.is_available():
-        print_gpu(robot)
+        print_gpu(robot, effort)
     else:
         print("\nno GPU is at hand")
 
 
-def compare_on_threads(robot: Robot, threads: int) -> None:
+def compare_on_threads(robot: Robot, threads: int, effort: Effort) -> None:
     """Print the tables of torque and inertia matrix."""
     torch.set_num_threads(threads)
     for title, contenders in (
-        ("inverse dynamics", torque_contenders(robot, threads)),
-        ("inertia matrix", inertia_contenders(robot)),
+        ("inverse dynamics", torque_contenders(robot, threads, effort)),
+        ("inertia matrix", inertia_contenders(robot, effort)),
     ):
         print(f"\n{title}, UR5 {MODEL}, {threads} thread{'s' * (threads > 1)}")
         print(f"{'states':>9}" + "".join(f"{name:>20}" for name in contenders))
-        for size in SIZES:
-            print(f"{size:>9}" + "".join(row(contenders, size)), flush=True)
+        for size in effort.sizes:
+            cells = row(contenders, size, effort.rounds)
+            print(f"{size:>9}" + "".join(cells), flush=True)
 
 
-def torque_contenders(robot: Robot, threads: int) -> dict[str, Contender]:
+def torque_contenders(robot: Robot, threads: int, effort: Effort) -> dict[str, Contender]:
     """All that compute joint torques."""
     return {
         REFERENCE: pinocchio_loop(robot, pinocchio.rnea),
         "pinocchio, batched": pinocchio_batched(robot, threads),
         "mujoco": mujoco_loop(robot),
-        **ours(robot, inverse_dynamics),
+        **ours(robot, inverse_dynamics, effort),
     }
 
 
-def inertia_contenders(robot: Robot) -> dict[str, Contender]:
+def inertia_contenders(robot: Robot, effort: Effort) -> dict[str, Contender]:
     """All that compute inertia matrices."""
 
     def crba(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, *_: object) -> object:
@@ -80,11 +101,11 @@ def inertia_contenders(robot: Robot) -> dict[str, Contender]:
 
     return {
         REFERENCE: pinocchio_loop(robot, crba),
-        **ours(robot, lambda arm, q, *_: inertia_matrix(arm, q)),
+        **ours(robot, lambda arm, q, *_: inertia_matrix(arm, q), effort),
     }
 
 
-def ours(robot: Robot, term: Callable[..., object]) -> dict[str, Contender]:
+def ours(robot: Robot, term: Callable[..., object], effort: Effort) -> dict[str, Contender]:
     """This library, plain and fused, in double and single precision."""
 
     def contender(dtype: torch.dtype, fused: bool) -> Contender:
@@ -97,10 +118,9 @@ def ours(robot: Robot, term: Callable[..., object]) -> dict[str, Contender]:
         return prepare
 
     return {
-        "plain": contender(torch.float64, False),
-        "fused": contender(torch.float64, True),
-        "plain float32": contender(torch.float32, False),
-        "fused float32": contender(torch.float32, True),
+        f"{'fused' if fused else 'plain'}{name}": contender(dtype, fused)
+        for name, dtype in (("", torch.float64), (" float32", torch.float32))
+        for fused in (False, True)[: 1 + effort.fused]
     }
 
 
@@ -156,18 +176,18 @@ def mujoco_loop(robot: Robot) -> Contender:
     return prepare
 
 
-def row(contenders: dict[str, Contender], size: int) -> list[str]:
+def row(contenders: dict[str, Contender], size: int, rounds: int) -> list[str]:
     """One line of a table: each contender's time a state, and how many times faster it is."""
     states = random_states(size)
     calls = {name: prepare(states) for name, prepare in contenders.items()}
     counts = {name: min(size, LOOPED) if name in (REFERENCE, "mujoco") else size for name in calls}
-    rounds = [
+    measured = [
         {name: 1e6 * seconds(call) / counts[name] for name, call in calls.items()}
-        for _ in range(ROUNDS + 1)
+        for _ in range(rounds + 1)
     ][1:]  # the first warms up, and compiles
     return [
-        f"{statistics.median(r[name] for r in rounds):>12.3f}"
-        f"{statistics.median(r[REFERENCE] / r[name] for r in rounds):>6.1f} x"
+        f"{statistics.median(r[name] for r in measured):>12.3f}"
+        f"{statistics.median(r[REFERENCE] / r[name] for r in measured):>6.1f} x"
         for name in calls
     ]
 
@@ -185,49 +205,49 @@ def seconds(call: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def print_memory(robot: Robot) -> None:
+def print_memory(robot: Robot, effort: Effort) -> None:
     """Peak memory beyond the result of 48 bytes a state; the states themselves take none here."""
     torch.set_num_threads(1)
     arm = build_arm(robot, MODEL)
     print("\nplain inverse dynamics, float64: peak memory of the process beyond its result [MiB]")
-    for size in (100_000, 1_000_000, 10_000_000):
+    for size in effort.large:
         state = torch.ones(1, 6, dtype=torch.float64).expand(size, 6)
         inverse_dynamics(arm, state, state, state)
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(f"{size:>9}{peak - size * 48 / 2**20:>12.0f}")
 
 
-def print_gpu(robot: Robot) -> None:
+def print_gpu(robot: Robot, effort: Effort) -> None:
     """Rate on a GPU, and its share of what the memory allows at 24 values a state."""
     copied = torch.ones(1 << 28, device="cuda")
-    bandwidth = 2 * copied.nbytes / gpu_seconds(copied.clone)
+    bandwidth = 2 * copied.nbytes / gpu_seconds(copied.clone, effort.rounds)
     print(f"\ninverse dynamics, {torch.cuda.get_device_name()}, {bandwidth / 1e12:.2f} TB/s copied")
     print(f"{'states':>9}{'':>16}{'million a second':>20}{'of the memory limit':>22}")
-    for fused in (False, True):
+    for fused in (False, True)[: 1 + effort.fused]:
         for dtype in (torch.float64, torch.float32):
             arm = build_arm(robot, MODEL, dtype=dtype, device="cuda", fused=fused)
-            for size in (100_000, 1_000_000, 10_000_000):
-                print(gpu_row(arm, size, bandwidth), flush=True)
+            for size in effort.large:
+                print(gpu_row(arm, size, bandwidth, effort.rounds), flush=True)
 
 
-def gpu_row(arm: Arm, size: int, bandwidth: float) -> str:
+def gpu_row(arm: Arm, size: int, bandwidth: float, rounds: int) -> str:
     """One line of the GPU's table."""
     dtype = arm.parameters.dtype
     states = [torch.rand(size, 6, dtype=dtype, device="cuda") for _ in range(3)]
-    rate = size / gpu_seconds(lambda: inverse_dynamics(arm, *states))
+    rate = size / gpu_seconds(lambda: inverse_dynamics(arm, *states), rounds)
     share = rate * 24 * dtype.itemsize / bandwidth
     label = f"{'fused' if arm.fused else 'plain'} {str(dtype).removeprefix('torch.')}"
     return f"{size:>9}{label:>16}{rate / 1e6:>20.0f}{share:>22.1%}"
 
 
-def gpu_seconds(call: Callable[[], object]) -> float:
+def gpu_seconds(call: Callable[[], object], rounds: int) -> float:
     """The median time of a call, until the GPU is done."""
 
     def finished() -> None:
         call()
         torch.cuda.synchronize()
 
-    return statistics.median([seconds(finished) for _ in range(ROUNDS + 1)][1:])
+    return statistics.median([seconds(finished) for _ in range(rounds + 1)][1:])
 
 
 if __name__ == "__main__":

@@ -1,16 +1,17 @@
 """False alarms and pushes along paths that no fit has seen.
 
-    python benchmarks/leave_out.py <study> <robot> [quick]
+    python benchmarks/leave_out.py [<study> [<robot>]] [--quick]
 
-Takes results/<study> as built up to its torques. Each path of an arm's recordings to fit on is left
-out in turn: friction, residual model and threshold come from the other paths, by the workflow's own
-steps, and what was left out is treated as a recording to validate on. Then each recording to fit on
-is the only one. Alarms are counted on recordings without contact or load: all of them are false.
-Sustained pushes are put onto the external torque of each of these, too, under the fit that has not
-seen its path. The rigid-body model stays the study's: the controller's own torque tells it, not the
-currents. `quick` does a part of all this.
+Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings
+to fit on is left out in turn: friction, residual model and threshold come from the other paths, by
+the workflow's own steps, and what was left out is treated as a recording to validate on. Then each
+recording to fit on is the only one. Alarms are counted on recordings without contact or load: all
+of them are false. Sustained pushes are put onto the external torque of each of these, too, under
+the fit that has not seen its path. The rigid-body model stays the study's: the controller's own
+torque tells it, not the currents. `--quick` does a part of all this.
 """
 
+import argparse
 import runpy
 import sys
 import tempfile
@@ -90,11 +91,23 @@ class Study:
         return [own for own in self.recordings if own.entry["role"] == "fit"]
 
 
-def main(study: str, robot: str, quick: str = "") -> None:
+def main() -> None:
     """Print alarms a minute and what pushes come out as."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
+    options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
+    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
+    given = options.parse_args()
+    folder = Path("results") / given.study
+    if not (folder / "configuration.yaml").exists():
+        sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
     torch.set_num_threads(1)
-    known = read_study(Path("results") / study, robot)
-    few = 2 if quick else None
+    compare(f"{given.study}, {given.robot}", read_study(folder, given.robot), given.quick)
+
+
+def compare(title: str, known: Study, quick: bool) -> None:
+    """Leave out path after path, then all recordings but one."""
+    few = 1 if quick else None
     paths = sorted({own.path for own in known.fit})[:few]
     folds = [(f"without path {path + 1}", *without(known, path)) for path in paths]
     folds.append(("all recordings to fit on", known.fit, validated(known)))
@@ -102,7 +115,7 @@ def main(study: str, robot: str, quick: str = "") -> None:
         (f"{own.name} alone", [own], [one for one in known.recordings if one.path != own.path])
         for own in known.fit[:few]
     ]
-    print(f"{study}, {robot}: {len(known.fit)} recordings to fit on")
+    print(f"{title}: {len(known.fit)} recordings to fit on")
     rows: list[dict[str, Any]] = []
     for fold, tested in built("paths left out", known, folds):
         rows += [row for own in tested for row in pushed(fold, own, quick)]
@@ -320,7 +333,7 @@ def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, 
         report_alarms(f"{title}, all together", pd.concat(found))
 
 
-def pushed(fold: Fold, own: Recording, quick: str) -> Iterator[dict[str, Any]]:
+def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     """Slope and coverage of each push that is put onto a recording."""
     motion, residuals = (
         read_table(own.file("motion.parquet")),
@@ -337,7 +350,8 @@ def pushed(fold: Fold, own: Recording, quick: str) -> Iterator[dict[str, Any]]:
     prior = ContactPrior(force=fold.study.settings["estimate_forces"]["contact_force_n"])
     profile = sustained(time, run.period)
     where = (profile > INSIDE) & np.isfinite(run.torque).all(axis=1)
-    for axis, lever, size in product("z" if quick else "xyz", LEVERS, SIZES):
+    few = 1 if quick else None
+    for axis, lever, size in product("zyx"[:few], LEVERS[:few], SIZES[::-1][:few]):
         wrench = wrench_of(profile, "xyz".index(axis), size, lever, rotation)
         torque = run.torque + (jacobian.mT @ wrench[..., None])[..., 0]
         estimate = estimate_wrench(
@@ -419,4 +433,4 @@ def print_slopes(part: pd.DataFrame, name: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main()

@@ -4,9 +4,11 @@ Joints and IMU, 10,000 samples, the same noise for all. The loops compute the ki
 sample at a time, with this library's functions and with Pinocchio's, the fastest there is.
 """
 
+import argparse
 import statistics
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pinocchio
@@ -20,31 +22,66 @@ from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
-from ur5lib.signals.smoothing import add_imu, encoder_system, smooth
+from ur5lib.signals.smoothing import LinearSystem, add_imu, encoder_system, smooth
 from ur5lib.timeseries.arrays import Array
 
 SAMPLES, PERIOD, ROUNDS = 10_000, 0.008, 3
-NOISE = EncoderNoise(np.ones((SAMPLES, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002))
-IMU_NOISE = np.tile(np.repeat([0.1, 0.01], 3), (SAMPLES, 1))
-TIME, SEGMENT = np.arange(SAMPLES) * PERIOD, np.zeros(SAMPLES, dtype=np.int64)
+IMU_NOISE = np.repeat([0.1, 0.01], 3)  # m/s², rad/s
 
 Kinematics = Callable[[Array], tuple[Array, Array]]
 """R6 (N, 3, 3) and J (N, 6, 6) of positions (N, 6)."""
 
 
+@dataclass(frozen=True)
+class Recording:
+    """A swinging arm with an IMU: positions, velocities and readings (N, 6)."""
+
+    q: Array
+    qd: Array
+    readings: Array
+
+    def first(self, count: int) -> "Recording":
+        """Its first samples."""
+        return Recording(self.q[:count], self.qd[:count], self.readings[:count])
+
+    @property
+    def time(self) -> Array:
+        """When the samples were taken (N,) [s]."""
+        return np.arange(len(self.q)) * PERIOD
+
+    @property
+    def imu_noise(self) -> Array:
+        """Standard deviations of the readings (N, 6)."""
+        return np.tile(IMU_NOISE, (len(self.q), 1))
+
+    def joints(self) -> LinearSystem:
+        """The equations of motion and encoders."""
+        count = len(self.q)
+        noise = EncoderNoise(
+            np.ones((count, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002)
+        )
+        return encoder_system(self.time, np.zeros(count, np.int64), self.q, self.qd, noise)
+
+
 def main() -> None:
     """Print the times, the ratios and how far the states are apart."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument(
+        "--quick", action="store_true", help="small sizes: only shows that it runs"
+    )
+    quick = options.parse_args().quick
     torch.set_num_threads(1)
     robot = load_robot(robot_path("ur5"))
-    recording = made_up(robot)
+    recording = made_up(200 if quick else SAMPLES)
     ours, pin = by_torch(robot), by_pinocchio(robot)
     contenders = {
-        "this library": lambda: batched(robot, ours, *recording),
-        "loop, our kinematics": lambda: looped(robot, ours, *recording),
-        "loop, Pinocchio": lambda: looped(robot, pin, *recording),
+        "this library": lambda: batched(robot, ours, recording),
+        "loop, our kinematics": lambda: looped(robot, ours, recording),
+        "loop, Pinocchio": lambda: looped(robot, pin, recording),
     }
-    print(f"{SAMPLES} samples, 24 states, 18 measurements; median of {ROUNDS} rounds in turn")
-    rounds = [{name: timed(run) for name, run in contenders.items()} for _ in range(ROUNDS)]
+    count = 1 if quick else ROUNDS
+    print(f"{len(recording.q)} samples, 24 states, 18 measurements; median of {count} rounds")
+    rounds = [{name: timed(run) for name, run in contenders.items()} for _ in range(count)]
     states = rounds[0]["this library"][1]
     for name in contenders:
         seconds = statistics.median(r[name][0] for r in rounds)
@@ -54,14 +91,14 @@ def main() -> None:
         assert apart < 1e-8
 
 
-def made_up(robot: Robot) -> tuple[Array, Array, Array]:
-    """Positions, velocities and readings of a swinging arm."""
+def made_up(samples: int) -> Recording:
+    """A recording with noise."""
     random = np.random.default_rng(0)
-    angle = np.outer(TIME, random.uniform(1, 3, 6)) + random.uniform(0, 6, 6)
+    angle = np.outer(np.arange(samples) * PERIOD, random.uniform(1, 3, 6)) + random.uniform(0, 6, 6)
     q = np.sin(angle) + 1e-4 * random.normal(size=angle.shape)
     qd = np.gradient(np.sin(angle), PERIOD, axis=0) + 0.01 * random.normal(size=angle.shape)
     level = np.array([0, 0, 9.81, 0, 0, 0])
-    return q, qd, level + IMU_NOISE * random.normal(size=angle.shape)
+    return Recording(q, qd, level + IMU_NOISE * random.normal(size=angle.shape))
 
 
 def by_torch(robot: Robot) -> Kinematics:
@@ -100,39 +137,36 @@ def by_pinocchio(robot: Robot) -> Kinematics:
     return kinematics
 
 
-def batched(robot: Robot, kinematics: Kinematics, q: Array, qd: Array, readings: Array) -> Array:
+def batched(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
     """States (N, 24) by this library."""
-    model = linearised(robot, kinematics, q, qd)
-    joints = encoder_system(TIME, SEGMENT, q, qd, NOISE)
-    return smooth(add_imu(joints, TIME, readings, model, IMU_NOISE))[0]
+    model = linearised(robot, kinematics, own.q, own.qd)
+    return smooth(add_imu(own.joints(), own.time, own.readings, model, own.imu_noise))[0]
 
 
 def linearised(robot: Robot, kinematics: Kinematics, q: Array, qd: Array) -> LinearImu:
     """The IMU's equation at these samples."""
     assert robot.mounting is not None
     point = np.array(robot.mounting.imu)
-    return linearise_imu(*kinematics(q), qd, point, np.zeros(3), np.array(robot.gravity))
+    return linearise_imu(*kinematics(q), qd, point, np.eye(3), -np.array(robot.gravity))
 
 
-def looped(robot: Robot, kinematics: Kinematics, q: Array, qd: Array, readings: Array) -> Array:
+def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
     """States (N, 24) as they are usually written: sample after sample, then back."""
-    first = linearised(robot, kinematics, q[:1], qd[:1])
-    joints = encoder_system(TIME[:2], SEGMENT[:2], q[:2], qd[:2], shortened(NOISE))
-    start = add_imu(joints, TIME[:2], readings[:2], first, IMU_NOISE[:2])
+    start, q, qd = first_two(robot, kinematics, own), own.q, own.qd
     ekf = ExtendedKalmanFilter(24, 18)
     ekf.x, ekf.P, ekf.R = np.zeros(24), np.zeros((24, 24)), np.diag(start.R[0])
     steps = []
-    for k in range(SAMPLES):
+    for k in range(len(q)):
         model = linearised(robot, kinematics, q[k : k + 1], qd[k : k + 1])
         H = np.vstack([start.H[0, :12], model.H[0]])
         ekf.F, ekf.Q = start.F[min(k, 1)], start.Q[min(k, 1)]
         ekf.predict()
-        z = np.concatenate([q[k], qd[k], readings[k] - model.offset[0]])
+        z = np.concatenate([q[k], qd[k], own.readings[k] - model.offset[0]])
         ekf.update(z, lambda _, H=H: H, lambda x, H=H: H @ x)
         steps.append((ekf.x_prior, ekf.P_prior, ekf.x_post, ekf.P_post))
     states = [steps[-1][2]]
     covariance = steps[-1][3]
-    for k in range(SAMPLES - 2, -1, -1):
+    for k in range(len(q) - 2, -1, -1):
         x, P = steps[k][2:]
         gain = P @ start.F[1].T @ np.linalg.inv(steps[k + 1][1])
         states.append(x + gain @ (states[-1] - steps[k + 1][0]))
@@ -140,9 +174,10 @@ def looped(robot: Robot, kinematics: Kinematics, q: Array, qd: Array, readings: 
     return np.array(states[::-1])
 
 
-def shortened(noise: EncoderNoise) -> EncoderNoise:
-    """The noise of two samples."""
-    return EncoderNoise(noise.jerk[:2], noise.position, noise.velocity, noise.lag)
+def first_two(robot: Robot, kinematics: Kinematics, own: Recording) -> LinearSystem:
+    """The equations of the first two samples; the kinematics take one at a time."""
+    two, model = own.first(2), linearised(robot, kinematics, own.q[:1], own.qd[:1])
+    return add_imu(two.joints(), two.time, two.readings, model, two.imu_noise)
 
 
 def timed(run: Callable[[], Array]) -> tuple[float, Array]:

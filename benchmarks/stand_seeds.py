@@ -7,7 +7,7 @@ share inside its 95 % band and the error, beside that of an estimate of zero, ov
 and while in contact.
 """
 
-import sys
+import argparse
 import tempfile
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -65,11 +65,16 @@ PUSHES = [
 ]
 
 
-def main(seeds: int = SEEDS) -> None:
+def main() -> None:
     """Print how many intervals hold the truth, and how much of the wrench lies in its band."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
+    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
+    given = options.parse_args()
+    seeds, length = (1, 5.0) if given.quick else (given.seeds, SECONDS)
     torch.set_num_threads(1)
-    rows = pd.DataFrame([row for seed in range(seeds) for row in recovered(seed)])
-    print(f"{seeds} seeds, 3 recordings to fit of {SECONDS:g} s each and a pushed one")
+    rows = pd.DataFrame([row for seed in range(seeds) for row in recovered(seed, length)])
+    print(f"{seeds} seeds, 3 recordings to fit of {length:g} s each and a pushed one")
     for quantity, part in rows.groupby("quantity", sort=False):
         off = (part["estimate"] - part["truth"]).abs()
         if part["within95"].notna().all():
@@ -137,9 +142,9 @@ def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
     return [*drawn[:3], drawn[3] | {"contacts": PUSHES}]
 
 
-def recovered(seed: int) -> Iterator[Row]:
+def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
     """Rows of all estimates beside the truth, from the recordings of one seed."""
-    *fitted, pushed = (taken(plan) for plan in plans(seed))
+    *fitted, pushed = (taken(plan) for plan in plans(seed, seconds))
     yield from device_rows(fitted)
     yield from map_rows(fit := fitted_map(fitted), fitted[0].summary)
     yield from pushed_rows(fit, fitted, pushed)
@@ -244,4 +249,4 @@ def external(fit: CurrentFit, record: Record) -> tuple[Array, Any, Any]:
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    main()

@@ -1,5 +1,6 @@
 """An hour of the realtime port, side by side in one run: this reader against struct in a loop."""
 
+import argparse
 import csv
 import multiprocessing
 import resource
@@ -36,14 +37,14 @@ CHANNELS = {  # name: index of its first double in a message
 }
 
 
-def write_capture(path: Path) -> None:
-    """Write the hour: frames of random doubles, four in 32 ms, in the packets of Figure 4.4."""
+def write_capture(path: Path, count: int) -> None:
+    """Write a capture: frames of random doubles, four in 32 ms, in the packets of Figure 4.4."""
     random = np.random.default_rng(0)
     frames = np.zeros(10_000, [("size", ">i4"), ("doubles", ">f8", 94)])
     frames["size"] = SIZE
     with path.open("w") as file:
         file.write("received_s,payload_hex\n")
-        for first in range(0, FRAMES, len(frames)):
+        for first in range(0, count, len(frames)):
             frames["doubles"] = random.normal(size=(len(frames), 94))
             frames["doubles"][:, 0] = 100 + PERIOD * (first + np.arange(len(frames)))
             text, at = frames.tobytes().hex(), 0
@@ -90,14 +91,20 @@ def measure(read: Callable[[Path], pd.DataFrame], path: Path) -> tuple[float, fl
 
 def main() -> None:
     """Print the table; each reader has a process of its own."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument(
+        "--quick", action="store_true", help="small sizes: only shows that it runs"
+    )
+    quick = options.parse_args().quick
+    count, repeats = (10_000, 1) if quick else (FRAMES, ROUNDS)
     readers = {"ours": read_by_library, "struct": read_by_struct}
     rounds: dict[str, list[tuple[float, float, float]]] = {name: [] for name in readers}
     spawn = multiprocessing.get_context("spawn")
     with tempfile.TemporaryDirectory() as folder, spawn.Pool(1) as ours, spawn.Pool(1) as theirs:
         path = Path(folder) / "capture.csv"
-        write_capture(path)
-        print(f"{FRAMES} frames, {path.stat().st_size / 1e6:.0f} MB; {ROUNDS} rounds in turn")
-        for _ in range(ROUNDS + 1):  # the first warms up
+        write_capture(path, count)
+        print(f"{count} frames, {path.stat().st_size / 1e6:.0f} MB; {repeats} rounds in turn")
+        for _ in range(repeats + 1):  # the first warms up
             for process, (name, read) in zip((ours, theirs), readers.items(), strict=True):
                 rounds[name].append(process.apply(measure, (read, path)))
     assert len({run[2] for runs in rounds.values() for run in runs}) == 1, "they do not agree"

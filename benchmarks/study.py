@@ -1,19 +1,20 @@
-"""How long the whole thesis study takes on two cores, its documents alone, and nothing to do.
+"""How long a whole study takes on two cores, its documents alone, and nothing to do.
 
-It makes results/thesis anew from raw/thesis. Processor time hardly depends on what else runs on the
-machine. Of a step, start-up is the processor time in which its jobs load Python and its packages.
+It makes the study's results anew; by default those of config.yaml, which simulates. Processor time
+hardly depends on what else runs on the machine. Of a step, start-up is the processor time in which
+its jobs load Python and its packages.
 """
 
+import argparse
 import resource
 import subprocess
-import sys
 import time
 from pathlib import Path
 
+import yaml
+
 from ur5lib.tables import read_csv
 
-STUDY = "workflow/studies/thesis.yaml"
-RUN_TIMES = "results/thesis/tables/run_times.csv"
 DOCUMENTS = [
     "draw_figures",
     "draw_filters",
@@ -32,21 +33,28 @@ RUNS = {
 
 def main() -> None:
     """Print wall and processor time of each run, then of each step."""
-    if not Path("raw/thesis").exists():
-        sys.exit("raw/thesis is missing: fetch it by `ur5 fetch thesis`")
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--quick", action="store_true", help="plan the runs, but do none")
+    options.add_argument("study", nargs="?", default="config.yaml", help="its configuration")
+    given = options.parse_args()
+    plan = ["--dry-run"] if given.quick else []
     print(f"{'on two cores':<30}{'wall':>10}{'processor':>12}")
-    for name, options in RUNS.items():
-        wall, processor = snakemake(*options)
+    for name, settings in RUNS.items():
+        wall, processor = snakemake(given.study, *settings, *plan)
         print(f"{name:<30}{wall:>8.1f} s{processor:>10.1f} s", flush=True)
-    steps = read_csv(RUN_TIMES).sort_values("cpu_s", ascending=False)
+    name = yaml.safe_load(Path(given.study).read_text(encoding="utf-8"))["study"]
+    times = Path("results") / name / "tables" / "run_times.csv"
+    if given.quick and not times.exists():
+        return
+    steps = read_csv(times).sort_values("cpu_s", ascending=False)
     print("\n" + steps[["step", "jobs", "wall_s", "start_up_s", "cpu_s"]].to_string(index=False))
 
 
-def snakemake(*options: str) -> tuple[float, float]:
+def snakemake(study: str, *options: str) -> tuple[float, float]:
     """Wall and processor time of a run [s]."""
     start, before = time.perf_counter(), processor_time()
-    command = ["snakemake", "--quiet", "all", "--cores", "2", "--configfile", STUDY, *options]
-    subprocess.run(command, check=True)
+    command = ["snakemake", "--quiet", "all", "--cores", "2", "--configfile", study, *options]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return time.perf_counter() - start, processor_time() - before
 
 

@@ -27,6 +27,8 @@ TABLE = ["time", "actual_q", "actual_qd", "actual_current", "target_current", "t
 FORCE = ["time", "ft_fx", "ft_fy", "ft_fz", "ft_tx", "ft_ty", "ft_tz"]
 LEVELS = np.array([1.0, 4.0, 2.5, 0.9, 0.6, 0.4])  # A, of the joints' currents
 
+STEERING = "[/x][red]:x:\x1b[31m\a"  # what rich would read as markup, and a terminal obey
+
 Rows = list[list[bytes]]
 Outcome = Literal["same", "repaired", "told", "refused"]
 
@@ -509,6 +511,7 @@ LINES: dict[str, Damage] = {
         lambda rows, _: [[*row, b"0.5"] if k % 5 else row for k, row in enumerate(rows)]
     ),
     "a separator behind each row": raw(lambda data: data.replace(b"\n", b",\n")),
+    "steering text": spliced(60, lambda row: [*row[:3], STEERING.encode(), *row[4:]]),
     "1_000": spliced(60, lambda row: [*row[:-1], b"1_000"]),
     "rows lost, few": select(lambda rows, _: rows[:100] + rows[104:]),
     "rows lost, many": select(lambda rows, _: rows[:100] + rows[180:]),
@@ -541,6 +544,11 @@ HEAD: dict[str, Damage] = {
     ).written(),
     "a misspelt time": lambda text: replace(
         text, head=[text.head[0].replace(b"timestamp", b"timestanp")]
+    ).written(),
+    "a steering name": lambda text: replace(
+        text,
+        head=[text.head[0] + text.mark + STEERING.encode()],
+        rows=[[*row, b"1"] for row in text.rows],
     ).written(),
     "the head twice": lambda text: replace(text, head=text.head * 2).written(),
     "a head in quotes": lambda text: replace(
@@ -761,7 +769,7 @@ TORN = [*[kind for kind in TRUNCATED if "number" in kind or "separator" in kind]
 TORN += ["cut in the middle of the file", "zeros at the end"]
 DAMAGED = ["zeros inside a row", "zeros over rows", "letters that are none", "text", "comments"]
 DAMAGED += ["text in place of a row", "names in the middle", "a newline lost", "a cell lost"]
-DAMAGED += ["a cell too many", "1_000", "the head twice"]
+DAMAGED += ["a cell too many", "steering text", "1_000", "the head twice"]
 SAME = ["cut before the newline", "CRLF", "CRLF, cut between both", "CR", "quotes", "a stray quote"]
 SAME += ["a comment on top", "blank lines", "blank lines on top", "a head in quotes", "a head"]
 SAME += ["a head as a comment", "negative times"]
@@ -808,6 +816,7 @@ ROBOT: list[tuple[list[str], Expected]] = [
         Expected("refused", "has no actual_q_0 to actual_q_5"),
     ),
     (["a misspelt current"], Expected("repaired", "incomplete channels")),
+    (["a steering name"], Expected("repaired", "unknown channels")),
     (UNITS, Expected("refused", r"_\d is .* beyond .* \(SI units\); correct the file")),
     (WRONG, Expected("told", "inconsistent channels")),
     (
@@ -853,7 +862,8 @@ SENSOR: list[tuple[list[str], Expected]] = [
     (EMPTY, Expected("repaired", "no sensor")),
     ([*OTHER_ROWS, "a separator behind each row"], Expected("repaired", "unusable sensor")),
     (["zeros of no sensor", "no values recorded"], Expected("repaired", "no sensor")),
-    (["a file missing", "a folder for a file"], Expected("repaired", "no sensor")),
+    (["a file missing"], Expected("repaired", "no sensor")),
+    (["a folder for a file"], Expected("repaired", "unusable sensor")),
     ([*NOT_TEXT, "gzip, truncated", "gzip, garbled"], Expected("repaired", "unusable sensor")),
     (["a cell too many in most rows", "forces in mN"], Expected("repaired", "unusable sensor")),
     (["all times equal", "milliseconds"], Expected("repaired", "unusable sensor")),

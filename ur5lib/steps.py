@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, printable
 
 Step = Callable[[Any, Any, Any], None]
 START_UP, WHOLE = "start-up took {:.2f} s", "with it, the step took {:.2f} s of processor time"
@@ -55,6 +55,7 @@ def processor_times(log: str | Path) -> tuple[float, float]:
 
 
 def _fail(sentence: str) -> NoReturn:
+    sentence = printable(sentence)
     print(sentence)
     print(sentence, file=sys.__stderr__)
     sys.exit(1)

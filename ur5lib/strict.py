@@ -1,8 +1,23 @@
 """Data that people write by hand."""
 
+import stat
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import yaml
 from pydantic import BaseModel, ConfigDict
+
+from ur5lib.errors import InputError
+
+MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of that
+DEEPEST = 50  # levels of lists and mappings; a study has 8
+SPECIAL = {
+    stat.S_ISFIFO: "a named pipe",
+    stat.S_ISSOCK: "a socket",
+    stat.S_ISCHR: "a device",
+    stat.S_ISBLK: "a device",
+}
 
 
 class Strict(BaseModel):
@@ -14,5 +29,88 @@ class Strict(BaseModel):
 def existing_file(path: str) -> str:
     """The path itself. Raises ValueError where there is no such file."""
     if not Path(path).is_file():
-        raise ValueError("an existing file")
+        kind = _special_kind(Path(path))
+        raise ValueError(f"a file, not {kind}" if kind else "an existing file")
     return path
+
+
+def expect_file(path: Path) -> None:
+    """Raise InputError where a path leads to something that reading might never end.
+
+    What is missing, or a folder, is told when it is read.
+    """
+    if kind := _special_kind(path):
+        raise InputError(
+            f"{path} is {kind}, which cannot be read as a file; save its content in a file and "
+            "name that one"
+        )
+
+
+def _special_kind(path: Path) -> str | None:
+    """What a path leads to instead of a file or folder, where it leads anywhere."""
+    try:
+        mode = path.stat().st_mode
+    except OSError:
+        return None
+    return next((kind for is_kind, kind in SPECIAL.items() if is_kind(mode)), None)
+
+
+def read_yaml(path: Path) -> Any:
+    """What a YAML file holds, as plain data.
+
+    Raises OSError or UnicodeDecodeError when it cannot be read, yaml.YAMLError when it is no YAML,
+    InputError when it is no file, or means more values than are sensible.
+    """
+    expect_file(path)
+    loader = yaml.SafeLoader(path.read_text(encoding="utf-8"))
+    try:
+        node = loader.get_single_node()
+        expect_few_values(node, str(path))
+        return None if node is None else loader.construct_document(node)
+    except RecursionError as error:
+        raise _too_deep(str(path)) from error
+    finally:
+        loader.dispose()
+
+
+def expect_few_values(data: Any, source: str) -> None:
+    """Raise InputError where data are nested deep, or huge because parts are used many times.
+
+    data: plain data, or the nodes of a YAML file; source: its name, for the message. Each alias
+    (`*name`) stands for all that it names: nine lines can stand for a thousand million values.
+    """
+    if _measure(data, 0, {}, source)[0] > MOST_VALUES:
+        raise InputError(
+            f"{source} stands for more than {MOST_VALUES:,} values, its aliases (`*name`) written "
+            "out; use fewer of them"
+        )
+
+
+def _measure(
+    data: Any, level: int, known: dict[int, tuple[int, int]], source: str
+) -> tuple[int, int]:
+    """How many values data hold, and how many levels below; known: of parts seen before, by id."""
+    if level + known.get(id(data), (1, 0))[1] > DEEPEST:
+        raise _too_deep(source)
+    if id(data) not in known:
+        below = [_measure(part, level + 1, known, source) for part in _parts(data)]
+        count = 1 + sum(count for count, _ in below)
+        known[id(data)] = count, 1 + max((depth for _, depth in below), default=-1)
+    return known[id(data)]
+
+
+def _parts(data: Any) -> Sequence[Any]:
+    """What a list, a mapping or a node of YAML holds directly."""
+    if isinstance(data, yaml.MappingNode):
+        return [part for pair in data.value for part in pair]
+    if isinstance(data, dict):
+        return [*data, *data.values()]
+    if isinstance(data, yaml.SequenceNode):
+        return list(data.value)
+    return data if isinstance(data, list | tuple) else ()
+
+
+def _too_deep(source: str) -> InputError:
+    return InputError(
+        f"{source} nests lists and mappings more than {DEEPEST} levels deep; flatten it"
+    )

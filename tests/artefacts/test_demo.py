@@ -10,6 +10,7 @@ from pypdf import PdfReader
 from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow
+from tests.library.test_benchmarks import run_benchmark
 from ur5lib.tables import read_csv
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -30,6 +31,12 @@ def errors(truth: pd.DataFrame, quantity: str) -> pd.Series:
     rows = truth[truth["quantity"] == quantity]
     assert len(rows)
     return (rows["estimate"] - rows["truth"]).abs()
+
+
+def test_paths_are_left_out(demo: Workflow) -> None:
+    printed = run_benchmark("leave_out", demo.folder)
+    assert "alarms a minute" in printed
+    assert "slope over the sizes: pooled" in printed
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:

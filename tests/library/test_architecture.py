@@ -15,7 +15,7 @@ BASE = {"timeseries", "robots", "errors", "strict", "tables"}  # what every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
     "errors": set(),
-    "strict": set(),
+    "strict": {"errors"},
     "steps": {"errors"},
     "datasets": {"errors"},
     "tables": {"errors", "timeseries"},

@@ -1,23 +1,24 @@
 """Damaged recordings: the right data with the damage named, or one clear error. Nothing else."""
 
 import re
-import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
-from types import FrameType
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from tests.corpus import Case, corpus
+from tests.time_limit import time_limit
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, take_in
 from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
+from ur5lib.study.check import print_tables, text_console, unusable
 
+WIDTH = 1000  # of the terminal, so that no line is broken
 SECONDS = 10  # for one recording
 JARGON = re.compile(
     r"Traceback|Error\b|Exception|Arrow|pandas|numpy|NoneType|dtype|KeyError|0x[0-9a-f]+"
@@ -29,29 +30,15 @@ FAR = 0.15  # share of a channel's span that filled or resampled values may be o
 class Answer:
     """What a recording gave: data or an error, and how the data compare with the undamaged.
 
+    quality: as `ur5 check` prints it, the error among the findings;
     wrong: cells that are told as received but differ; lost: frames fewer; named: new findings.
     """
 
     error: str | None
+    quality: dict[str, Any]
     wrong: int = 0
     lost: int = 0
     named: frozenset[str] = frozenset()
-
-
-@contextmanager
-def time_limit(seconds: int) -> Iterator[None]:
-    """Raise TimeoutError in a run that does not end."""
-
-    def stop(signum: int, frame: FrameType | None) -> None:
-        raise TimeoutError(f"took more than {seconds} s")
-
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(seconds)
-    try:
-        yield
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
 
 
 def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
@@ -60,13 +47,13 @@ def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
         with time_limit(SECONDS):
             taken = take_in(case.recording, arm, max_gap=0.1)
     except InputError as error:
-        return Answer(str(error))
+        return Answer(str(error), unusable(error))
     named = findings(taken) - findings(whole)
     wrong, lost = compare(taken.robot, whole.robot, start_of(case), case.base.name != "table")
     if case.on_sensor:
         assert (wrong, lost) == (0, 0), "a sensor's damage took the robot's data with it"
         wrong, lost = compare_sensor(taken, whole, "imu" if "IMU" in case.label else "force")
-    return Answer(None, wrong, lost, frozenset(name for name, _, _ in named))
+    return Answer(None, taken.quality, wrong, lost, frozenset(name for name, _, _ in named))
 
 
 def findings(taken: Intake) -> set[tuple[str, int, str]]:
@@ -149,11 +136,27 @@ def objection(case: Case, arm: Robot, whole: Intake) -> str | None:
         given = answer(case, arm, whole)
     except Exception as error:
         return f"{type(error).__name__}: {error}"  # what must never reach a user
+    if fault := fault_of_print(case, given.quality):
+        return fault
     if given.error is not None:
         return fault_of_error(case, given.error)
     if (given.wrong or given.lost) and not given.named:
         return f"silently wrong: {given}"
     return None if as_expected(case, given) else f"{case.expected} but {given}"
+
+
+def fault_of_print(case: Case, quality: dict[str, Any]) -> str | None:
+    """What is wrong with the tables that `ur5 check` prints of a recording."""
+    console = text_console(file=StringIO(), width=WIDTH)
+    failed = print_tables(console, {case.base.name: quality}, {})
+    printed = console.file.getvalue()
+    if not printed.replace("\n", "").isprintable():
+        return f"prints control characters: {printed!r}"
+    wanted = {finding["finding"] for finding in quality["findings"]}
+    wanted |= {"[/x][red]:x:"} if "steering" in case.kind else set()
+    left_out = {text for text in wanted if text not in printed}
+    errors = sum(finding["severity"] == "error" for finding in quality["findings"])
+    return f"prints no {left_out}, {failed} errors" if left_out or failed != errors else None
 
 
 def fault_of_error(case: Case, error: str) -> str | None:

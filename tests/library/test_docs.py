@@ -1,4 +1,4 @@
-"""The documents: their links lead somewhere, and the commands that they show exist."""
+"""The documents: their links lead somewhere."""
 
 import re
 from pathlib import Path
@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.cli import app
 
 PAGES = [
     *(PROJECT / name for name in ("README.md", "CONTRIBUTING.md", "raw/README.md")),
@@ -36,11 +35,3 @@ def test_the_readme_leads_to_every_document() -> None:
 
 def test_the_readme_is_short() -> None:
     assert len((PROJECT / "README.md").read_text().splitlines()) <= 80
-
-
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_commands_exist(page: Path) -> None:
-    commands = {command.callback.__name__ for command in app.registered_commands}
-    targets = set(re.findall(r"^([a-z]+):", (PROJECT / "Makefile").read_text(), re.MULTILINE))
-    assert set(re.findall(r"(?:`|^ {4})ur5 ([a-z]+)", page.read_text(), re.MULTILINE)) <= commands
-    assert set(re.findall(r"(?:`|^ {4})make ([a-z]+)", page.read_text(), re.MULTILINE)) <= targets

@@ -13,6 +13,7 @@ import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Device, Finding
+from ur5lib.strict import expect_file
 
 NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"]
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blanks, comments, Excel's "sep=;"
@@ -74,6 +75,7 @@ def first_line(path: Path) -> str:
 
 
 def _read_text(path: Path, device: Device, findings: list[Finding]) -> bytes:
+    expect_file(path)
     try:
         data = path.read_bytes()
     except OSError as error:

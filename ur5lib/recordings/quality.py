@@ -3,6 +3,8 @@
 from dataclasses import asdict, dataclass
 from typing import Literal
 
+from ur5lib.errors import printable
+
 Device = Literal["robot", "force", "imu"]
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
 
@@ -20,6 +22,10 @@ class Finding:
     severity: Literal["error", "warning", "note"]
     count: int
     detail: str
+
+    def __post_init__(self) -> None:
+        """Keep the detail as it may be printed: it quotes files."""
+        object.__setattr__(self, "detail", printable(self.detail))
 
     def as_row(self) -> dict[str, object]:
         """The finding as a row of the quality table."""

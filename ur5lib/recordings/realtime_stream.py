@@ -27,6 +27,7 @@ import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding
+from ur5lib.strict import expect_file
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -200,6 +201,7 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
     layout.
     """
     findings: list[Finding] = []
+    expect_file(Path(path))
     try:
         lines, messages = _read(Path(path), findings)
     except OSError as error:

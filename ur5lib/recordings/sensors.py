@@ -17,6 +17,7 @@ from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
 from ur5lib.recordings.quality import SENSORS, Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
+from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
@@ -75,8 +76,10 @@ def read_device(
 def first_number(path: Path, ended: bool = False) -> float | None:
     """The number that a file begins with, as the stamps of the thesis do.
 
-    ended: the file's line is known to end, so that a number without an end is torn.
+    ended: the file's line is known to end, so that a number without an end is torn. Raises
+    InputError where the path leads to no file.
     """
+    expect_file(path)
     text = path.read_text(errors="replace") if path.is_file() else ""
     words = text.split()
     try:
@@ -86,14 +89,27 @@ def first_number(path: Path, ended: bool = False) -> float | None:
     return number if math.isfinite(number) else None
 
 
+def device_start(
+    path: Path, device: Device, findings: list[Finding], ended: bool = False
+) -> float | None:
+    """The number that a device's file of its start begins with; what is no file is a finding."""
+    try:
+        return first_number(path, ended)
+    except InputError as error:
+        findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
+        return None
+
+
 def table_start(first: float, counts: str) -> Stamp:
     """When a table's first row was. first: its time [s]; counts: what that counts."""
     return Stamp(first, STAMP_STD, counts)  # type: ignore[arg-type]
 
 
 def _absence(path: Path) -> str | None:
-    if not path.is_file():
+    if not path.exists():
         return f"there is no {path.name}"
+    if not path.is_file():
+        return None  # what it is instead is told when it is read
     with path.open("rb") as stream:
         head = stream.read(100)
     if b"no values recorded" in head or not head.strip():
@@ -177,7 +193,7 @@ def _read_sensor(
     if sensor["start_file"] is None:
         table = samples.table.assign(time=samples.table["time"] - samples.first)
         return DeviceRecord(table, table_start(samples.first, counts), str(path))
-    zero = first_number(folder / sensor["start_file"])
+    zero = device_start(folder / sensor["start_file"], device, findings)
     scale = 1000 if sensor["start"] == "day_ms" else 1
     stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor["start"])
     return DeviceRecord(samples.table, stamp, str(path))

@@ -12,7 +12,13 @@ from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
-from ur5lib.recordings.sensors import FORCE_CHANNELS, IMU_CHANNELS, first_number, read_device
+from ur5lib.recordings.sensors import (
+    FORCE_CHANNELS,
+    IMU_CHANNELS,
+    device_start,
+    first_number,
+    read_device,
+)
 
 CYCLE = 0.008  # s, the CB2 controller's
 RESTART = 1e6  # s; longer than any recording, so that runs of a clock stay apart
@@ -43,7 +49,7 @@ def read_thesis_csv(recording: Mapping[str, Any]) -> RawRecording:
     """
     csv = Path(recording["folder"]) / "csv_files"
     findings: list[Finding] = []
-    start = _stamp(csv / "start_time.csv", ROBOT_START_STD)
+    start = _stamp(first_number(csv / "start_time.csv", ended=True), ROBOT_START_STD)
     robot = DeviceRecord(_read_robot(csv, findings), start, str(csv))
     sensors = {"force": _read_force(csv, findings), "imu": _read_imu(csv, findings)}
     present: dict[Device, DeviceRecord] = {
@@ -108,8 +114,11 @@ def _drop_strays(rows: pd.DataFrame, path: Path, findings: list[Finding]) -> pd.
 def _read_force(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
     path = csv / "log_force_sensor.csv"
     samples = read_device(path, ["time", *FORCE_CHANNELS], "force", findings)
-    start = _stamp(csv / "log_force_sensor_start_time.csv", FORCE_START_STD)
-    return None if samples is None else DeviceRecord(samples.table, start, str(path))
+    if samples is None:
+        return None
+    began = csv / "log_force_sensor_start_time.csv"
+    start = _stamp(device_start(began, "force", findings, ended=True), FORCE_START_STD)
+    return DeviceRecord(samples.table, start, str(path))
 
 
 def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
@@ -118,11 +127,10 @@ def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
     if samples is None:
         return None
     table = samples.table.assign(time=samples.table["time"] - samples.first)
-    start = first_number(csv / "acc_start_time.csv")
+    start = device_start(csv / "acc_start_time.csv", "imu", findings)
     stamp = None if start is None else Stamp(start / 1000, IMU_START_STD, "day_ms")
     return DeviceRecord(table, stamp, str(path))
 
 
-def _stamp(path: Path, std: float) -> Stamp | None:
-    seconds = first_number(path, ended=True)
+def _stamp(seconds: float | None, std: float) -> Stamp | None:
     return None if seconds is None else Stamp(seconds, std, "epoch_s")

@@ -7,7 +7,7 @@ import yaml
 from pydantic import ValidationError
 
 from ur5lib.errors import InputError
-from ur5lib.strict import Strict
+from ur5lib.strict import Strict, read_yaml
 
 
 class PrintedTable(Strict):
@@ -52,8 +52,8 @@ def read_reference(path: str | Path | None) -> Reference:
     if path is None:
         return Reference()
     try:
-        return Reference.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
-    except (ValidationError, yaml.YAMLError) as error:
+        return Reference.model_validate(read_yaml(Path(path)))
+    except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
         raise InputError(f"{path} is no file of published values: {error}") from error
 
 

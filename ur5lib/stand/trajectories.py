@@ -11,6 +11,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.robots.description import PerJoint, Robot
 from ur5lib.stand.plan import Fourier, Movej, Standstill
+from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
 REST = 1.0  # s; every recording begins at rest
@@ -49,6 +50,7 @@ def read_way_points(path: str | Path) -> list[PerJoint]:
 
     As the thesis's program sent them to the arm (Section 4.4.1). Raises InputError otherwise.
     """
+    expect_file(Path(path))
     try:
         lines = Path(path).read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:

@@ -14,11 +14,13 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.quality import Finding
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
 from ur5lib.report.tables import quality as quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
+from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import parse_study
 
@@ -31,7 +33,7 @@ def print_findings(path: Path) -> int:
     Raises InputError when the study itself is wrong.
     """
     study = read_study(path)
-    console = Console()
+    console = text_console()
     for arm in arms_without_fit(study):
         console.print(
             f"no recording of {arm} has the role `fit`: its friction and the forces on it are not "
@@ -47,9 +49,21 @@ def print_findings(path: Path) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     clocks = settled(study, qualities, {name: own for name, (_, own) in results.items()})
+    return print_tables(console, qualities, clocks)
+
+
+def text_console(**settings: Any) -> Console:
+    """A console that prints text from outside as it is: no markup, no names of pictures."""
+    return Console(markup=False, emoji=False, **settings)
+
+
+def print_tables(
+    console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
+) -> int:
+    """Print recordings' quality.json and clocks.json; returns how many devices cannot be used."""
     rows = quality_table.finding_rows(qualities, clocks, {})
     quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
-    console.print(_findings(quality, list(results)))
+    console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
         found = pd.DataFrame(clock_table.clock_rows(clocks), columns=clock_table.COLUMNS)
         console.print(_clocks(found))
@@ -65,7 +79,7 @@ def is_there(recording: Recording) -> bool:
 def read_study(path: Path) -> Study:
     """A study from its YAML file."""
     try:
-        raw = yaml.safe_load(path.read_text(encoding="utf-8"))
+        raw = read_yaml(path)
     except OSError as error:
         raise InputError(
             f"{path} cannot be read ({error.strerror}); correct the name, or go to its folder"
@@ -86,9 +100,14 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     try:
         intake = take_in(recording.model_dump(), arm, study.settings.repair_frames.max_gap_s)
     except InputError as error:
-        finding = {"device": "robot", "finding": "unusable", "severity": "error", "count": 1}
-        return {"devices": [], "files": {}, "findings": [finding | {"detail": str(error)}]}, {}
+        return unusable(error), {}
     return intake.quality, _clocks_of(intake, arm)
+
+
+def unusable(error: InputError) -> dict[str, Any]:
+    """The quality.json of a recording that cannot be read."""
+    finding = Finding("robot", "unusable", "error", 1, str(error))
+    return {"devices": [], "files": {}, "findings": [finding.as_row()]}
 
 
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 
 from ur5lib.errors import InputError
 from ur5lib.stand import layout
+from ur5lib.strict import expect_few_values
 from ur5lib.study.explanation import explain, shown
 from ur5lib.study.model import Study
 
@@ -20,6 +21,7 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     raw: the configuration as plain data; source: the file it came from, for the messages.
     Raises InputError with one line for each error found.
     """
+    expect_few_values(raw, source)
     problems = [
         *_missing_folders(raw),
         *_files_of_simulated(raw),

@@ -1,0 +1,61 @@
+"""Each benchmark runs, in small sizes, and prints its table; how fast is not asked here."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT
+
+PRINTED = {  # what each prints at least
+    "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
+    "smoothing": ["200 samples", "this library", "loop, Pinocchio"],
+    "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
+    "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
+    "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
+    "study": ["whole study, from raw files", "figures and documents", "nothing to do"],
+}
+OF_A_BUILT_STUDY = {"leave_out"}  # in tests/artefacts/test_demo.py
+
+
+def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
+    """What a benchmark prints when it runs quickly in a folder."""
+    program = [sys.executable, str(PROJECT / "benchmarks" / f"{name}.py"), "--quick", *arguments]
+    environment = os.environ | {"PYTHONPATH": str(PROJECT), "OMP_NUM_THREADS": "1"}
+    done = subprocess.run(
+        program,
+        cwd=folder,
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+def test_every_benchmark_is_run() -> None:
+    files = {path.stem for path in (PROJECT / "benchmarks").glob("*.py")}
+    assert files == set(PRINTED) | OF_A_BUILT_STUDY
+
+
+@pytest.mark.parametrize("name", PRINTED)
+def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
+    printed = run_benchmark(name, PROJECT)
+    assert all(text in printed for text in PRINTED[name]), printed
+
+
+def test_what_make_bench_runs_is_there() -> None:
+    makefile = (PROJECT / "Makefile").read_text()
+    named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
+    assert set(named.split()[2:]) == set(PRINTED) - {"stand_seeds"}
+
+
+def test_a_study_that_is_not_built_is_told(tmp_path: Path) -> None:
+    program = [sys.executable, str(PROJECT / "benchmarks" / "leave_out.py"), "other"]
+    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.startswith("results/other is not built; ")

@@ -1,0 +1,183 @@
+"""Every example in a document holds: commands exist, studies are valid, code runs."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.conftest import PROJECT
+from tests.examples import (
+    Example,
+    examples,
+    kind_of,
+    listing_faults,
+    shell_faults,
+    words_of,
+    yaml_faults,
+)
+from tests.library.test_docs import PAGES
+from ur5lib.cli import app
+from ur5lib.identification import friction
+from ur5lib.tables import write_table
+
+DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
+EXAMPLES = [example for page in DOCUMENTS for example in examples(page)]
+CHEAP = ("ur5 export", "ur5 singularities", "ur5 settings", "ur5 schema")
+"""Commands that need no files, and take seconds."""
+
+
+def of_kind(kind: str) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("example", [e for e in EXAMPLES if e.kind == kind], ids=str)
+
+
+def test_documents_have_examples_of_all_kinds() -> None:
+    assert {example.kind for example in EXAMPLES} == {"shell", "yaml", "python", "listing"}
+    assert len([example for example in EXAMPLES if "\n" in example.text]) >= 18
+
+
+def test_every_example_is_of_a_known_kind() -> None:
+    assert [str(example) for example in EXAMPLES if example.kind == "unknown"] == []
+
+
+@of_kind("shell")
+def test_commands_are_known_with_their_options(example: Example) -> None:
+    assert shell_faults(example.text) == []
+
+
+def cheap_commands() -> list[str]:
+    lines = [
+        line
+        for example in EXAMPLES
+        if example.kind == "shell"
+        for line in example.text.splitlines()
+    ]
+    return sorted({line for line in lines if line.startswith(CHEAP) and "--" in line})
+
+
+@pytest.mark.parametrize("line", cheap_commands())
+def test_cheap_commands_run(line: str) -> None:
+    done = CliRunner().invoke(app, words_of(line)[1:])
+    assert done.exit_code == 0, done.output
+
+
+@of_kind("yaml")
+def test_studies_are_valid(
+    example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert yaml_faults(example.text, tmp_path) == []
+
+
+@of_kind("listing")
+def test_listed_files_exist(example: Example) -> None:
+    assert listing_faults(example.text) == []
+
+
+# Code, each as its page says that it is used
+
+
+def record(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a stand-in for ur_rtde's interface, which is not installed here."""
+    called = []
+
+    class Interface:
+        def __init__(self, hostname: str) -> None:  # noqa: ARG002
+            called.append("connected")
+
+        def startFileRecording(self, filename: str) -> None:  # noqa: N802
+            called.append(filename)
+
+        def stopFileRecording(self) -> None:  # noqa: N802
+            called.append("stopped")
+
+    module = ModuleType("rtde_receive")
+    module.RTDEReceiveInterface = Interface  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "rtde_receive", module)
+    exec(code, {"input": called.append})
+    assert called == ["connected", "free.csv", "recording; press Enter to stop", "stopped"]
+
+
+def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a table where the page says that it lies."""
+    path = Path("results/mine/recordings/pushed/forces.parquet")
+    path.parent.mkdir(parents=True)
+    write_table(pd.DataFrame({"time": [0.0]}), str(path))
+    exec("\n".join(line.removeprefix(">>> ") for line in code.splitlines()), {})
+
+
+def add_a_term(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the module that the page names, on a motion."""
+    scope: dict[str, Any] = dict(vars(friction))
+    exec(code, scope)
+    qd = np.array([-4.0, 0.0, 9.0])
+    motion = friction.JointMotion(np.zeros(3), qd, np.zeros(3), np.sign(qd))
+    (column,) = scope["_root"](motion, 0.0)
+    assert column.tolist() == [-2.0, 0.0, 3.0]
+
+
+PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
+    "import rtde_receive": record,
+    ">>> import pandas": read,
+    "def _root(": add_a_term,
+}
+
+
+@of_kind("python")
+def test_code_runs(example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    runs = [run for start, run in PYTHON.items() if example.text.startswith(start)]
+    assert runs, "nobody has said yet how this example is run"
+    runs[0](example.text, monkeypatch)
+
+
+# That these checks bite
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "make tea",
+        "make TEA=1",
+        "ur5 brew",
+        "ur5 check --tea mine.yaml",
+        "snakemake --tea",
+        "snakemake --configfile workflow/studies/tea.yaml",
+        "python benchmarks/tea.py",
+        "python benchmarks/stream.py --tea",
+        "cp docs/tea.svg docs/example.svg",
+        "git brew",
+    ],
+)
+def test_a_command_that_does_not_exist_is_found(line: str) -> None:
+    assert len(shell_faults(line)) == 1
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "settings:\n  fit_friction:\n    terms: [load]",
+        "- {name: free, robot: ur5, format: rtde-csv, folder: raw, role: fit}",
+        "force_sensor:\n  columns: [time, ft]",
+        "tea: 1",
+    ],
+)
+def test_a_study_that_is_wrong_is_found(
+    text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert yaml_faults(text, tmp_path) != []
+
+
+@pytest.mark.parametrize("block", ["brew --tea", "#include <tea.h>", "SELECT * FROM tea"])
+def test_an_example_of_another_kind_is_unknown(block: str) -> None:
+    assert kind_of(block) == "unknown"
+
+
+def test_a_listed_file_that_does_not_exist_is_found() -> None:
+    assert listing_faults("docs/tea.md   nothing\ndocs/   documents") == ["there is no docs/tea.md"]

@@ -1,0 +1,103 @@
+"""What a script reads is what its rule declares: then a result follows from what it depends on."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT
+from tests.step_names import Declared, declared_names, differences, read_names
+from tests.synthetic import write_recording
+
+SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
+DEVICES = ("force", "imu")
+EVERYTHING = """\
+study: everything
+title: A study whose rules declare all that they can
+reference: workflow/studies/thesis_reference.yaml
+hosts: {computer: [imu]}
+recordings:
+  - name: simulated
+    robot: ur5
+    format: thesis-csv
+    role: fit
+    simulate: {trajectory: {kind: movej, way_points: FOLDER/way_points.txt}, imu: {}}
+  - {name: real, robot: ur5, format: thesis-csv, folder: FOLDER/real, role: contact}
+"""
+NOT_BY_NAME = {
+    # The files of the devices, by the names that a table of clocks has for them.
+    "align_signals": [f"does not read input.{name}, which its rule declares" for name in DEVICES],
+    "estimate_clocks": [f"does not read input.{name}, which its rule declares" for name in DEVICES],
+    "simulate_recording": [
+        "does not read input.way_points, which its rule declares",  # its plan names the file
+        "does not read output.summary, which its rule declares",  # lies beside the truth
+    ],
+}
+RULE = """\
+rule weigh:
+    input:
+        table="table.csv",
+        unread="unread.csv",
+        code=["workflow/scripts/weigh.py"],
+    output:
+        mass="mass.json",
+    params:
+        gravity=9.81,
+        length=1,
+        width=2,
+    script:
+        "workflow/scripts/weigh.py"
+"""
+SCRIPT = """\
+from ur5lib.helper import measure
+
+
+def weigh(input, output, params):
+    table = input.table, getattr(input, "undeclared")
+    settings = params
+    write(helped(table, settings), output["mass"])
+    measure(params)
+    print(input)
+
+
+def helped(table, own):
+    return own.gravity, own.get("height"), [own[f"{side}th"] for side in ("leng", "wid")]
+"""
+
+
+@pytest.fixture(scope="module")
+def declared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Declared]:
+    folder = tmp_path_factory.mktemp("everything")
+    write_recording(folder / "real", seconds=2, seed=0)
+    study = folder / "study.yaml"
+    study.write_text(EVERYTHING.replace("FOLDER", str(folder)))
+    (folder / "way_points.txt").write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
+    return declared_names(PROJECT, study)
+
+
+def test_every_script_has_a_rule(declared: dict[str, Declared]) -> None:
+    assert set(declared) == set(SCRIPTS)
+
+
+@pytest.mark.parametrize("step", sorted(SCRIPTS))
+def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, Declared]) -> None:
+    found = differences(read_names(SCRIPTS[step], PROJECT), declared[step])
+    assert found == NOT_BY_NAME.get(step, [])
+
+
+def test_a_script_that_reads_something_else_is_found(tmp_path: Path) -> None:
+    for name, text in (
+        ("Snakefile", RULE),
+        ("workflow/scripts/weigh.py", SCRIPT),
+        ("ur5lib/helper.py", "def measure(settings):\n    return settings.depth\n"),
+        ("study.yaml", "{}"),
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    names = declared_names(tmp_path, tmp_path / "study.yaml")["weigh"]
+    assert differences(read_names(tmp_path / "workflow/scripts/weigh.py", tmp_path), names) == [
+        "passes all of input on in weigh, line 9; pass what is needed",
+        "reads input.undeclared, which its rule does not declare",
+        "does not read input.unread, which its rule declares",
+        "reads params.depth, which its rule does not declare",
+        "reads params.height, which its rule does not declare",
+    ]
