@@ -13,7 +13,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor
 from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.formats import READERS, read_recording
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
@@ -308,13 +308,13 @@ def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
     with pytest.raises(
         InputError, match=r"beyond 12.57 rad, as degrees are .*`columns` and `units`"
     ):
-        take_in(entry, ur5, 0.1)
+        read_and_repair(entry, ur5, 0.1)
 
 
 def test_times_without_their_last_digits_are_told(tmp_path: Path, ur5: Robot) -> None:
     entry = write_rtde(tmp_path, row="1.7E+09;{q}")
     with pytest.raises(InputError, match=r"are 0 s apart .*; give the time .* with all its digits"):
-        take_in(entry, ur5, 0.1)
+        read_and_repair(entry, ur5, 0.1)
 
 
 def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
@@ -418,7 +418,7 @@ CUT = {"torn last line", "channels of unequal length"}
 
 
 def intake(entry: dict, arm: Robot) -> Intake:
-    return take_in(entry, arm, max_gap=0.1)
+    return read_and_repair(entry, arm, max_gap=0.1)
 
 
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:

@@ -31,7 +31,7 @@ class Intake:
     quality: dict[str, Any]
 
 
-def take_in(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
+def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
     """Read and repair a recording. recording: an entry of a study; max_gap: [s].
 
     Raises InputError when it cannot be used.

@@ -12,7 +12,7 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report.result_tables import clock_table, group_findings, quality_table
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.device_clock import device_clock
@@ -81,7 +81,9 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     """A recording's quality.json and own_clocks.json; of an unusable one, the error is all."""
     arm = load_robot(robot_path(recording.robot))
     try:
-        intake = take_in(recording.model_dump(), arm, study.settings.repair_frames.max_gap_s)
+        intake = read_and_repair(
+            recording.model_dump(), arm, study.settings.repair_frames.max_gap_s
+        )
     except InputError as error:
         finding = {"device": "robot", "finding": "unusable", "severity": "error", "count": 1}
         return {"devices": [], "files": {}, "findings": [finding | {"detail": str(error)}]}, {}
