@@ -1,9 +1,9 @@
-"""The one kind of error that a user can mend."""
+"""The error that a user can correct."""
 
 
 class InputError(Exception):
-    """Something given from outside is wrong.
+    """An input is wrong: a file, a setting or a command-line argument.
 
-    The message is one sentence a user can act on: where it is (file, line or
-    key), what is wrong, and what to do. It is shown without a traceback.
+    The message is one sentence that a user can act on: where the fault is (file, line or key),
+    what is wrong, and what to do. It is shown without a traceback.
     """

@@ -1,4 +1,4 @@
-"""Data that people write by hand."""
+"""Base class of data that people write by hand."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ class Strict(BaseModel):
 
 
 def existing_file(path: str) -> str:
-    """The path itself. Raises ValueError where there is no such file."""
+    """Return the path. Raises ValueError if there is no such file."""
     if not Path(path).is_file():
         raise ValueError("an existing file")
     return path

@@ -1,10 +1,10 @@
-"""What was found in a recording, told in the same few words everywhere."""
+"""Findings about the quality of a recording."""
 
 from dataclasses import asdict, dataclass
 from typing import Literal
 
 Device = Literal["robot", "force", "imu"]
-SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
+SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 
 @dataclass(frozen=True)
@@ -12,7 +12,7 @@ class Finding:
     """One kind of defect in one device's files.
 
     severity: error (the device is unusable), warning (results may suffer), note (harmless);
-    count: how many samples, rows or files; detail: one sentence on what it is and what it means.
+    count: number of samples, rows or files; detail: what was found, and what was done about it.
     """
 
     device: Device
@@ -22,5 +22,5 @@ class Finding:
     detail: str
 
     def as_row(self) -> dict[str, object]:
-        """The finding as a row of the quality table."""
+        """Return the finding as a row of the quality table."""
         return asdict(self)
