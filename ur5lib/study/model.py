@@ -26,7 +26,8 @@ Name = Annotated[  # becomes the name of a folder
 
 def _known_robot(name: str) -> str:
     if name not in robot_names():
-        raise ValueError("one of " + ", ".join(robot_names()) + " (docs/robots.md: how to add one)")
+        known = ", ".join(robot_names())
+        raise ValueError(f"one of {known}, or describe the arm yourself (docs/robots.md)")
     return name
 
 
@@ -149,7 +150,7 @@ class StreamRecording(Simulable, Sensors):
 
 
 class RtdeRecording(Simulable, Sensors):
-    """One CSV with RTDE names in its header, as written by ur_rtde and the manufacturer's client."""
+    """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
     format: Literal["rtde-csv"]
     file: str = Field(description="path within the recording's folder")
