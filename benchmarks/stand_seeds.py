@@ -41,7 +41,7 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -125,7 +125,7 @@ def taken(plan: dict[str, Any]) -> Taken:
     with tempfile.TemporaryDirectory() as folder:
         truth = f"{folder}/truth"
         simulate(robot, wanted, "thesis-csv", Path(folder), Path(truth))
-        intake = take_in({"format": "thesis-csv", "folder": folder}, robot, 0.1)
+        intake = read_and_repair({"format": "thesis-csv", "folder": folder}, robot, 0.1)
         known = read_json(f"{truth}.json"), read_table(f"{truth}.parquet")
     return Taken(
         robot, intake.robot, intake.sensors["imu"], intake.quality["starts"]["imu"], *known

@@ -795,33 +795,45 @@ SHARED: list[tuple[list[str], Expected]] = [
 ]
 ROBOT: list[tuple[list[str], Expected]] = [
     *SHARED,
-    (NOT_TEXT, Expected("refused", "is not text; save it as plain CSV")),
-    (["gzip, truncated", "gzip, garbled"], Expected("refused", "is a damaged gzip file; get a")),
-    (EMPTY, Expected("refused", "line 1: (holds no complete row|has no column timestamp)")),
-    (OTHER_ROWS, Expected("refused", r"line [12]: holds no complete row .*\d+ cells")),
-    (["cut inside the head", "no time at all"], Expected("refused", "line 1: holds no complete")),
+    (NOT_TEXT, Expected("refused", "not a text file; save it as plain CSV")),
+    (
+        ["gzip, truncated", "gzip, garbled"],
+        Expected("refused", "is a damaged gzip file; copy it again"),
+    ),
+    (EMPTY, Expected("refused", "line 1: (no complete row|expected|no column `timestamp`)")),
+    (OTHER_ROWS, Expected("refused", r"line [12]: expected \d+ numbers .*\d+ cells")),
+    (
+        ["cut inside the head", "no time at all"],
+        Expected("refused", "line 1: (no complete row|expected)"),
+    ),
     (["a separator behind each row"], Expected("refused", "line [12]: .*; ")),
-    (["cut after the first row"], Expected("refused", "holds 1 whole frames; record")),
-    (["a cell too many in most rows"], Expected("refused", r"line [23]: is not \d+ numbers")),
-    (["all times equal"], Expected("refused", "frames are 0 s apart .*; give the time in seconds")),
+    (["cut after the first row"], Expected("refused", "contains only 1 complete frames; record")),
+    (
+        ["a cell too many in most rows"],
+        Expected("refused", r"line [23]: expected \d+ numbers .* of \d+ lines do not fit"),
+    ),
+    (
+        ["all times equal"],
+        Expected("refused", "timestamps is 0 s; check that the time column is in seconds"),
+    ),
     (
         ["milliseconds", "microseconds", "thousandths"],
-        Expected("refused", "s apart .*; give the time"),
+        Expected("refused", "step between timestamps is .* s; check that the time"),
     ),
-    (["no head"], Expected("refused", "line 1: is no header; name the columns")),
-    (["a name twice"], Expected("refused", "line 1: names the column 'actual_q_0' twice; give")),
-    (["a misspelt time"], Expected("refused", "line 1: has no column timestamp .*; record")),
+    (["no head"], Expected("refused", "line 1: no header; .*name the columns")),
+    (["a name twice"], Expected("refused", "line 1: column 'actual_q_0' appears twice; give")),
+    (["a misspelt time"], Expected("refused", "line 1: no column `timestamp` .*; record")),
     (
         ["a misspelt position", "an empty column"],
         Expected("refused", "has no actual_q_0 to actual_q_5"),
     ),
     (["a misspelt current"], Expected("repaired", "incomplete channels")),
     (["a steering name"], Expected("repaired", "unknown channels")),
-    (UNITS, Expected("refused", r"_\d is .* beyond .* \(SI units\); correct the file")),
+    (UNITS, Expected("refused", r"_\d exceeds .* in .* of the rows .*; .*correct the file")),
     (WRONG, Expected("told", "inconsistent channels")),
     (
         ["time and position exchanged", "time last"],
-        Expected("refused", "beyond .*; correct the file"),
+        Expected("refused", "exceeds .*; .*correct the file"),
     ),
     ([*ROWS_OUT, *ABSURD, "misaligned rows"], Expected("repaired", "impossible frames")),
     (["a first time of 1e300"], Expected("repaired", "impossible frames", lost=1)),
@@ -835,7 +847,7 @@ ROBOT: list[tuple[list[str], Expected]] = [
     ([k for k in LINES if k.startswith("no numbers")], Expected("repaired", "incomplete frames")),
     (
         ["a file missing", "a folder for a file"],
-        Expected("refused", "is missing or cannot be read .*; put"),
+        Expected("refused", "is missing or cannot be read .*; add the file"),
     ),
 ]
 RTDE: list[tuple[list[str], Expected]] = [
@@ -850,7 +862,7 @@ THESIS: list[tuple[list[str], Expected]] = [
     (["rows lost, few"], Expected("repaired", "missing cells")),
     (
         ["time and position exchanged", "time last"],
-        Expected("refused", "s apart .*; give the time"),
+        Expected("refused", "step between timestamps is .* s; check that the time"),
     ),
 ]
 SENSOR: list[tuple[list[str], Expected]] = [

@@ -1,4 +1,4 @@
-"""The command `ur5`."""
+"""The command-line interface `ur5`."""
 
 import math
 from pathlib import Path
@@ -21,20 +21,20 @@ app = typer.Typer(
 
 @app.command()
 def fetch(
-    dataset: Annotated[str, typer.Argument(help="a published data set: thesis")],
+    dataset: Annotated[str, typer.Argument(help="name of a published data set: thesis")],
     source: Annotated[
         Path | None, typer.Option("--from", help="copy from this folder instead of the network")
     ] = None,
     target: Annotated[
-        Path | None, typer.Option("--to", help="folder to fill; raw/<dataset> if not given")
+        Path | None, typer.Option("--to", help="folder to write to; default: raw/<dataset>")
     ] = None,
 ) -> None:
-    """Fetch a published data set into raw/, and verify every file."""
+    """Download a published data set into raw/ and verify every file."""
     from ur5lib.datasets import DATASETS
     from ur5lib.datasets import fetch as fetch_dataset
 
     if dataset not in DATASETS:
-        raise InputError(f"no data set {dataset!r}; known: {', '.join(DATASETS)}")
+        raise InputError(f"unknown data set {dataset!r}; available: {', '.join(DATASETS)}")
     folder = target or Path("raw") / dataset
     added = fetch_dataset(DATASETS[dataset], folder, source)
     total = len(DATASETS[dataset].checksums)
@@ -43,9 +43,11 @@ def fetch(
 
 @app.command()
 def check(
-    study: Annotated[Path, typer.Argument(help="the study's configuration, e.g. config.yaml")],
+    study: Annotated[
+        Path, typer.Argument(help="configuration file of the study, e.g. config.yaml")
+    ],
 ) -> None:
-    """Read and repair every recording of a study, and print what was found in it."""
+    """Check every recording of a study: read it, repair it, and print the findings."""
     from ur5lib.study.check import print_findings
 
     if print_findings(study):
@@ -54,33 +56,38 @@ def check(
 
 @app.command()
 def export(
-    robot: Annotated[str, typer.Option(help="an arm described in ur5lib/robots, e.g. ur5")],
-    model: Annotated[str, typer.Option(help="one of its models, e.g. C")],
-    to: Annotated[str, typer.Option(help="the format: urdf")] = "urdf",
+    robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
+    model: Annotated[str, typer.Option(help="name of one of its link models, e.g. C")],
+    to: Annotated[str, typer.Option(help="output format: urdf")] = "urdf",
 ) -> None:
-    """Print an arm under one of its models, for other engines; URDF knows no rotor inertias."""
+    """Print an arm with one of its link models as URDF (which has no rotor inertias)."""
     from ur5lib.robots.inertia import rigid_bodies
     from ur5lib.robots.urdf import urdf
 
     if to != "urdf":
-        raise InputError(f"no format {to!r}; known: urdf")
+        raise InputError(f"unknown format {to!r}; available: urdf")
     arm = _load(robot)
     if model not in arm.models:
-        raise InputError(f"{robot} has no model {model!r}; known: {', '.join(arm.models)}")
+        raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
     typer.echo(urdf(arm, rigid_bodies(arm, model)))
 
 
 @app.command()
 def singularities(
-    robot: Annotated[str, typer.Option(help="an arm described in ur5lib/robots, e.g. ur5")],
+    robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
     within: Annotated[
         list[str] | None,
-        typer.Option(help="range of a joint in rad, e.g. 3=0.2:2.8; whole turns where not given"),
+        typer.Option(help="range of a joint [rad], e.g. 3=0.2:2.8; default: a whole turn"),
     ] = None,
-    count: Annotated[int, typer.Option(help="positions to try", min=1, max=1_000_000)] = 10_000,
-    least: Annotated[float, typer.Option(help="singular below this singular value", min=0)] = 0.01,
+    count: Annotated[
+        int, typer.Option(help="number of configurations to try", min=1, max=1_000_000)
+    ] = 10_000,
+    least: Annotated[
+        float,
+        typer.Option(help="singular value below which a configuration counts as singular", min=0),
+    ] = 0.01,
 ) -> None:
-    """Print how much of some joint ranges is near a shoulder, elbow or wrist singularity."""
+    """Print the share of joint space near shoulder, elbow and wrist singularities."""
     from rich.console import Console
 
     from ur5lib.dynamics.flange import flange_kinematics
@@ -88,10 +95,10 @@ def singularities(
 
     arm = _load(robot)
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
-    with Console(stderr=True).status(f"trying {count} positions"):
+    with Console(stderr=True).status(f"trying {count} configurations"):
         found = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
     for kind, share in found.share.items():
-        typer.echo(f"{kind}: {100 * share:.2f} % of {count} positions are singular")
+        typer.echo(f"{kind}: {100 * share:.2f} % of {count} configurations are singular")
     worst = found.sigma_min.argmin()
     place = ", ".join(f"{angle:.3f}" for angle in found.q[worst])
     typer.echo(f"smallest singular value: {found.sigma_min[worst]:.2g}, at q = {place} rad")
@@ -101,12 +108,15 @@ def _load(robot: str) -> "Robot":
     from ur5lib.robots.description import load_robot, robot_names, robot_path
 
     if robot not in robot_names():
-        raise InputError(f"no arm {robot!r}; known: {', '.join(robot_names())}")
+        known = ", ".join(robot_names())
+        raise InputError(
+            f"no description of {robot!r}; available: {known} (docs/robots.md: how to add an arm)"
+        )
     return load_robot(robot_path(robot))
 
 
 def _range(joint: int, within: list[str]) -> tuple[float, float]:
-    """Of a joint, from entries such as 3=0.2:2.8."""
+    """Return the range of a joint from entries such as 3=0.2:2.8."""
     low, high = -math.pi, math.pi
     for entry in within:
         try:
@@ -115,7 +125,9 @@ def _range(joint: int, within: list[str]) -> tuple[float, float]:
             if not (1 <= int(name) <= 6 and first < last):
                 raise ValueError
         except ValueError as error:
-            raise InputError(f"--within {entry!r}: give joint=low:high, e.g. 3=0.2:2.8") from error
+            raise InputError(
+                f"--within {entry!r}: not a joint range; write joint=low:high, e.g. 3=0.2:2.8"
+            ) from error
         if int(name) == joint:
             low, high = first, last
     return low, high
@@ -138,7 +150,7 @@ def settings() -> None:
 
 
 def main() -> None:
-    """Run the command; a wrong input is told in one sentence and ends with status 1."""
+    """Run the command; an InputError is printed as one sentence and gives exit status 1."""
     try:
         app()
     except InputError as error:

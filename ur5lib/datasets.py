@@ -1,4 +1,4 @@
-"""Fetch published recordings, and verify every file."""
+"""Download of published recordings, with verification of every file."""
 
 import os
 import shutil
@@ -15,10 +15,10 @@ from ur5lib.errors import InputError
 
 @dataclass(frozen=True)
 class Dataset:
-    """A published data set: the archive it lies in, and the SHA-256 of each of its files.
+    """A published data set: its archive, and the SHA-256 of each of its files.
 
-    archive: address of a zip file; folder: where in it the files lie;
-    checksums: SHA-256 by path below that folder.
+    archive: URL of a zip file; folder: path of the files inside it;
+    checksums: SHA-256 by path within that folder.
     """
 
     archive: str
@@ -27,7 +27,7 @@ class Dataset:
 
 
 def read_checksums(path: Path) -> dict[str, str]:
-    """SHA-256 by file, from a list as `sha256sum` writes it."""
+    """Read the SHA-256 of each file from a list written by `sha256sum`."""
     lines = (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8").splitlines())
     return {file: checksum for checksum, file in lines}
 
@@ -44,10 +44,10 @@ DATASETS = {
 
 
 def fetch(dataset: Dataset, target: Path, source: Path | None = None) -> int:
-    """Put a data set into a folder: from the network, or from another folder.
+    """Copy a data set into a folder, from the network or from another folder.
 
-    Every file is verified and then put in place whole; files that are there already are kept.
-    Returns how many files were added.
+    Every file is verified before it is put in place; files that exist already are kept.
+    Returns the number of files added.
     Raises InputError when the network, the source, a checksum or the target is at fault.
     """
     missing = [file for file in dataset.checksums if not _is_there(dataset, target, file)]
@@ -65,7 +65,7 @@ def _is_there(dataset: Dataset, target: Path, file: str) -> bool:
     if pooch.file_hash(path) != dataset.checksums[file]:
         raise InputError(
             f"{path} differs from the published file; move it away and fetch again, "
-            "or give your own recording another folder"
+            "or put your own recording into another folder"
         )
     return True
 
@@ -77,7 +77,7 @@ def _download(dataset: Dataset, target: Path, files: list[str]) -> None:
         try:
             pooch.retrieve(
                 dataset.archive,
-                known_hash=None,  # archives are packed anew on request; the files are verified
+                known_hash=None,  # archives are repacked on request; the files are verified
                 fname="archive.zip",
                 path=folder,
                 processor=pooch.Unzip(members=members, extract_dir="."),
@@ -86,7 +86,7 @@ def _download(dataset: Dataset, target: Path, files: list[str]) -> None:
         except (requests.RequestException, OSError, ValueError, KeyError) as error:
             raise InputError(
                 f"{dataset.archive} could not be downloaded ({type(error).__name__}); check the "
-                "network, or copy the recordings from a folder with --from"
+                "network, or copy the recordings from a local folder with --from"
             ) from error
         _copy(dataset, target, files, Path(folder) / dataset.folder, dataset.archive)
 
@@ -96,7 +96,7 @@ def _copy(dataset: Dataset, target: Path, files: list[str], source: Path, origin
     if absent:
         raise InputError(
             f"{origin} lacks {len(absent)} of {len(files)} files, e.g. {absent[0]}; "
-            "give a folder that holds all of them with --from"
+            "use --from with a folder that contains all of them"
         )
     for file in files:
         _copy_verified(source / file, target / file, dataset.checksums[file])
@@ -109,13 +109,13 @@ def _copy_verified(source: Path, target: Path, checksum: str) -> None:
         shutil.copyfile(source, aside)
         if pooch.file_hash(aside) != checksum:
             raise InputError(
-                f"{source} is not the published file (its SHA-256 differs); get a fresh copy of it"
+                f"{source} is not the published file (its SHA-256 differs); download it again"
             )
         os.replace(aside, target)
     except OSError as error:
         raise InputError(
             f"{target} cannot be written ({error.strerror}); "
-            "free the name, the disk or the permission"
+            "check its name, the disk space and the permissions"
         ) from error
     finally:
         if aside.exists():

@@ -1,4 +1,4 @@
-"""The one kind of error that a user can mend."""
+"""The error that a user can correct."""
 
 import unicodedata
 
@@ -6,10 +6,10 @@ UNSEEN = {"Zl", "Zp"}  # besides all of "C": controls, marks of direction, what 
 
 
 class InputError(Exception):
-    """Something given from outside is wrong.
+    """An input is wrong: a file, a setting or a command-line argument.
 
-    The message is one sentence a user can act on: where it is (file, line or
-    key), what is wrong, and what to do. It is shown without a traceback.
+    The message is one sentence that a user can act on: where the fault is (file, line or key),
+    what is wrong, and what to do. It is shown without a traceback.
     """
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Data that people write by hand."""
+"""Base class of data that people write by hand."""
 
 import stat
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ class Strict(BaseModel):
 
 
 def existing_file(path: str) -> str:
-    """The path itself. Raises ValueError where there is no such file."""
+    """Return the path. Raises ValueError if there is no such file."""
     if not Path(path).is_file():
         kind = _special_kind(Path(path))
         raise ValueError(f"a file, not {kind}" if kind else "an existing file")

@@ -1,4 +1,4 @@
-"""The numbers that a report's summary should tell, worked out from its tables in plain Python."""
+"""The numbers expected in a report's summary, computed from its tables in plain Python."""
 
 import csv
 import html
@@ -218,7 +218,7 @@ def largest(found: list[Row], recording: str) -> list[str]:
 def quality(rows: list[Row]) -> list[str]:
     counts = Counter(row["severity"] for row in rows)
     serious = Counter(row["finding"] for row in rows if row["severity"] != "note")
-    numbers = [str(counts[name]) for name in ("error", "warning", "note")]
+    numbers = [str(counts[name]) for name in ("error", "warning", "note") if counts[name]]
     return numbers + [str(count) for _, count in serious.most_common(4)]
 
 

@@ -9,7 +9,7 @@ import torch
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import gravity_torque, inverse_dynamics
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.study.model import Recording, TableRecording, ThesisRecording
 from ur5lib.tables import channel
@@ -25,7 +25,7 @@ def ur10e() -> Robot:
 
 def received(recording: Recording, arm: Robot) -> pd.DataFrame:
     """The frames of a recording that the robot sent."""
-    table = take_in(recording.model_dump(), arm, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), arm, max_gap=0.1).robot
     return table[~table["interpolated"].astype(bool)]
 
 

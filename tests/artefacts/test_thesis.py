@@ -443,7 +443,7 @@ def test_the_report_reads_in_a_browser_and_prints(thesis_results: Path, tmp_path
 
 
 def test_table_5_6_shows_the_numbers_of_the_csv(page: Page, torque: pd.DataFrame) -> None:
-    header, *rows = page.table("beside Table 5.6")
+    header, *rows = page.table("compared with Table 5.6")
     looped = torque.query("recording == @TABLE_5_6 and motion == 'closed_loop'")
     for model in "ABC":
         expected = looped[looped["model"] == model].set_index("joint")
@@ -466,7 +466,7 @@ def test_the_torque_table_shows_each_number_in_its_column(page: Page, torque: pd
 
 
 @pytest.mark.parametrize(
-    ("figure", "words"), [("mae", "beside Table 6.1"), ("max", "beside Table 6.2")]
+    ("figure", "words"), [("mae", "compared with Table 6.1"), ("max", "compared with Table 6.2")]
 )
 def test_tables_6_show_the_numbers_of_the_csv(
     page: Page, force: pd.DataFrame, figure: str, words: str
@@ -491,9 +491,9 @@ DURING = {"in contact": "contact", "free": "free", "whole run": "all"}
 @pytest.mark.parametrize(
     ("words", "kind", "figure"),
     [
-        ("Mean absolute error on {} against the sensor less bias", "compensated", "mae"),
-        ("Largest absolute error on {} against the sensor less bias", "compensated", "max"),
-        ("Mean absolute error on {} against the sensor less its reading", "corrected", "mae"),
+        ("Mean absolute error on {}, compared with the sensor less bias", "compensated", "mae"),
+        ("Largest absolute error on {}, compared with the sensor less bias", "compensated", "max"),
+        ("Mean absolute error on {} over the whole run, compared with", "corrected", "mae"),
     ],
 )
 def test_the_force_tables_show_each_number_in_its_column(

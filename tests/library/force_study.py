@@ -33,7 +33,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, record_paths
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clocks import Clock
 from ur5lib.signals.host_drifts import read_clock
@@ -102,7 +102,7 @@ class Taken:
 
 def take(recording: Recording, robot: Robot, model: str, clock: Clock | None = None) -> Taken:
     """A recording, and its force sensor by the given clock; what it is known to carry counts."""
-    intake = take_in(recording.model_dump(), robot, max_gap=0.1)
+    intake = read_and_repair(recording.model_dump(), robot, max_gap=0.1)
     table = intake.robot
     step, segment = period(table), table["segment"].to_numpy()
     lowpass = partial(zero_phase_lowpass, rate=1 / step, order=4, cutoff=10.0)

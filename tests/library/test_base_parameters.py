@@ -27,7 +27,7 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.identified_model import identified_model, robot_yaml
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
@@ -220,7 +220,7 @@ def target_blocks(folder: Path, robot: Robot, step: int) -> Iterator[tuple[Array
     recording = ThesisRecording(
         name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
     )
-    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     table = table[~table["interpolated"].astype(bool)][::step]
     motion = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
     return blocks(columns("ur5", *motion), channel(table, "target_moment"), 250 // step)

@@ -20,7 +20,7 @@ from ur5lib.identification.closed_loop import (
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import ThesisRecording
 from ur5lib.tables import channel, period
@@ -230,7 +230,7 @@ def recorded(folder: Path, robot: Robot) -> tuple[Tracking, Array]:
     recording = ThesisRecording(
         name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
     )
-    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     told = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
     done = [channel(table, f"actual_{name}") for name in ("q", "qd")]
     segment = table["segment"].to_numpy()

@@ -13,7 +13,7 @@ import pytest
 from tests.corpus import Case, corpus
 from tests.time_limit import time_limit
 from ur5lib.errors import InputError
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
 from ur5lib.study.check import print_tables, text_console, unusable
@@ -45,7 +45,7 @@ def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
     """Take a damaged recording in and compare it with the undamaged one."""
     try:
         with time_limit(SECONDS):
-            taken = take_in(case.recording, arm, max_gap=0.1)
+            taken = read_and_repair(case.recording, arm, max_gap=0.1)
     except InputError as error:
         return Answer(str(error), unusable(error))
     named = findings(taken) - findings(whole)
@@ -117,14 +117,14 @@ def test_the_corpus_is_large_and_its_labels_are_unique(cases: list[Case]) -> Non
 
 def test_the_undamaged_ones_are_read_without_complaint(cases: list[Case], ur5: Robot) -> None:
     for base in {case.base.name: case.base for case in cases}.values():
-        named = {name for name, _, _ in findings(take_in(base.recording, ur5, 0.1))}
+        named = {name for name, _, _ in findings(read_and_repair(base.recording, ur5, 0.1))}
         assert named <= {"no sensor", "irregular steps"}, base.name
 
 
 def test_every_damaged_recording_gets_an_honest_answer(cases: list[Case], ur5: Robot) -> None:
     """All of them in one test, so that the list of those that fail reads as one."""
     bases = {case.base.name: case.base for case in cases}
-    wholes = {name: take_in(base.recording, ur5, 0.1) for name, base in bases.items()}
+    wholes = {name: read_and_repair(base.recording, ur5, 0.1) for name, base in bases.items()}
     objections = {case.label: objection(case, ur5, wholes[case.base.name]) for case in cases}
     told = [f"{label}: {text}" for label, text in objections.items() if text]
     assert not told, "\n".join(told)

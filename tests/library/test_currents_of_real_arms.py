@@ -24,7 +24,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.study.model import Recording, TableRecording, ThesisRecording
 from ur5lib.tables import channel, period
@@ -64,7 +64,7 @@ Joined = tuple[Record, Array, Array]  # the record, its q̈, the controller's ow
 
 
 def joined(recording: Recording, robot: Robot, model: str) -> Joined:
-    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     step, segment = period(table), table["segment"].to_numpy()
     lowpass = partial(zero_phase_lowpass, rate=1 / step, order=4, cutoff=10.0)
     q, qd = (

@@ -74,7 +74,7 @@ def test_the_archive_is_downloaded(dataset: Dataset, server: str, tmp_path: Path
 
 
 def test_no_network_is_told(dataset: Dataset, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"could not be downloaded .* --from"):
+    with pytest.raises(InputError, match=r"could not be downloaded .*local folder with --from"):
         fetch(dataset, tmp_path / "raw")
     assert not (tmp_path / "raw").exists()
 
@@ -136,7 +136,7 @@ def test_the_command_tells_a_wrong_name(
     with pytest.raises(SystemExit) as stop:
         cli.main()
     assert stop.value.code == 1
-    assert capsys.readouterr().err == "ur5: no data set 'thesi'; known: thesis\n"
+    assert capsys.readouterr().err == "ur5: unknown data set 'thesi'; available: thesis\n"
 
 
 @pytest.mark.parametrize("command", [[], ["fetch"], ["schema"]])

@@ -171,11 +171,11 @@ def test_impossible_frames_are_left_out() -> None:
     ("change", "sentence"),
     [
         (lambda t: t.assign(**{f"actual_q_{j}": 57.3 + t.time for j in range(6)}),
-         "run.csv: actual_q_. is 57.* beyond 12.57 .*; correct the file, or name"),
-        (lambda t: t.assign(time=t.time * 1000), "run.csv: frames are 8 s apart .*; give the time"),
-        (lambda t: t.assign(time=1.0), "run.csv: frames are 0 s apart .*; give the time"),
-        (lambda t: t.drop(columns="actual_q_5"), "run.csv: has no actual_q_0 .*; record or name"),
-        (lambda t: t[:1], "run.csv: holds 1 whole frames; record at least a second"),
+         "run.csv: actual_q_. exceeds 12.57 rad .*median there 57.*; .*correct the file, or"),
+        (lambda t: t.assign(time=t.time * 1000), "run.csv: the median step .* is 8 s; check"),
+        (lambda t: t.assign(time=1.0), "run.csv: the median step .* is 0 s; check"),
+        (lambda t: t.drop(columns="actual_q_5"), "run.csv: has no actual_q_0 .*; record the"),
+        (lambda t: t[:1], "run.csv: contains only 1 complete frames; record at least a second"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_repaired_is_told(change: object, sentence: str) -> None:

@@ -359,12 +359,15 @@ def test_one_message_is_enough(capture: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        (b"", "no CSV"),
-        (b"received_s,payload_hex\n", "no whole message"),
-        (b"0.5,00ff\n", "no whole message"),
-        (b"0.5," + struct.pack(">id", 700, 1.0).hex().encode() + b"00" * 688, "no whole message"),
-        (b"a;b;c\n" * 5, "no whole message"),
-        (b"0" * (1 << 24), "no CSV"),
+        (b"", "not a CSV"),
+        (b"received_s,payload_hex\n", "no complete message"),
+        (b"0.5,00ff\n", "no complete message"),
+        (
+            b"0.5," + struct.pack(">id", 700, 1.0).hex().encode() + b"00" * 688,
+            "no complete message",
+        ),
+        (b"a;b;c\n" * 5, "no complete message"),
+        (b"0" * (1 << 24), "not a CSV"),
     ],
 )
 def test_what_is_no_capture_is_told(capture: Path, content: bytes, words: str) -> None:

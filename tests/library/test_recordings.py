@@ -13,7 +13,7 @@ from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor
 from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.formats import READERS, read_recording
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
@@ -113,21 +113,23 @@ def test_a_damaged_line_is_located_and_missing_in_its_channel_only(
 @pytest.mark.parametrize("text", ["", "no number here\nnor here\n", "0.0, 1.0, 2.0"])
 def test_a_channel_without_a_row_is_refused_by_name(recording: Path, text: str) -> None:
     (recording / "csv_files" / "log_q_actual.csv").write_text(text)
-    message = r"log_q_actual.csv, line 1: holds no complete row of 7 numbers .*; record it again"
+    message = (
+        r"log_q_actual.csv, line 1: (no complete row of|expected) 7 numbers .*; .*record it again"
+    )
     with pytest.raises(InputError, match=message):
         read(recording)
 
 
 def test_a_missing_channel_is_refused_by_name(recording: Path) -> None:
     (recording / "csv_files" / "log_m_target.csv").unlink()
-    with pytest.raises(InputError, match=r"log_m_target.csv .*; put it there"):
+    with pytest.raises(InputError, match=r"log_m_target.csv .*; add the file"):
         read(recording)
 
 
 def test_channels_of_two_runs_are_refused(recording: Path) -> None:
     path = recording / "csv_files" / "log_m_target.csv"
     write_channel(path, np.arange(9) + 99.0, np.ones((9, 6)))
-    with pytest.raises(InputError, match="the channels share no frame"):
+    with pytest.raises(InputError, match="the channels have no frame in common"):
         read(recording)
 
 
@@ -207,12 +209,15 @@ def test_units_and_skipped_columns(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"units": {"actual_q": "furlong"}}, "`units` give actual_q in furlong; give units"),
-        ({"units": {"target_q": "deg"}}, "`units` give target_q in deg; give units"),
-        ({"columns": ["actual_q"] * 2}, "name actual_q_0 twice; name each column once"),
-        ({"columns": ["actual_q"]}, "do not name the time; name each column once"),
-        ({"file": "none.csv"}, "none.csv .*; put it there"),
-        ({"columns": ["time", "actual_q"]}, "line 1: holds no complete row of 7 numbers"),
+        (
+            {"units": {"actual_q": "furlong"}},
+            "`units` in the study give actual_q in furlong; use one of",
+        ),
+        ({"units": {"target_q": "deg"}}, "`units` in the study give target_q in deg; use one of"),
+        ({"columns": ["actual_q"] * 2}, "name actual_q_0 twice; name `time` and each channel once"),
+        ({"columns": ["actual_q"]}, "lack `time`; name `time` and each channel once"),
+        ({"file": "none.csv"}, "none.csv .*; add the file"),
+        ({"columns": ["time", "actual_q"]}, "line 1: expected 7 numbers .*; correct `columns`"),
     ],
 )
 def test_a_wrongly_named_table_is_told(tmp_path: Path, change: dict, sentence: str) -> None:
@@ -279,7 +284,7 @@ def test_the_separator_that_a_spreadsheet_program_names_is_skipped(tmp_path: Pat
 def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> None:
     entry = write_rtde(tmp_path, row="{t};0.1;" + cell + ";0.1;0.1;0.1;0.1")
     sentence = (
-        r"line 2: holds no .*is no number, a spreadsheet program may have .*; record it again"
+        r"line 2: expected .*is not a number; a spreadsheet program may have .*record it again"
     )
     with pytest.raises(InputError, match=sentence):
         read_recording(entry)
@@ -290,7 +295,7 @@ def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> No
     entry = write_rtde(tmp_path)
     path.write_text(path.read_text().replace("0.1", "01. Jan", 1))
     detail = found(read_recording(entry).findings, "damaged lines").detail
-    assert "line 2 ('01. Jan' is no number, a spreadsheet program may have" in detail
+    assert "line 2 ('01. Jan' is not a number; a spreadsheet program may have" in detail
 
 
 @pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
@@ -306,15 +311,17 @@ def test_whatever_ends_a_line_its_fault_is_told(tmp_path: Path, row: str) -> Non
 def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
     entry = write_rtde(tmp_path, row="{t};90;90;90;90;90;90")
     with pytest.raises(
-        InputError, match=r"beyond 12.57 rad, as degrees are .*`columns` and `units`"
+        InputError, match=r"exceeds 12.57 rad .*is it in degrees.*`columns` and `units`"
     ):
-        take_in(entry, ur5, 0.1)
+        read_and_repair(entry, ur5, 0.1)
 
 
 def test_times_without_their_last_digits_are_told(tmp_path: Path, ur5: Robot) -> None:
     entry = write_rtde(tmp_path, row="1.7E+09;{q}")
-    with pytest.raises(InputError, match=r"are 0 s apart .*; give the time .* with all its digits"):
-        take_in(entry, ur5, 0.1)
+    with pytest.raises(
+        InputError, match=r"step between timestamps is 0 s; check that .* has all its digits"
+    ):
+        read_and_repair(entry, ur5, 0.1)
 
 
 def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
@@ -325,7 +332,7 @@ def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
     assert "imu" not in raw.sensors
     told = found(raw.findings, "unusable sensor")
     assert told.severity == "error"
-    assert "(7 cells)" in told.detail
+    assert "(it has 7 cells)" in told.detail
 
 
 def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
@@ -418,7 +425,7 @@ CUT = {"torn last line", "channels of unequal length"}
 
 
 def intake(entry: dict, arm: Robot) -> Intake:
-    return take_in(entry, arm, max_gap=0.1)
+    return read_and_repair(entry, arm, max_gap=0.1)
 
 
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:

@@ -231,7 +231,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     study = {"recordings": [{"name": "pushed", "role": "contact"}]}
     results = Results(study, tables, Path())
     assert [*contacts_found(results)] == [
-        "On pushed, without a force sensor, F̂ᵐᵃᵖ finds contacts: 2. The largest force is "
+        "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts. The largest force is "
         "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."
     ]
     first, second = contacts(results, "pushed").rows
@@ -253,9 +253,9 @@ def test_a_load_taken_up_is_no_contact() -> None:
     study = {"recordings": [{"name": "grasp", "role": "contact"}]}
     results = Results(study, tables, Path())
     (told,) = contacts_found(results)
-    assert told.startswith("On grasp, without a force sensor, F̂ᵐᵃᵖ finds contacts: 1.")
+    assert told.startswith("On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact.")
     assert [*loads_taken_up(results)] == [
-        "On grasp, the arm carries a load of 2.04 ± 0.05 kg from 4.0 s on, by the currents."
+        "On grasp, the currents show that the arm carries a load of 2.04 ± 0.05 kg from 4.0 s on."
     ]
     header, rows = contacts(results, "grasp")
     assert header[-1] == "load [kg]"
@@ -325,10 +325,10 @@ def test_the_headline_sets_contact_beside_free() -> None:
 def test_the_summary_never_averages_contact_and_free() -> None:
     force = force_results().tables["force_mae"]
     assert [*in_contact(force)] == [
-        "On run, in contact (above 5 N by the sensor), F̂ᵐᵃᵖ errs by 4.0, 4.0, 4.0 N in x, y, z "
-        "(95 % intervals 3.0 to 5.0, 3.0 to 5.0, 3.0 to 5.0 N), where the mean force is 10.0, "
-        "10.0, 10.0 N. Its 95 % bands hold 90, 90, 90 % of the readings in contact. Free of "
-        "contact, F̂ᵐᵃᵖ errs by 0.10, 0.10, 0.10 N."
+        "On run, the mean absolute error of F̂ᵐᵃᵖ in contact (above 5 N at the sensor) is 4.0, 4.0, "
+        "4.0 N in x, y, z (95 % intervals 3.0 to 5.0, 3.0 to 5.0, 3.0 to 5.0 N); the mean force "
+        "there is 10.0, 10.0, 10.0 N. Its 95 % bands contain 90, 90, 90 % of the readings in "
+        "contact. Free of contact, the error of F̂ᵐᵃᵖ is 0.10, 0.10, 0.10 N."
     ]
     (told,) = undetermined_moments(force)
     assert told.startswith("The moments ny, nz are undetermined")
@@ -389,8 +389,8 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
 def test_what_a_run_carries_stands_in_a_table() -> None:
     header, rows = payload_table(Results({}, {"payload": payloads()}, Path()))
     cells = [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
-    assert [own["taken in"] for own in cells] == ["no", "yes"]
-    assert cells[1]["beyond it [kg]"] == "2.75 ± 0.03"
+    assert [own["used in prediction"] for own in cells] == ["no", "yes"]
+    assert cells[1]["additional [kg]"] == "2.75 ± 0.03"
     assert cells[1]["declared [kg]"] == "0.50"
     heavy = payloads().set_index("recording").loc["heavy"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
@@ -403,7 +403,9 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     (told,) = loads_found(results)
-    assert told.startswith("On heavy, the currents tell of a load of 2.75 ± 0.03 kg on the flange")
+    assert told.startswith(
+        "On heavy, the currents show an undeclared load of 2.75 ± 0.03 kg on the"
+    )
     assert [row[0].text for row in smallest_pushes(results).rows] == ["free"]
 
 
@@ -444,8 +446,8 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
         ["> 20", "2–29"],
     ]
     assert [*contradictions(results)] == [
-        "No one position gain lies in the ranges of all recordings of ur5 on joint 1: its loop is "
-        "not this one there."
+        "No single position gain fits all recordings of ur5 on joint 1: there, the controller "
+        "is not this closed loop."
     ]
 
 
@@ -453,7 +455,7 @@ def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
     friction = {"fit": {"joints": [{"remarks": ["odd"]}, {"remarks": []}, {"remarks": ["odd"]}]}}
     steps = {"friction": friction, "identification": {"refused": "too little"}}
     results = Results({}, {"remarks": pd.DataFrame(remark_rows("ur5", steps))}, Path())
-    assert [*remarks(results)] == ["Of ur5, joints 1, 3: odd."]
+    assert [*remarks(results)] == ["ur5, joints 1, 3: odd."]
     assert left_out_fits(results) == ["Identification of ur5: too little."]
 
 
@@ -468,6 +470,6 @@ def test_the_configuration_is_listed_as_it_can_be_read() -> None:
     listed = yaml.safe_load(configuration(results))
     assert listed == {**study, "recordings": study["recordings"][:MOST_ROWS]}
     assert [*configuration_heading(results)] == [
-        "The configuration, with every default filled in, of the first 60 recordings; "
-        "configuration.yaml has all:"
+        "Configuration with every default filled in (first 60 recordings); complete in "
+        "configuration.yaml:"
     ]

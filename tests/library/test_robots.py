@@ -43,7 +43,7 @@ def test_a_wrong_description_is_refused(tmp_path: Path, old: str, new: str) -> N
     text = robot_path("ur5").read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    with pytest.raises(InputError, match="does not describe an arm"):
+    with pytest.raises(InputError, match="is not a valid description of an arm"):
         load_robot(path)
 
 
@@ -181,9 +181,12 @@ def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--robot", "ur6", "--model", "C"], "no arm 'ur6'; known: ur10e, ur5"),
-        (["--robot", "ur5", "--model", "D"], "no model 'D'; known: A, B, C"),
-        (["--robot", "ur5", "--model", "C", "--to", "sdf"], "no format 'sdf'; known: urdf"),
+        (["--robot", "ur6", "--model", "C"], "no description of 'ur6'; available: ur10e, ur5"),
+        (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
+        (
+            ["--robot", "ur5", "--model", "C", "--to", "sdf"],
+            "unknown format 'sdf'; available: urdf",
+        ),
     ],
 )
 def test_export_says_what_there_is(arguments: list[str], words: str) -> None:

@@ -11,7 +11,7 @@ import torch
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
-from ur5lib.recordings.intake import take_in
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.study.model import Recording, TableRecording, ThesisRecording
 from ur5lib.tables import channel, period
@@ -120,7 +120,7 @@ def test_a_joint_that_kept_still_tells_nothing() -> None:
 
 def received(recording: Recording, robot: Robot) -> pd.DataFrame:
     """The frames of a recording; those that were not received are NaN."""
-    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     return table.mask(table["interpolated"].astype(bool))
 
 
@@ -187,7 +187,7 @@ def of_the_ur10e(robot: Robot, folder: Path, name: str) -> Sample:
         columns=UR10E_COLUMNS,
         role="fit",
     )
-    table = take_in(recording.model_dump(), robot, max_gap=0.1).robot
+    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     segment = table["segment"].to_numpy()
     lowpass = partial(zero_phase_lowpass, rate=1 / period(table), order=4, cutoff=10.0)
     names = ("actual_q", "actual_qd", "target_moment")

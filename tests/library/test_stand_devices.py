@@ -13,7 +13,7 @@ from pydantic import ValidationError
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import told_payload
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.thesis_csv import read_thesis_csv
@@ -59,8 +59,8 @@ class Recorded:
         self.files = recording.file_names()
         simulate(self.arm, self.plan, format, self.folder, self.truth)
 
-    def taken_in(self) -> Intake:
-        return take_in(self.entry, self.arm, 0.1)
+    def repaired(self) -> Intake:
+        return read_and_repair(self.entry, self.arm, 0.1)
 
     def true(self) -> pd.DataFrame:
         return read_table(f"{self.truth}.parquet")
@@ -123,7 +123,7 @@ def test_the_files_are_those_that_a_study_expects(
 @pytest.mark.parametrize("format", FORMATS)
 def test_readers_find_nothing_amiss(record: Recorder, format: Format, robot: str) -> None:
     recorded = record(format, robot, imu={}, force_sensor={}, contacts=[PUSH])
-    intake = recorded.taken_in()
+    intake = recorded.repaired()
     assert not intake.quality["findings"]
     assert intake.quality["devices"] == ["robot", "force", "imu"]
     assert intake.quality["period_s"] == (0.002 if format == "rtde-csv" else 0.008)
@@ -141,8 +141,8 @@ def test_a_controller_knows_the_payload_that_its_files_name(
         record(format, seconds=1.5, trajectory={"kind": "standstill"}, friction=False, **carried)
         for carried in ({"payload": payload}, {})
     )
-    robot = loaded.taken_in().robot
-    more = channel(robot, "target_moment") - channel(bare.taken_in().robot, "target_moment")
+    robot = loaded.repaired().robot
+    more = channel(robot, "target_moment") - channel(bare.repaired().robot, "target_moment")
     found = told_payload(robot)
     if format == "rtde-csv":
         assert found == loaded.plan.payload
@@ -169,7 +169,7 @@ def test_truth_lies_apart(like_no8: Recorded) -> None:
 
 def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
     """Coulomb, load, viscous and periodic parts, where a joint slides: within 2 %."""
-    true, robot = like_no8.true(), like_no8.taken_in().robot
+    true, robot = like_no8.true(), like_no8.repaired().robot
     q, qd, load = channel(true, "q"), channel(true, "qd"), channel(robot, "target_moment")
     part = {name: np.array(value) for name, value in like_no8.summary()["friction"].items()}
     dry = part["coulomb"] + part["load"] * np.abs(load)
@@ -183,10 +183,10 @@ def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
 
 
 def test_a_sensor_that_is_not_there(record: Recorder) -> None:
-    intake = record("thesis-csv").taken_in()
+    intake = record("thesis-csv").repaired()
     assert intake.quality["devices"] == ["robot"]
     assert {f["finding"] for f in intake.quality["findings"]} == {"no sensor"}
-    assert record("realtime-stream").taken_in().quality["devices"] == ["robot"]
+    assert record("realtime-stream").repaired().quality["devices"] == ["robot"]
 
 
 # Channels
@@ -194,7 +194,7 @@ def test_a_sensor_that_is_not_there(record: Recorder) -> None:
 
 def test_without_noise_channels_are_the_truth(record: Recorder) -> None:
     recorded = record(noise=False, friction=False, force_sensor={}, contacts=[PUSH])
-    robot, true = recorded.taken_in().robot, recorded.true()
+    robot, true = recorded.repaired().robot, recorded.true()
     constant = recorded.summary()["drive"]["torque_constant"]
     for name, values in (
         ("actual_q", channel(true, "q")),
@@ -215,7 +215,7 @@ def test_the_controller_s_force_is_that_of_the_arm(record: Recorder) -> None:
     """On its environment, axes of the base: a steady pull at rest, no friction to hide it."""
     spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
     recorded = record(trajectory={"kind": "standstill"}, friction=False, contacts=[spring])
-    told = channel(recorded.taken_in().robot, "actual_TCP_force")
+    told = channel(recorded.repaired().robot, "actual_TCP_force")
     true = channel(recorded.true(), "wrench")
     peak = slice(370, 380)
     assert np.abs(true[peak, :3].mean(axis=0)).min() > 5
@@ -229,7 +229,7 @@ def test_the_controller_s_force_is_that_of_the_arm(record: Recorder) -> None:
 def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     clock = {"offset_s": 0.05, "drift_ppm": -2500, "jitter_s": 1e-4, "stamp_error_s": -0.06}
     recorded = record(format, imu={"clock": clock}, seconds=12)
-    intake = recorded.taken_in()
+    intake = recorded.repaired()
     rotation, _, jacobian = flange_kinematics(recorded.arm, channel(intake.robot, "actual_q"))
     start = intake.quality["starts"]["imu"]
     found, reason = device_clock(intake.sensors["imu"], start, intake.robot, rotation, jacobian)
@@ -240,7 +240,7 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
 
 def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:
     """The tool's mass [kg] and the wrench's errors (N, 6), by the steps of real recordings."""
-    sensor, true = recorded.taken_in().sensors["force"], recorded.true()
+    sensor, true = recorded.repaired().sensors["force"], recorded.true()
     time = sensor["time"].to_numpy() + recorded.summary()["clocks"]["force"]["offset_s"]
 
     def at_samples(name: str, count: int) -> Array:
@@ -279,7 +279,7 @@ def test_the_force_sensor_tells_its_tool(record: Recorder) -> None:
 def test_saturation_is_seen(record: Recorder) -> None:
     plan = {"bias": [0, 0, 0, 0, 0, 0], "saturation_n": 12}
     recorded = record(force_sensor=plan, contacts=[PUSH])
-    intake = recorded.taken_in()
+    intake = recorded.repaired()
     assert ("force", "saturation") in findings(intake)
     assert intake.sensors["force"][["ft_fx", "ft_fy", "ft_fz"]].abs().max(axis=None) == 12
 
@@ -300,9 +300,9 @@ def test_a_faulty_stream_is_repaired_to_the_clean_log_to_the_bit(
 ) -> None:
     """Every frame that was sent whole, beside the decoded log of the same run."""
     plan = {"contacts": [PUSH], "imu": {}, "force_sensor": {}, "seconds": 10, "seed": 8}
-    clean = record("thesis-csv", **plan).taken_in().robot
+    clean = record("thesis-csv", **plan).repaired().robot
     faulty = record("realtime-stream", **plan, faults={"late_packets": True, "lost_frames": lost})
-    robot, missing = faulty.taken_in().robot, faulty.summary()["frames"]["lost"]
+    robot, missing = faulty.repaired().robot, faulty.summary()["frames"]["lost"]
     assert len(missing) == pytest.approx(lost * len(clean), abs=20)
     assert len(robot) == len(clean)
     np.testing.assert_array_equal(np.flatnonzero(robot["interpolated"]), missing)
@@ -312,9 +312,9 @@ def test_a_faulty_stream_is_repaired_to_the_clean_log_to_the_bit(
 def test_cut_messages_cost_themselves_and_at_most_a_neighbour(record: Recorder) -> None:
     """What is left is right to the bit, damage on top of late packets and all."""
     plan = {"seconds": 10, "seed": 1}
-    clean = record("thesis-csv", **plan).taken_in().robot
+    clean = record("thesis-csv", **plan).repaired().robot
     faulty = record("realtime-stream", **plan, faults={"late_packets": True, "cut_frames": 0.03})
-    robot, cut = faulty.taken_in().robot, np.array(faulty.summary()["frames"]["cut"])
+    robot, cut = faulty.repaired().robot, np.array(faulty.summary()["frames"]["cut"])
     frame = np.rint((robot["time"].to_numpy()) / 0.008).astype(int)
     doubtful = robot["interpolated"].to_numpy()
     assert not unequal(robot, clean.iloc[frame])[~doubtful].any()
@@ -374,7 +374,7 @@ def test_each_fault_is_found_and_survived(
     record: Recorder, format: Format, fault: dict[str, Any], found: tuple[str, str]
 ) -> None:
     recorded = record(format, faults=fault, imu={}, seconds=4)
-    intake = recorded.taken_in()
+    intake = recorded.repaired()
     assert found in findings(intake)
     true = recorded.true().set_index("time")
     near = true.index.get_indexer(intake.robot["time"], method="nearest")
@@ -401,12 +401,12 @@ def stillest(record: DeviceRecord | pd.DataFrame, columns: list[str], count: int
 @pytest.fixture(scope="module")
 def real_no8(thesis_data: Path, ur5: Robot) -> Intake:
     folder = thesis_data / "Movement_No8_Singularity_Free_1"
-    return take_in({"format": "thesis-csv", "folder": str(folder)}, ur5, 0.1)
+    return read_and_repair({"format": "thesis-csv", "folder": str(folder)}, ur5, 0.1)
 
 
 def test_currents_are_as_noisy_as_real_ones(like_no8: Recorded, real_no8: Intake) -> None:
     """Within a quarter, joint by joint, on the same motion."""
-    ratio = residual(like_no8.taken_in().robot) / residual(real_no8.robot)
+    ratio = residual(like_no8.repaired().robot) / residual(real_no8.robot)
     np.testing.assert_allclose(ratio, 1, atol=0.25)
 
 
@@ -415,7 +415,7 @@ def test_encoders_are_as_noisy_as_real_ones(like_no8: Recorded, real_no8: Intake
     for order, name in ((3, "actual_q"), (0, "actual_qd")):
         own, real = (
             np.diff(channel(t, name) - channel(t, f"target_{name[7:]}"), order, axis=0).std(axis=0)
-            for t in (like_no8.taken_in().robot, real_no8.robot)
+            for t in (like_no8.repaired().robot, real_no8.robot)
         )
         assert (np.abs(np.log(own / real)) < np.log(1.35)).all(), own / real
 
@@ -424,7 +424,7 @@ def test_drives_stray_as_far_as_real_ones(like_no8: Recorded, real_no8: Intake) 
     """From their targets: within a factor 2, joint by joint."""
     own, real = (
         np.std(channel(t, "actual_q") - channel(t, "target_q"), axis=0)
-        for t in (like_no8.taken_in().robot, real_no8.robot)
+        for t in (like_no8.repaired().robot, real_no8.robot)
     )
     assert (np.abs(np.log2(own / real)) < 1).all(), own / real
 
@@ -439,7 +439,7 @@ def test_stamps_jitter_as_real_ones(
         "force": read_thesis_csv({"folder": str(folder)}).sensors["force"].table,
     }
     for device, table in real.items():
-        steps, own = (np.diff(t["time"]) for t in (table, like_no8.taken_in().sensors[device]))
+        steps, own = (np.diff(t["time"]) for t in (table, like_no8.repaired().sensors[device]))
         assert own.mean() == pytest.approx(steps.mean(), rel=0.005)
         assert own.std() == pytest.approx(steps.std(), rel=0.25)
 
@@ -451,7 +451,7 @@ def test_imu_is_as_noisy_as_the_real_one(like_no8: Recorded, real_no8: Intake) -
         columns = [f"imu_{quantity}{axis}" for axis in "xyz"]
         own, real = (
             stillest(intake.sensors["imu"], columns, 266)
-            for intake in (like_no8.taken_in(), real_no8)
+            for intake in (like_no8.repaired(), real_no8)
         )
         assert (np.abs(np.log(own / real)) < np.log(factor)).all(), own / real
 
@@ -460,7 +460,7 @@ def test_force_sensor_is_as_noisy_as_the_real_one(like_no8: Recorded, thesis_dat
     """From sample to sample in the first second at rest, within a third."""
     folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
     real = read_thesis_csv({"folder": str(folder)}).sensors["force"].table
-    own = like_no8.taken_in().sensors["force"]
+    own = like_no8.repaired().sensors["force"]
     noise = [t.drop(columns="time").iloc[:190].diff().std().to_numpy() for t in (own, real)]
     np.testing.assert_allclose(noise[0], noise[1], rtol=0.35)
 

@@ -43,7 +43,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (
             lambda raw: raw["settings"]["filter_signals"].update(cutof_hz=3),
             "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?); "
-            "known: order, cutoff_hz",
+            "known keys: order, cutoff_hz",
         ),
         (
             lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz=-3),
@@ -64,7 +64,8 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(robot="ur55"),
-            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur10e, ur5",
+            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur10e, ur5, "
+            "or describe the arm yourself (docs/robots.md)",
         ),
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),
@@ -74,49 +75,49 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (
             lambda raw: raw["recordings"][0].update(name="../run"),
             "`recordings[0].name` is '../run'; "
-            "give a string of letters, digits, _ - and, but for the first, .",
+            "give a string of letters, digits, `_`, `-`; dots too, except as the first character",
         ),
         (
             lambda raw: raw["recordings"][0].update(folder="raw/nowhere"),
-            f"`recordings[0].folder` is 'raw/nowhere', which is not in {Path.cwd()}; run in the "
-            "project's folder, correct the path, or fetch it (`ur5 fetch thesis`)",
+            f"`recordings[0].folder` is 'raw/nowhere', which does not exist in {Path.cwd()}; run "
+            "in the project's folder, correct the path, or fetch the data (`ur5 fetch thesis`)",
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
-         "unknown key `recordings[0].columns`; known: name, robot, folder, role, gravity, payload, "
-         "format, simulate"),
+         "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "
+         "payload, format, simulate"),
         (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
          "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
          "9 to 10.5"),
         (lambda raw: raw["recordings"][0].update(payload={"mass": float("nan")}),
          "`recordings[0].payload.mass` is nan; give a number above 0"),
         (lambda raw: raw["recordings"][0].update(format="table-csv", file="a.csv"),
-         "`recordings[0].columns` is missing; give a list with entries, at least 1"),
+         "`recordings[0].columns` is missing; give a list with at least 1 entry"),
         (lambda raw: raw["recordings"][0].update(
             format="rtde-csv", file="a.csv", imu={"file": "b.csv", "columns": ["time"], "tim": 1}),
          "unknown key `recordings[0].imu.tim` (did you mean `time`?); "
-         "known: file, columns, units, time, start_file, start"),
+         "known keys: file, columns, units, time, start_file, start"),
         (lambda raw: raw["recordings"][0].pop("format"),
          "`recordings[0].format` is missing; give one of "
          "thesis-csv, realtime-stream, rtde-csv, table-csv"),
         (lambda raw: raw["recordings"][0].pop("role"),
          "`recordings[0].role` is missing; give one of fit, validate, contact"),
         (lambda raw: raw.update(recordings=[]),
-         "`recordings` is []; give a list with entries, at least 1"),
+         "`recordings` is []; give a list with at least 1 entry"),
         (lambda raw: raw.update(recordings=[{**raw["recordings"][0], "folder": f} for f in "/."]),
-         "recordings: two are named 'run'; give each its own name"),
+         "recordings: 'run' is used twice as a name; give each recording its own"),
         (lambda raw: raw.update(recordings=[{**raw["recordings"][0], "name": n, "folder": "/"}
                                             for n in "ab"]),
-         "recordings: a and b are both /; give each its own file"),
+         "recordings: a and b use the same /; give each its own file"),
         (lambda raw: raw.update(settings=3), "`settings` is 3; give a mapping"),
         (lambda raw: raw.update(hosts={"pc": ["force_senser"]}),
          "`hosts.pc[0]` is 'force_senser' (did you mean `force_sensor`?); "
          "give one of force_sensor, imu"),
         (lambda raw: raw.update(hosts={"pc": ["imu"], "laptop": ["force_sensor", "imu"]}),
-         "hosts: imu is named twice; name it on the one host that stamps its samples"),
+         "hosts: imu is listed twice; list it under the host that timestamps its samples"),
         (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
         (lambda raw: raw.update(host={"pc": ["imu"]}),
          "unknown key `host` (did you mean `hosts`?); "
-         "known: study, title, recordings, reference, hosts, settings"),
+         "known keys: study, title, recordings, reference, hosts, settings"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(
@@ -139,7 +140,7 @@ FOURIER = {"kind": "fourier"}
          "`recordings[0].simulate.trajectory.kind` is missing; "
          "give one of movej, fourier, standstill"),
         ({"trajectory": {"kind": "fourier", "drw": 3}},
-         "unknown key `recordings[0].simulate.trajectory.drw` (did you mean `draw`?); known: "
+         "unknown key `recordings[0].simulate.trajectory.drw` (did you mean `draw`?); known keys: "
          "kind, draw, posture, amplitude_rad, period_s, harmonics, limit_share"),
         ({"trajectory": {"kind": "movej", "way_points": "nowhere.txt"}},
          "`recordings[0].simulate.trajectory.way_points` is 'nowhere.txt'; give an existing file"),
@@ -147,7 +148,7 @@ FOURIER = {"kind": "fourier"}
          "`recordings[0].simulate.trajectory.way_points[1][5]` is 'x'; give a number"),
         ({"trajectory": {"kind": "movej", "way_points": 3}},
          "`recordings[0].simulate.trajectory.way_points` is 3; "
-         "give a list with entries, at least 2"),
+         "give a list with at least 2 entries"),
         ({"contacts": [{"kind": "push", "start_s": 1, "force": [1, 2, 3]}, {"kind": "psh"}]},
          "`recordings[0].simulate.contacts[1].kind` is 'psh' (did you mean `push`?); "
          "give one of push, hand, spring, wall, load"),
@@ -155,8 +156,8 @@ FOURIER = {"kind": "fourier"}
          "`recordings[0].simulate.contacts[0].start_s` is -1; give a number at least 0"),
         ({"faults": {"lost_frame": 0.1}},
          "unknown key `recordings[0].simulate.faults.lost_frame` (did you mean `lost_frames`?); "
-         "known: late_packets, lost_frames, cut_frames, stale_stamps, stale_frames, torn_files, "
-         "stale_imu"),
+         "known keys: late_packets, lost_frames, cut_frames, stale_stamps, stale_frames, "
+         "torn_files, stale_imu"),
         ({"trajectory": None},
          "`recordings[0].simulate.trajectory` is None; give a mapping"),
     ],
@@ -184,7 +185,8 @@ def test_a_simulated_recording_needs_no_files(raw: dict[str, Any]) -> None:
     assert "csv_files/acc_data.csv" in thesis.file_names()
     raw["recordings"][0]["folder"] = "raw/mine"
     assert complaints(raw) == [
-        "config.yaml: `recordings[0].folder` says where real files are; leave it or `simulate` out"
+        "config.yaml: `recordings[0].folder` names real files, but the entry has `simulate`; "
+        "remove one"
     ]
 
 

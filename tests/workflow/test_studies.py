@@ -53,9 +53,9 @@ def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     check_pdf(folder / "report.pdf", ["What was found", "Friction and currents", "Provenance"])
     text = sentences(folder / "report.html")
     for left_out in (
-        "Accelerations: no recording has an IMU whose clock its motion tells.",
-        "Prediction of currents on recordings not fitted on: none has the role validate.",
-        "Errors of force estimates: no recording has a working force sensor.",
+        "Accelerations: no recording has an IMU whose clock could be aligned by its motion.",
+        "Prediction of currents on unseen recordings: no recording has the role `validate`.",
+        "Errors of the force estimates: no recording has a working force sensor.",
     ):
         assert f"<li>{left_out}</li>" in text
     assert "all recordings to fit on are of one path" in text

@@ -1,1 +1,1 @@
-"""Readers of raw device files, frame repair, quality."""
+"""Readers of raw device files, frame repair and quality checks."""

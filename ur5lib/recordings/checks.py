@@ -1,4 +1,4 @@
-"""Whether the channels of a recording agree with one another and with the arm."""
+"""Checks that the channels of a recording agree with one another and with the arm."""
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
@@ -9,36 +9,36 @@ import pandas as pd
 from ur5lib.recordings.quality import Finding
 from ur5lib.tables import channel
 
-MOVES = 0.05  # rad/s, of a joint that tells something about its velocity
-DERIVATIVES = [  # a channel, and the channel that must be its derivative
+MOVES = 0.05  # rad/s; slower joints say nothing about their velocity channel
+DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("actual_q", "actual_qd"),
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
-TWINS = [  # channels that follow each other, and how far apart they may lie in the middle
+TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
 ]
-# Channels whose overall level follows another's: 0.95 to 1.3, and 9.9 to 11.7 Nm/A, in every
-# recording seen of two arms of two sizes. Wide, as friction and loads are not in the targets;
-# a unit that is wrong by 57 or by 1000 lies beyond.
+# Allowed ratios of the overall levels of two channels. In all recordings seen so far, of two arms
+# of different sizes, the ratios are 0.95 to 1.3 and 9.9 to 11.7 Nm/A. The bounds are wide because
+# the targets contain neither friction nor loads; a unit wrong by 57 or 1000 still exceeds them.
 RATIOS = [
     ("actual_current", "target_current", 0.05, 20.0),
     ("target_moment", "target_current", 0.5, 200.0),
 ]
-SWAPPED = 0.3  # of what two joints lie apart from their targets is left when they change places
-LEVEL = 0.5  # A, Nm; below it, friction and noise are all there is
-STUCK = 10  # samples at the very same extreme value
-UPRIGHT = (8.0, 12.0)  # m/s², of an IMU's specific force in the middle
-TURNED = 3.0  # m/s², that a component of gravity changes by where an IMU turns
+SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
+LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
+STUCK = 10  # samples at exactly the same extreme value indicate saturation
+UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
+TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
 
 
 def check_robot(
     robot: pd.DataFrame, period: float, position_max: Sequence[float], velocity_max: Sequence[float]
 ) -> list[Finding]:
-    """What contradicts itself in a repaired robot table.
+    """Return the contradictions between the channels of a repaired robot table.
 
-    period: of its grid [s]; position_max, velocity_max: of the joints [rad, rad/s].
+    period: of its time grid [s]; position_max, velocity_max: limits of the joints [rad, rad/s].
     """
     return [
         *_derivatives(robot, period),
@@ -51,7 +51,7 @@ def check_robot(
 
 
 def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
-    """Saturation, and an IMU's file in its place. table: `time` and ft_* as read."""
+    """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
     return [*_saturation(table), *_looks_like_imu(table)]
 
 
@@ -63,35 +63,35 @@ def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
     saturated = {name: count for name, count in stuck.items() if count >= STUCK}
     if saturated:
         detail = (
-            f"{', '.join(saturated)} stay at their largest value; forces beyond it are not seen"
+            f"{', '.join(saturated)} stay at their largest value; larger forces are not recorded"
         )
         yield Finding("force", "saturation", "warning", max(saturated.values()), detail)
 
 
 def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
-    """A force that turns but keeps the size of gravity: an acceleration, or a tool of 1 kg."""
+    """Find a force that rotates at the magnitude of gravity: an acceleration, or a 1 kg tool."""
     if "ft_fx" not in table:
         return
     force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
     low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
     if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
         detail = (
-            f"the force turns and stays at {(low + high) / 2:.3g} N, as an IMU's acceleration or "
-            "the weight of 1 kg; check which file is named"
+            f"the force keeps a magnitude of {(low + high) / 2:.3g} N while it rotates, like the "
+            "acceleration from an IMU or the weight of 1 kg; check which file the study names"
         )
         yield Finding("force", "size of gravity", "warning", len(table), detail)
 
 
 def check_imu(table: pd.DataFrame) -> list[Finding]:
-    """Whether the accelerometer carries gravity. table: `time` and imu_* as read."""
+    """Check that the accelerometer measures gravity. table: `time` and imu_* as read."""
     if "imu_ax" not in table:
         return []
     norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
     if UPRIGHT[0] <= norm <= UPRIGHT[1]:
         return []
     detail = (
-        f"the specific force is {norm:.3g} in the middle, not 9.8 m/s²; check which file is "
-        "named, its columns and units"
+        f"the median specific force is {norm:.3g} m/s² instead of 9.8 m/s²; check which file the "
+        "study names, its columns and its units"
     )
     return [Finding("imu", "no gravity", "warning", len(table), detail)]
 
@@ -102,16 +102,16 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
             slopes = _slopes(robot, below, above, period)
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
-                told = ", ".join(f"joint {joint + 1}: {slopes[joint]:.3g}" for joint in wrong)
+                ratios = ", ".join(f"joint {joint + 1}: {slopes[joint]:.3g}" for joint in wrong)
                 detail = (
-                    f"{above} is not the derivative of {below} (their ratio should be 1; {told}); "
-                    "check columns and units"
+                    f"{above} is not the derivative of {below} (ratio should be 1, but is "
+                    f"{ratios}); check columns and units"
                 )
                 yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
-    """Least-squares ratio of the derivative of one channel to another, for joints that move."""
+    """Return, for moving joints, the least-squares ratio of one channel's slope to another."""
     values, rates = (channel(robot, name) for name in (below, above))
     whole = (robot["segment"].diff() == 0).to_numpy() & ~robot["interpolated"].to_numpy()
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
@@ -131,25 +131,25 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
                 joints = ", ".join(str(joint + 1) for joint in wrong)
-                detail = f"{one} and {other} lie apart on joints {joints}; check columns and units"
+                detail = f"{one} and {other} differ on joints {joints}; check columns and units"
                 yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
 
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
-    """Units that are wrong in a whole channel, as its overall level tells."""
+    """Find channels whose overall level shows that their unit is wrong."""
     for one, other, least, most in RATIOS:
         if f"{one}_0" in robot and f"{other}_0" in robot:
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > LEVEL and not least * its <= level <= most * its:
                 detail = (
-                    f"{one} is {level:.3g} overall where {other} is {its:.3g} "
-                    "(SI units); check columns and units"
+                    f"the root mean square of {one} is {level:.3g} and that of {other} {its:.3g} "
+                    "(SI units), which do not fit together; check columns and units"
                 )
                 yield Finding("robot", "inconsistent channels", "warning", 6, detail)
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
-    """Pairs of joints that follow each other's targets, not their own."""
+    """Find pairs of joints that follow each other's targets instead of their own."""
     if f"{one}_0" not in robot or f"{other}_0" not in robot:
         return
     values, targets = channel(robot, one), channel(robot, other)
@@ -160,7 +160,8 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
         own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
         if own > LEVEL and crossed < SWAPPED * own:
             detail = (
-                f"{one} of joints {j + 1} and {k + 1} follow each other's {other}; check columns"
+                f"{one} of joint {j + 1} follows {other} of joint {k + 1} and vice versa; the "
+                "columns are probably swapped"
             )
             yield Finding("robot", "inconsistent channels", "warning", 2, detail)
 
@@ -179,5 +180,5 @@ def _limits(
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:
-    """Root mean square over all joints."""
+    """Return the root mean square over all joints."""
     return float(np.sqrt(np.nanmean(channel(robot, name) ** 2)))

@@ -1,4 +1,4 @@
-"""Columns that a study names, and their units."""
+"""The columns that a study declares, and their units."""
 
 from collections.abc import Mapping, Sequence
 
@@ -8,10 +8,10 @@ import pandas as pd
 from ur5lib.errors import InputError
 
 SKIPPED = "-"
-RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # made by frame repair
+RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
 SIX = [f"_{index}" for index in range(6)]
 XYZ = ["x", "y", "z"]
-SUFFIXES = {  # of channels that are vectors; all others have one column
+SUFFIXES = {  # of vector channels; all other channels have one column
     "actual_q": SIX,
     "actual_qd": SIX,
     "actual_current": SIX,
@@ -38,7 +38,7 @@ SUFFIXES = {  # of channels that are vectors; all others have one column
     "imu_g": XYZ,
     "imu_m": XYZ,
 }
-FACTORS = {  # to SI
+FACTORS = {  # from these units to SI
     "deg": np.pi / 180,
     "deg/s": np.pi / 180,
     "deg/s2": np.pi / 180,
@@ -52,9 +52,9 @@ FACTORS = {  # to SI
 
 
 def expand(columns: Sequence[str]) -> list[str]:
-    """Names of single columns: actual_q becomes actual_q_0 .. actual_q_5.
+    """Return the names of the single columns: actual_q becomes actual_q_0 .. actual_q_5.
 
-    Raises InputError when a column is named twice or there is no time.
+    Raises InputError when a column is named twice or `time` is missing.
     """
     names = [
         f"{SKIPPED}{index}" if column == SKIPPED else column + suffix
@@ -63,13 +63,13 @@ def expand(columns: Sequence[str]) -> list[str]:
     ]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice or "time" not in names:
-        fault = f"name {twice[0]} twice" if twice else "do not name the time"
-        raise InputError(f"the study's `columns` {fault}; name each column once, time among them")
+        fault = f"name {twice[0]} twice" if twice else "lack `time`"
+        raise InputError(f"`columns` in the study {fault}; name `time` and each channel once")
     return names
 
 
 def to_si(table: pd.DataFrame, units: Mapping[str, str]) -> pd.DataFrame:
-    """A table with its channels in SI units, and without the columns to skip.
+    """Return a table with its channels in SI units and without the columns to skip.
 
     units: by channel, with or without suffix. Raises InputError for an unknown channel or unit.
     """
@@ -78,8 +78,8 @@ def to_si(table: pd.DataFrame, units: Mapping[str, str]) -> pd.DataFrame:
         names = [channel + suffix for suffix in SUFFIXES.get(channel, [""])]
         if unit not in FACTORS or not set(names) <= set(table):
             raise InputError(
-                f"the study's `units` give {channel} in {unit}; "
-                f"give units ({', '.join(FACTORS)}) of channels that `columns` names"
+                f"`units` in the study give {channel} in {unit}; "
+                f"use one of {', '.join(FACTORS)}, for channels that `columns` names"
             )
         table[names] = table[names] * FACTORS[unit]
     return table

@@ -1,4 +1,4 @@
-"""The readers, by the name a study calls them."""
+"""The readers of all formats, by the name that a study uses."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -12,13 +12,13 @@ from ur5lib.recordings.sensors import read_sensors
 from ur5lib.recordings.table_csv import read_table_csv
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
-RECEIVED_STD = 0.01  # s, of when a message came after it was sent
+RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
 
 
 def read_recording(recording: Mapping[str, Any]) -> RawRecording:
-    """Read what the devices wrote. recording: an entry of a study, as plain data.
+    """Read the files of a recording. recording: an entry of a study, as plain data.
 
-    Raises InputError when it cannot be read.
+    Raises InputError when they cannot be read.
     """
     return READERS[recording["format"]](recording)
 
@@ -26,7 +26,7 @@ def read_recording(recording: Mapping[str, Any]) -> RawRecording:
 def read_realtime_stream(recording: Mapping[str, Any]) -> RawRecording:
     """Read a capture of the realtime port. recording: `folder`, `file`, and sensors.
 
-    Time counts from the first message; it was sent when it was received, for all that is known.
+    Time counts from the first message. Its send time is unknown, so its time of receipt is used.
     """
     path = Path(recording["folder"]) / recording["file"]
     table, found = read_stream(path)

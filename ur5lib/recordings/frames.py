@@ -1,4 +1,4 @@
-"""Frame repair: back onto a uniform grid, with gaps marked, filled or split."""
+"""Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
 from dataclasses import dataclass
 
@@ -13,16 +13,16 @@ from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # filled shape-preserving
-OFF_GRID = 0.1  # cycles that a step may miss a whole number of them by
-REGULAR = 0.95  # share of steps that keep to it in a recording with a cycle
-JITTER = 5e-5  # s; more of it is told
-OWN = ("time", "epoch", "received")  # columns that are no channels
+SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # interpolated by PCHIP
+OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
+REGULAR = 0.95  # share of steps within OFF_GRID in a recording with a fixed cycle
+JITTER = 5e-5  # s; larger jitter is reported
+OWN = ("time", "epoch", "received")  # columns that are not channels
 
 
 @dataclass(frozen=True)
 class Timing:
-    """How the frames came: the grid's period [s], and what the steps between stamps did [s]."""
+    """The timing of the frames: the grid's period and the steps between timestamps, all in [s]."""
 
     period: float
     regular: bool
@@ -33,7 +33,11 @@ class Timing:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Frames without a split: how many were lost to a channel's gaps, or shared a slot."""
+    """A run of frames without a split.
+
+    lost: frames discarded in long gaps of a channel; crowded: frames discarded because another one
+    occupies their slot.
+    """
 
     table: pd.DataFrame
     lost: int
@@ -43,13 +47,13 @@ class Stretch:
 def repair_frames(
     frames: pd.DataFrame, cycle: float | None, max_gap: float, source: str
 ) -> tuple[pd.DataFrame, Timing, list[Finding]]:
-    """Frames on a uniform grid: ordered, each slot at most once, gaps flagged.
+    """Return the frames in order on a uniform grid, each slot at most once, with gaps flagged.
 
-    frames: `time` [s] and channels as read; cycle: the controller's [s], None to find it;
+    frames: `time` [s] and channels as read; cycle: the controller's [s], None to determine it;
     max_gap: [s]; source: the file, for messages. Returns `time`, `segment`, `interpolated`, the
     channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
-    are interpolated; longer ones split: `segment` counts the stretches from 0.
-    Raises InputError when fewer than two frames are usable or units must be wrong.
+    are interpolated; longer ones split the recording: `segment` counts its parts from 0.
+    Raises InputError when fewer than two frames are usable or the units must be wrong.
     """
     findings: list[Finding] = []
     _expect_frames(frames, source)
@@ -57,24 +61,26 @@ def repair_frames(
     frames = in_order(drop_implausible(frames, source, "robot", findings), findings)
     _expect_frames(frames, source)
     timing = _timing(frames, cycle, source)
-    _tell_steps(timing, findings)
+    _report_steps(timing, findings)
     stretches = [
         _repair_stretch(stretch, timing, max_gap) for stretch in _stretches(frames, timing, max_gap)
     ]
     table = _number_segments(pd.concat([stretch.table for stretch in stretches], ignore_index=True))
     _expect_frames(table, source)
-    _tell_lost(frames, table, timing, findings)
-    _tell_left_out(stretches, findings)
+    _report_lost(frames, table, timing, findings)
+    _report_discarded(stretches, findings)
     return table, timing, findings
 
 
 def _expect_frames(frames: pd.DataFrame, source: str) -> None:
     if len(frames) < 2:
-        raise InputError(f"{source}: holds {len(frames)} whole frames; record at least a second")
+        raise InputError(
+            f"{source}: contains only {len(frames)} complete frames; record at least a second"
+        )
 
 
 def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) -> pd.DataFrame:
-    """Frames without channels that lack a column, or values in all of them at once."""
+    """Return the frames without channels that lack a column or are nowhere complete."""
     absent = [
         name
         for name, columns in _vectors(frames).items()
@@ -82,9 +88,12 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
         or not np.isfinite(frames[columns].to_numpy(float)).all(axis=1).any()
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:
-        raise InputError(f"{source}: has no actual_q_0 to actual_q_5; record or name them")
+        raise InputError(
+            f"{source}: has no actual_q_0 to actual_q_5; record the joint positions, or name their "
+            "columns in the study"
+        )
     if absent:
-        detail = f"{', '.join(absent)}: not all columns are there and filled; left out"
+        detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
         findings.append(Finding("robot", "incomplete channels", "warning", len(absent), detail))
     columns = _vectors(frames)
     return frames.drop(columns=[column for name in absent for column in columns[name]])
@@ -101,22 +110,22 @@ def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
     median, high = np.quantile(off, [0.5, 0.99])
     if median > period / 2 or np.median(steps) < period / 2:
         raise InputError(
-            f"{source}: the steps between stamps, {np.median(steps):.3g} s in the middle, keep to "
-            f"no cycle of {period:g} s; check which column is the time, "
-            "its unit, and whether it has all its digits"
+            f"{source}: the steps between timestamps (median {np.median(steps):.3g} s) do not fit "
+            f"a cycle of {period:g} s; check which column is the time, its unit, and whether it "
+            "has lost digits"
         )
     return Timing(period, regular, float(steps.max()), float(median), float(high))
 
 
 def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[pd.DataFrame]:
-    """Frames between resets of the clock and gaps that are too long."""
+    """Split the frames at clock resets and at gaps that are too long."""
     longest = max_gap + 1.5 * timing.period
     breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
     return [stretch for _, stretch in frames.groupby(breaks.cumsum())]
 
 
 def _repair_stretch(stretch: pd.DataFrame, timing: Timing, max_gap: float) -> Stretch:
-    """One stretch on the grid, each channel filled over its own gaps."""
+    """Put one stretch on the grid and fill each channel over its own gaps."""
     time = stretch["time"].to_numpy()
     place = _places(time, timing)
     first = np.unique(np.rint(place) if timing.regular else place, return_index=True)[1]
@@ -135,9 +144,9 @@ def _repair_stretch(stretch: pd.DataFrame, timing: Timing, max_gap: float) -> St
 def _fill_channels(
     stretch: pd.DataFrame, place: Array, slots: Labels, timing: Timing, max_gap: float
 ) -> tuple[dict[str, Array], dict[str, Mask], Mask]:
-    """Columns at the slots, which of them were filled by channel, and slots that one of them lost.
+    """Return the columns at the slots, which slots each channel had filled, and the lost slots.
 
-    A slot is lost to a gap that is too long in any channel, and to one that is there nowhere.
+    A slot is lost if any channel has a long gap there, or is missing altogether.
     """
     columns_at: dict[str, Array] = {}
     flags: dict[str, Mask] = {}
@@ -157,17 +166,17 @@ def _fill_channels(
 
 
 def _places(time: Array, timing: Timing) -> Array:
-    """Where the stamps lie on the grid, in periods from the first."""
+    """Return the positions of the timestamps on the grid, in periods from the first."""
     if not timing.regular:
         return (time - time[0]) / timing.period
-    # Steps are counted one by one, so that a jitter of the stamps does not add up.
+    # Rounding each step by itself keeps the jitter of the timestamps from adding up.
     return np.concatenate([[0.0], np.cumsum(np.rint(np.diff(time) / timing.period))])
 
 
 def _fill(
     place: Array, values: Array, slots: Labels, timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
-    """Values at the slots, which of them were not received, and which lie in too long a gap."""
+    """Return values at the slots, which were not received, and which lie in too long a gap."""
     after = np.clip(np.searchsorted(place, slots), 0, len(place) - 1)
     before = np.maximum(np.searchsorted(place, slots, side="right") - 1, 0)
     nearest = np.where(place[after] - slots < slots - place[before], after, before)
@@ -190,7 +199,7 @@ def _interpolate(place: Array, values: Array, slots: Labels, name: str) -> Array
 
 
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
-    """Columns by the channel they belong to: actual_q has six."""
+    """Return the columns of each channel: six for actual_q."""
     vectors: dict[str, list[str]] = {}
     for column in frames.columns.difference(OWN, sort=False):
         name, _, suffix = column.rpartition("_")
@@ -199,28 +208,31 @@ def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
 
 
 def _number_segments(table: pd.DataFrame) -> pd.DataFrame:
-    """`segment` counts the stretches without a break from 0; flags are false where not set."""
+    """Add `segment`, which counts the gapless parts from 0, and set empty flags to False."""
     flags = table.filter(like="filled_").columns
     table[flags] = table[flags].fillna(False).astype(bool)
     table.insert(1, "segment", (table["slot"].diff().fillna(1) != 1).cumsum())
     return table.drop(columns="slot")
 
 
-def _tell_steps(timing: Timing, findings: list[Finding]) -> None:
+def _report_steps(timing: Timing, findings: list[Finding]) -> None:
     spread = f"{1000 * timing.jitter_99:.2g} ms (99 %)"
     grid = f"{1000 * timing.period:g} ms"
     if not timing.regular:
         detail = (
-            f"steps vary by {spread} around {grid}: signals are interpolated onto a uniform grid"
+            f"time steps vary by {spread} around {grid}; signals are interpolated onto a uniform "
+            "grid"
         )
         findings.append(Finding("robot", "irregular steps", "note", 1, detail))
     elif timing.jitter_99 > JITTER:
         median = f"{1000 * timing.jitter_median:.2g} ms (median)"
-        detail = f"stamps miss whole multiples of {grid} by {median}, {spread}: put on the grid"
+        detail = (
+            f"timestamps deviate from the {grid} grid by {median}, {spread}; snapped to the grid"
+        )
         findings.append(Finding("robot", "jitter", "note", 1, detail))
 
 
-def _tell_lost(
+def _report_lost(
     frames: pd.DataFrame, table: pd.DataFrame, timing: Timing, findings: list[Finding]
 ) -> None:
     filled = int(table["interpolated"].sum())
@@ -232,25 +244,27 @@ def _tell_lost(
     if lost:
         common = (1000 * timing.period * np.rint(steps / timing.period)).value_counts().head(3)
         pattern = ", ".join(f"{count} of {step:g} ms" for step, count in common.items())
-        longest = f"longest step {1000 * timing.longest_step:.0f} ms"
-        detail = f"steps: {pattern}; {longest}; {filled} frames interpolated"
+        longest = f"longest {1000 * timing.longest_step:.0f} ms"
+        detail = f"most frequent steps: {pattern}; {longest}; {filled} frames interpolated"
         findings.append(Finding("robot", "lost frames", "warning", lost, detail))
     holes = int((~np.isfinite(frames.drop(columns="time").to_numpy())).any(axis=1).sum())
     if holes:
-        detail = "cells of some channels were missing and are interpolated"
+        detail = "some channels have missing cells; they are interpolated"
         findings.append(Finding("robot", "missing cells", "warning", holes, detail))
     splits = int(table["segment"].max())
     if splits:
-        detail = "gaps too long to fill split the recording; nothing is computed across them"
+        detail = (
+            "gaps are too long to fill; the recording is split, nothing is computed across them"
+        )
         findings.append(Finding("robot", "split", "warning", splits, detail))
 
 
-def _tell_left_out(stretches: list[Stretch], findings: list[Finding]) -> None:
+def _report_discarded(stretches: list[Stretch], findings: list[Finding]) -> None:
     lost = sum(stretch.lost for stretch in stretches)
     if lost:
-        detail = "frames where a channel is missing for too long, or at an end, are left out"
+        detail = "a channel is missing for too long, or at the start or end; frames discarded"
         findings.append(Finding("robot", "incomplete frames", "warning", lost, detail))
     crowded = sum(stretch.crowded for stretch in stretches)
     if crowded:
-        detail = "frames closer together than the cycle; the first of each slot is kept"
+        detail = "several frames fall into one cycle; only the first is kept"
         findings.append(Finding("robot", "crowded frames", "warning", crowded, detail))

@@ -1,4 +1,4 @@
-"""A recording taken in: read, repaired, checked, its sensors placed."""
+"""Intake of a recording: read it, repair its frames, check it, place its sensors in time."""
 
 import hashlib
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ CHECKS = {"force": check_force_sensor, "imu": check_imu}
 
 @dataclass(frozen=True)
 class Intake:
-    """What a recording holds and what was found in it.
+    """The data of a recording, and the findings about it.
 
-    robot: on a uniform grid; sensors: each on its own clock; quality: as in quality.json.
+    robot: on a uniform time grid; sensors: each on its own clock; quality: as in quality.json.
     """
 
     robot: pd.DataFrame
@@ -31,7 +31,7 @@ class Intake:
     quality: dict[str, Any]
 
 
-def take_in(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
+def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
     """Read and repair a recording. recording: an entry of a study; max_gap: [s].
 
     Raises InputError when it cannot be used.
@@ -65,16 +65,16 @@ def take_in(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
 
 
 def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
-    """The channels whose meaning and unit are known, and a note on the others."""
+    """Return the channels whose meaning and unit are known, and a note on the others."""
     unknown = [name for name in table if not has_unit(name)]
     if not unknown:
         return table, []
-    told = ", ".join(unknown[:5]) + (", ..." if len(unknown) > 5 else "")
-    detail = f"{told}: no channel of RTDE; left out"
+    names = ", ".join(unknown[:5]) + (", ..." if len(unknown) > 5 else "")
+    detail = f"{names}: not among the RTDE channels that are used here; ignored"
     note = Finding("robot", "unknown channels", "note", len(unknown), detail)
     return table.drop(columns=unknown), [note]
 
 
 def checksum(path: str) -> str:
-    """SHA-256 of a file's content."""
+    """Return the SHA-256 of a file's content."""
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()

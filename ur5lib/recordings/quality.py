@@ -1,4 +1,4 @@
-"""What was found in a recording, told in the same few words everywhere."""
+"""Findings about the quality of a recording."""
 
 from dataclasses import asdict, dataclass
 from typing import Literal
@@ -6,7 +6,7 @@ from typing import Literal
 from ur5lib.errors import printable
 
 Device = Literal["robot", "force", "imu"]
-SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by the study's key
+SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Finding:
     """One kind of defect in one device's files.
 
     severity: error (the device is unusable), warning (results may suffer), note (harmless);
-    count: how many samples, rows or files; detail: one sentence on what it is and what it means.
+    count: number of samples, rows or files; detail: what was found, and what was done about it.
     """
 
     device: Device
@@ -28,5 +28,5 @@ class Finding:
         object.__setattr__(self, "detail", printable(self.detail))
 
     def as_row(self) -> dict[str, object]:
-        """The finding as a row of the quality table."""
+        """Return the finding as a row of the quality table."""
         return asdict(self)

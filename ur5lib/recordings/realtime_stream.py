@@ -1,14 +1,14 @@
-"""Reader of captures of the realtime port (30003): the bytes as they came off the socket.
+"""Reader of captures of the realtime port (30003): the bytes as received from the socket.
 
-A message is an int32 size, then big-endian doubles, the first of them the controller's time stamp.
-TCP keeps the bytes in order but not the messages apart, and a capture may have lost bytes or hold
-foreign ones. A message counts when it is whole and what comes after its last byte is again a
-message whose stamp follows on, or the end of the data. A size word alone proves nothing: its bytes
-also occur inside messages. Where bytes are missing, or too many, the search goes on byte by byte,
-so that damage costs the messages it touches and at most the one before or after it.
+A message is an int32 size, then big-endian doubles, the first of them the controller's timestamp.
+TCP keeps the bytes in order but does not separate messages, and a capture may have lost bytes or
+contain foreign ones. A message is accepted when it is complete and is followed by another message
+with a consecutive timestamp, or by the end of the data. A size word alone proves nothing: its bytes
+also occur inside messages. Where bytes are missing or superfluous, the search continues byte by
+byte, so that damage costs the messages it touches and at most one neighbour.
 
-Bytes cut out in whole multiples of the message size leave no trace in the sizes: then the head of
-one message may go on with the tail of a later one, unless a damaged line shows where it was.
+Lost bytes in whole multiples of the message size leave no trace in the sizes: then the head of one
+message may be joined to the tail of a later one, unless a damaged line shows where bytes were lost.
 """
 
 import binascii
@@ -46,7 +46,7 @@ SOFTWARE = {  # of the controller, by the size of its messages [bytes]
 }
 FROM_1_7, FROM_3 = 764, 1044  # bytes of the first layouts from software 1.7 and 3.0 on
 
-# First byte and number of doubles of what has an RTDE name. Bits and raw counts are left out.
+# First byte and number of doubles of the fields with an RTDE name. Bits and raw counts are omitted.
 ALWAYS = {
     "target_q": (12, 6),
     "target_qd": (60, 6),
@@ -90,21 +90,21 @@ OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
 
 HEADER = b"received_s"
 BLOCK = 1 << 22  # bytes of CSV parsed at a time; no line may be longer
-AHEAD = 4  # blocks parsed before they are worked on
-HEAD = 12  # bytes: size and stamp
-RUN = 1024  # messages taken together: they stay in the cache
-EVIDENCE = 16  # messages by whose stamps size words are compared
+AHEAD = 4  # blocks parsed ahead of their use
+HEAD = 12  # bytes: size and timestamp
+RUN = 1024  # messages processed together, so that they stay in the cache
+EVIDENCE = 16  # messages whose timestamps decide between size words
 MARGIN = (EVIDENCE + 2) * max(SOFTWARE)  # bytes that such a comparison may look at
-SHORTEST, LONGEST = 1e-4, 60.0  # s; from one message to the next, where the stamp is not stale
-SETTLED = 1.0  # s; the longest where none before them vouches for the first
-AGES = 1e9  # s; no controller runs longer
+SHORTEST, LONGEST = 1e-4, 60.0  # s, between consecutive messages, unless the timestamp is stale
+SETTLED = 1.0  # s, longest step where no earlier message confirms the first
+AGES = 1e9  # s; longer than any controller runs
 
 SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
 
 
 @dataclass(frozen=True)
 class _Run:
-    """Messages of one size [bytes], one directly after the other, from an offset on."""
+    """Consecutive messages of one size [bytes], starting at an offset."""
 
     start: int
     count: int
@@ -112,44 +112,44 @@ class _Run:
 
     @property
     def end(self) -> int:
-        """The offset after the last byte."""
+        """Return the offset after the last byte."""
         return self.start + self.count * self.size
 
 
 @dataclass(frozen=True)
 class _Lines:
-    """Lines of two cells: how many bytes each holds (L,), -1 where damaged; when received [s]."""
+    """Lines of two cells: the bytes in each (L,), -1 where damaged, and when received [s]."""
 
     lengths: Integers
     received: Array
 
     @property
     def ends(self) -> Integers:
-        """The offset after each line's bytes (L,)."""
+        """Return the offset after each line's bytes (L,)."""
         return np.cumsum(np.maximum(self.lengths, 0))
 
 
 class _Messages:
-    """The whole messages among bytes that come piece by piece.
+    """The complete messages in a stream of bytes that arrives piece by piece.
 
-    runs: where they lie; length: how many bytes came; tables: by message size, a row for `time`,
-    one for `received`, which is left open, and the channels' (2 + C, room for all messages).
+    runs: where they lie; length: number of bytes so far; tables: by message size, a row for `time`,
+    one for `received`, filled in later, and one per channel (2 + C, room for all messages).
     """
 
     def __init__(self, most: int) -> None:
-        """For at most so many bytes; memory that is not used is not taken."""
+        """Set up for at most this many bytes; unused memory is never allocated."""
         self.runs: list[_Run] = []
         self.tables: dict[int, Array] = {}
         self.counts: dict[int, int] = {}
         self.length = 0
         self._most = most
         self._rest = b""
-        self._last = math.nan  # the stamp of the last message [s]
+        self._last = math.nan  # timestamp of the last message [s]
 
     def add(self, data: bytes, more: bool) -> None:
-        """Go through the next bytes; more: whether others come directly after them.
+        """Process the next bytes; more: whether further bytes follow directly.
 
-        What cannot be judged before those are known waits for them.
+        Bytes that cannot be judged without their successors are kept for the next call.
         """
         stream = self._rest + data
         offset = self.length - len(self._rest)
@@ -168,12 +168,12 @@ class _Messages:
         self._rest = stream[at:]
 
     def _keep(self, doubles: Array, size: int) -> None:
-        """Enter messages, their doubles as sent (N, D), into the table of their size."""
+        """Append messages, doubles as sent (N, D), to the table of their size."""
         fields = _fields(size)
         if size not in self.tables:
             rows = 2 + sum(count for _, count in fields.values())
-            # Channels first, as pandas keeps them. Not np.empty, which asks for huge pages: to
-            # clear those can take longer than all the rest.
+            # Channels first, as in pandas. Not np.empty: it requests huge pages, and clearing those
+            # can take longer than everything else.
             room = pa.allocate_buffer(rows * (self._most // size) * 8)
             self.tables[size] = np.frombuffer(room, np.float64).reshape(rows, -1)
             self.counts[size] = 0
@@ -189,15 +189,15 @@ class _Messages:
 
 
 def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
-    """The messages of a capture, a CSV of `received_s,payload_hex` with one line per recv.
+    """Return the messages of a capture, a CSV of `received_s,payload_hex` with one line per recv.
 
-    The frame has one row a message, float64: `time` [s], the controller's own stamp as it was sent;
-    `received` [s], when the recv returned that completed the message; then the channels of the
-    layout under RTDE names (joint_temperatures in °C, else SI). Its attrs name the layout:
+    The frame has one row per message, float64: `time` [s], the controller's own timestamp;
+    `received` [s], when the recv that completed the message returned; then the channels of the
+    layout under RTDE names (joint_temperatures in °C, otherwise SI). Its attrs name the layout:
     `message_bytes`, and `software`, the controller versions that send it. When messages of
-    several layouts occur, the most frequent one is taken.
+    several layouts occur, the most frequent layout is used.
 
-    Raises InputError when the file cannot be read as lines or holds no whole message of a known
+    Raises InputError when the file cannot be read as lines or has no complete message of a known
     layout.
     """
     findings: list[Finding] = []
@@ -206,26 +206,27 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
         lines, messages = _read(Path(path), findings)
     except OSError as error:
         raise InputError(
-            f"{path} cannot be read ({error.strerror}); put the capture there"
+            f"{path} cannot be read ({error.strerror}); save the capture there"
         ) from error
     except pa.ArrowInvalid as error:
         raise InputError(
-            f"{path} is no CSV with one line `received_s,payload_hex` per recv; capture it anew"
+            f"{path} is not a CSV with one line `received_s,payload_hex` per recv; capture it again"
         ) from error
     if not messages.runs:
         raise InputError(
-            f"{path} holds no whole message of a known layout ({min(SOFTWARE)} to {max(SOFTWARE)} "
-            "bytes); capture port 30003 anew, one line `received_s,payload_hex` per recv"
+            f"{path} has no complete message of a known layout ({min(SOFTWARE)} to "
+            f"{max(SOFTWARE)} bytes); capture port 30003 again, with one line "
+            "`received_s,payload_hex` per recv"
         )
     size = _layout(messages.counts, findings)
-    findings += _left_out(messages, lines, size)
+    findings += _skipped(messages, lines, size)
     return _frame(messages, lines, size), findings
 
 
 def _read(path: Path, findings: list[Finding]) -> tuple[_Lines, _Messages]:
-    """The lines of a file and the messages in them; damaged lines are left out and found."""
+    """Read the lines of a file and the messages in them; skip and report damaged lines."""
     try:
-        return _go_through(path, None, findings)  # fast, but for files without torn lines only
+        return _go_through(path, None, findings)  # fast, but only for files without torn lines
     except pa.ArrowInvalid:
         return _go_through(path, [], findings)
 
@@ -233,9 +234,9 @@ def _read(path: Path, findings: list[Finding]) -> tuple[_Lines, _Messages]:
 def _go_through(
     path: Path, torn: list[int] | None, findings: list[Finding]
 ) -> tuple[_Lines, _Messages]:
-    """As _read; torn: gets the numbers of the lines that are not two cells, None: there are none.
+    """Do the work of _read. torn: collects numbers of lines without two cells; None: none exist.
 
-    Raises pyarrow.ArrowInvalid when lines cannot be told apart, or one is torn and none should be.
+    Raises pyarrow.ArrowInvalid when lines cannot be separated, or one is torn and `torn` is None.
     """
     with path.open("rb") as file:
         skip = int(file.read(len(HEADER)) == HEADER)
@@ -258,15 +259,15 @@ def _go_through(
 
 
 def _before(torn: list[int] | None, skip: int) -> Integers:
-    """How many lines of two cells stand before each that is not (T,), after a header of `skip`."""
+    """Return how many lines of two cells precede each torn line (T,), after `skip` header lines."""
     torn = torn or []
     return np.array(torn, np.int64) - 1 - skip - np.arange(len(torn))
 
 
 def _losses(block: _Lines, before: Integers) -> list[int]:
-    """Offsets in a block's bytes at which lines were left out.
+    """Return the offsets in a block's bytes at which lines were skipped.
 
-    before (T,): how many lines of the block stand before each that was not two cells.
+    before (T,): how many lines of the block precede each torn line.
     """
     ends = np.append(0, block.ends)
     here = before[(before >= 0) & (before < len(ends) - 1)]
@@ -275,18 +276,18 @@ def _losses(block: _Lines, before: Integers) -> list[int]:
 
 
 def _find_damaged(lines: _Lines, before: Integers, skip: int, findings: list[Finding]) -> None:
-    """Say how many lines were left out and which was the first; arguments as above."""
+    """Report how many lines were skipped and which was the first; arguments as above."""
     damaged = np.flatnonzero(lines.lengths < 0)
     if count := len(damaged) + len(before):
         torn = before + np.arange(len(before))
         others = damaged + np.searchsorted(before, damaged, side="right")
         first = int(np.concatenate([torn, others]).min()) + 1 + skip
-        detail = f"lines that are not “number,hex” are left out; the first is line {first}"
+        detail = f"lines that are not “number,hex”; skipped, the first is line {first}"
         findings.append(Finding("robot", "damaged lines", "warning", count, detail))
 
 
 def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.RecordBatch]:
-    """Lines of two cells, as bytes; the next blocks are parsed while one is worked on."""
+    """Yield the lines of two cells, as bytes; the next blocks are parsed in the meantime."""
 
     def leave_out(row: pacsv.InvalidRow) -> str:
         assert torn is not None
@@ -297,7 +298,7 @@ def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.Recor
     options = pacsv.ReadOptions(
         column_names=cells,
         skip_rows=skip,
-        use_threads=False,  # else lines are not numbered
+        use_threads=False,  # otherwise lines are not numbered
         block_size=BLOCK,
         encoding="utf8" if torn is None else "latin1",  # a torn line may hold any byte
     )
@@ -316,9 +317,9 @@ def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.Recor
 
 
 def _unhex(batch: pa.RecordBatch) -> tuple[bytes, _Lines]:
-    """The lines' bytes, one after the other, and which line holds how many.
+    """Return the bytes of all lines, joined, and how many each line holds.
 
-    All lines are turned at once; only where that fails, one by one.
+    All lines are converted at once; only if that fails, one by one.
     """
     offsets = np.frombuffer(batch[1].buffers()[1], np.int32, len(batch) + 1, 4 * batch[1].offset)
     text = memoryview(batch[1].buffers()[2] or b"")[offsets[0] : offsets[-1]]
@@ -338,8 +339,8 @@ def _unhex(batch: pa.RecordBatch) -> tuple[bytes, _Lines]:
 
 
 def _unhex_line(received: bytes, payload: bytes) -> tuple[float, bytes | None]:
-    """When a line was received [s] and its bytes; NaN and None for one that is damaged."""
-    if not received and not payload:  # an empty line loses nothing
+    """Return when a line was received [s] and its bytes; NaN and None if it is damaged."""
+    if not received and not payload:  # an empty line means no loss
         return math.nan, b""
     try:
         seconds, data = float(received), binascii.unhexlify(payload)
@@ -349,9 +350,9 @@ def _unhex_line(received: bytes, payload: bytes) -> tuple[float, bytes | None]:
 
 
 def _seek(stream: bytes, at: int, end: int, last: float) -> int:
-    """Where the next message seems to begin, `at` or later; `end` if nowhere.
+    """Return where the next message seems to begin, `at` or later; `end` if nowhere.
 
-    Of the size words within a message's length, one begins a message: the most trustworthy.
+    Of the size words within one message length, the most plausible begins a message.
     """
     if _follows(np.array([last]), _stamps(stream, at, end, 1)[1]).any():
         return at
@@ -361,14 +362,15 @@ def _seek(stream: bytes, at: int, end: int, last: float) -> int:
         trusts = [_trust(_stamps(stream, word, end, EVIDENCE)[1], last) for word in words]
         if max(trusts) > 0:
             return words[trusts.index(max(trusts))]
-        at -= 3  # a size word may lie across
+        at -= 3  # a size word may straddle this offset
     return end
 
 
 def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
-    """The message size at an offset and the stamps [s] from there on in steps of it, (most,).
+    """Return the message size at an offset and the timestamps [s] (most,) from there on.
 
-    Fewer where `end` comes first, size words disagree or stamps cannot be; 0, none at no size word.
+    Fewer where `end` comes first, size words disagree or timestamps are impossible; 0 and none if
+    there is no size word.
     """
     size = int.from_bytes(stream[at : at + 4], "big")
     if size not in SOFTWARE or at + HEAD > end:
@@ -381,20 +383,20 @@ def _stamps(stream: bytes, at: int, end: int, most: int) -> tuple[int, Array]:
 
 
 def _leading(flags: Mask) -> int:
-    """How many flags (N,) are set before the first that is not."""
+    """Return how many flags (N,) are set before the first that is not."""
     return len(flags) if flags.all() else int(flags.argmin())
 
 
 def _follows(before: Array, after: Array, longest: float = LONGEST) -> Mask:
-    """Whether stamps [s] can belong to consecutive messages: moved on, or stale, which is seen."""
+    """Return whether timestamps [s] can be consecutive: advanced, or stale, as does occur."""
     step = after - before
     return ((step == 0) & (after > 0)) | ((step >= SHORTEST) & (step <= longest))
 
 
 def _trust(stamps: Array, last: float) -> int:
-    """How well stamps [s] (N,) go with messages after one stamped `last` (NaN: none); 0: not.
+    """Return how well timestamps [s] (N,) follow `last` (NaN: none); 0: not at all.
 
-    Best is to follow on it; after a long gap or a restart they must move on among themselves.
+    The best continue from `last`; after a long gap or restart they must advance by themselves.
     """
     if not len(stamps):
         return 0
@@ -408,33 +410,33 @@ def _trust(stamps: Array, last: float) -> int:
 
 
 def _whole(stream: bytes, at: int, end: int) -> tuple[int, int]:
-    """How many messages from an offset on are whole, at most RUN, and their size.
+    """Return how many messages from an offset on are complete, at most RUN, and their size.
 
-    That is those whose last byte is followed by a message again, or by the end.
+    A message is complete if its last byte is followed by another message or by the end.
     """
     size, stamps = _stamps(stream, at, end, RUN)
     count = _leading(_follows(stamps[:-1], stamps[1:]))
     if count:
         return count, size
     at += size
-    if end - at < HEAD:  # no stamp any more: the end, or a size word
+    if end - at < HEAD:  # too short for a timestamp: the end, or only a size word
         return int(at == end or SIZE_WORD.match(stream, at, end) is not None), size
     return int(_trust(_stamps(stream, at, end, EVIDENCE)[1], float(stamps[0])) > 0), size
 
 
 def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
-    """The message size that occurs most often; messages of others are found."""
+    """Return the most frequent message size; messages of other sizes are reported."""
     size = max(counts, key=counts.__getitem__)
     if others := sorted(counts.keys() - {size}):
         which = ", ".join(map(str, others))
-        detail = f"messages of {which} bytes among those of {size} bytes are left out"
+        detail = f"messages of {which} bytes among those of {size} bytes; skipped"
         count = sum(counts[other] for other in others)
         findings.append(Finding("robot", "other layouts", "warning", count, detail))
     return size
 
 
-def _left_out(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
-    """What is said about bytes that belong to no whole message."""
+def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
+    """Report the bytes that belong to no complete message."""
     total = messages.length
     starts = [0, *(run.end for run in messages.runs)]
     ends = [*(run.start for run in messages.runs), total]
@@ -447,23 +449,23 @@ def _left_out(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
         when = f"{first - lines.received[0]:.3g} s after the capture began"
         count = sum(end - start for start, end in skipped)
         places = "1 place" if len(skipped) == 1 else f"{len(skipped)} places, the first"
-        detail = f"they belong to no whole message: lost, cut or foreign, in {places} {when}"
+        detail = f"bytes outside complete messages (data lost, cut or foreign) in {places} {when}"
         findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
     if partial:
-        detail = "the capture begins or ends in the middle of a message, which is left out"
+        detail = "the capture begins or ends within a message; skipped"
         findings.append(Finding("robot", "incomplete message", "note", len(partial), detail))
     return findings
 
 
 def _fields(size: int) -> dict[str, tuple[int, int]]:
-    """First byte and number of doubles of the channels of a layout, in the order sent."""
+    """Return first byte and number of doubles of a layout's channels, in the order sent."""
     own = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
     fields = {name: at for name, at in (ALWAYS | own).items() if at[0] < size}
     return dict(sorted(fields.items(), key=lambda field: field[1]))
 
 
 def _frame(messages: _Messages, lines: _Lines, size: int) -> pd.DataFrame:
-    """The messages of one size [bytes], one row each."""
+    """Return the messages of one size [bytes], one row each."""
     table = messages.tables[size][:, : messages.counts[size]]
     ends = [
         run.start + size * np.arange(1, run.count + 1) for run in messages.runs if run.size == size

@@ -1,4 +1,4 @@
-"""A recording as its devices wrote it, before any repair: what every reader returns."""
+"""A recording as its devices wrote it, before any repair: the result of every reader."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -12,7 +12,7 @@ DAY = 86400.0  # s
 
 @dataclass(frozen=True)
 class Stamp:
-    """When a device's clock read zero.
+    """The time at which a device's clock read zero.
 
     seconds: since the epoch, since midnight UTC, or since the start of the recording;
     std: standard uncertainty of that [s].
@@ -23,7 +23,7 @@ class Stamp:
     since: Literal["epoch_s", "day_ms", "relative_s"]
 
     def after(self, other: "Stamp") -> float | None:
-        """How much later than another stamp [s], or None where both cannot be compared."""
+        """Return how much later this stamp is than another [s], None if not comparable."""
         apart = self.seconds - other.seconds
         kinds = {self.since, other.since}
         if kinds == {"epoch_s", "day_ms"} or kinds == {"day_ms"}:
@@ -33,10 +33,10 @@ class Stamp:
 
 @dataclass(frozen=True)
 class DeviceRecord:
-    """What one device wrote.
+    """The record of one device.
 
     table: `time` [s], counted from the device's own zero, and its channels, one row per sample;
-    start: when that zero was, None if nobody knows; source: the file it came from.
+    start: when that zero was, None if unknown; source: the file it came from.
     """
 
     table: pd.DataFrame
@@ -46,10 +46,10 @@ class DeviceRecord:
 
 @dataclass(frozen=True)
 class RawRecording:
-    """The devices of a recording, each on its own clock, and what was found while reading.
+    """The devices of a recording, each on its own clock, and the findings of its reader.
 
     robot: RTDE channels; cells that were not received are NaN; cycle: the controller's [s], None
-    where the format does not tell; sensors: `ft_fx` .. `ft_tz` [N, Nm] for "force", `imu_ax` ..
+    where the format leaves it open; sensors: `ft_fx` .. `ft_tz` [N, Nm] for "force", `imu_ax` ..
     `imu_gz` [m/s², rad/s] for "imu", sensor frame; only those that recorded something.
     """
 

@@ -1,4 +1,4 @@
-"""Reader of what ur_rtde's file recording and Universal Robots' own client write."""
+"""Reader of CSV files from ur_rtde's file recording and Universal Robots' own RTDE client."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,10 +18,10 @@ CYCLES = (0.002, 0.008)  # s: e-Series and CB controllers
 
 
 def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
-    """Read a CSV with RTDE's names in its header. recording: `folder`, `file`, and sensors.
+    """Read a CSV with RTDE names in its header. recording: `folder`, `file`, and sensors.
 
-    `timestamp` counts from the controller's start; here, time counts from the first row.
-    Raises InputError when there is no such column or no row.
+    `timestamp` counts from the controller's start; the time returned counts from the first row.
+    Raises InputError when there is no `timestamp` column or no complete row.
     """
     path = Path(recording["folder"]) / recording["file"]
     findings: list[Finding] = []
@@ -29,13 +29,13 @@ def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
     begins = f"(it begins {first_line(path)})"
     if "timestamp" not in table:
         raise InputError(
-            f"{path}, line 1: has no column timestamp {begins}; "
-            "record it with its header, or use format table-csv"
+            f"{path}, line 1: no column `timestamp` {begins}; "
+            "record it with a header, or use format table-csv and name the columns in the study"
         )
     if not np.isfinite(table["timestamp"]).any():
         raise InputError(
-            f"{path}, line 1: holds no complete row of {len(table.columns)} numbers {begins}; "
-            "record it again, or use format table-csv if the columns are others"
+            f"{path}, line 1: no complete row of {len(table.columns)} numbers {begins}; record it "
+            "again, or use format table-csv and name the columns in the study"
         )
     table = table.drop(columns=RESERVED, errors="ignore").rename(columns={"timestamp": "time"})
     table = drop_untimed(table, path, "robot", findings)

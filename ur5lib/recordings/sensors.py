@@ -1,4 +1,4 @@
-"""Force sensor and IMU files with clocks of their own."""
+"""Reader of force sensor and IMU files, each on its own clock."""
 
 import math
 from collections.abc import Mapping
@@ -22,15 +22,15 @@ from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
 IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
-NOTHING = 1e-6  # what an unconnected force sensor writes
-GAP, LONG_GAP = 2.5, 4.0  # usual steps: of lost samples, where they are many; of one gap
-FEW = 0.01  # share of samples that a device's jitter explains
-STAMP_STD = 0.05  # s, of a start stamp that nothing more is known of
+NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
+GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single
+FEW = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
+STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
 
 @dataclass(frozen=True)
 class Samples:
-    """A sensor's samples, and the stamp [s] of the first, damaged ones included."""
+    """A sensor's samples, and the timestamp [s] of the first one, damaged ones included."""
 
     table: pd.DataFrame
     first: float
@@ -39,7 +39,7 @@ class Samples:
 def read_sensors(
     recording: Mapping[str, Any], findings: list[Finding]
 ) -> dict[Device, DeviceRecord]:
-    """The sensors that a study names for a recording, where they recorded something."""
+    """Read the sensors that a study names for a recording, as far as they recorded something."""
     records = {
         device: _read_sensor(Path(recording["folder"]), recording[key], device, findings)
         for key, device in SENSORS.items()
@@ -55,10 +55,10 @@ def read_device(
     findings: list[Finding],
     units: Mapping[str, str] = MappingProxyType({}),
 ) -> Samples | None:
-    """A sensor's whole rows in order, or None and a finding when there are none to use.
+    """Return a sensor's complete rows in order; None, and a finding, when there are none.
 
-    units: of channels that are not in SI units. Damage to a sensor never takes the robot's data
-    with it; only a unit that the study cannot mean raises InputError.
+    units: of channels that are not in SI units. A damaged sensor file never makes the robot's data
+    unusable; only an invalid unit in the study raises InputError.
     """
     to_si(pd.DataFrame(columns=names, dtype=float), units)
     absence = _absence(path)
@@ -74,9 +74,9 @@ def read_device(
 
 
 def first_number(path: Path, ended: bool = False) -> float | None:
-    """The number that a file begins with, as the stamps of the thesis do.
+    """Return the number that a file begins with, as in the thesis's start stamps.
 
-    ended: the file's line is known to end, so that a number without an end is torn. Raises
+    ended: the line should end in a newline; without one, its number is incomplete. Raises
     InputError where the path leads to no file.
     """
     expect_file(path)
@@ -101,27 +101,27 @@ def device_start(
 
 
 def table_start(first: float, counts: str) -> Stamp:
-    """When a table's first row was. first: its time [s]; counts: what that counts."""
+    """Return the start of a table. first: time of its first row [s]; counts: its time base."""
     return Stamp(first, STAMP_STD, counts)  # type: ignore[arg-type]
 
 
 def _absence(path: Path) -> str | None:
     if not path.exists():
-        return f"there is no {path.name}"
+        return f"{path.name} does not exist"
     if not path.is_file():
-        return None  # what it is instead is told when it is read
+        return None  # what it is instead is reported when it is read
     with path.open("rb") as stream:
         head = stream.read(100)
     if b"no values recorded" in head or not head.strip():
-        return f"{path.name} says that no values were recorded"
+        return f"{path.name} is empty: no values were recorded"
     return None
 
 
 def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
-    """A sensor's rows without holes: it samples fast enough to do without the others."""
+    """Drop rows with empty cells: a sensor samples fast enough to do without them."""
     whole = np.isfinite(table.to_numpy()).all(axis=1)
     if not whole.all():
-        detail = "samples with empty cells are left out"
+        detail = "samples with empty cells; discarded"
         findings.append(Finding(device, "missing cells", "warning", int((~whole).sum()), detail))
     return table[whole].reset_index(drop=True)
 
@@ -129,7 +129,7 @@ def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding
 def _repair(
     table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
 ) -> Samples | None:
-    """Possible samples in order, each once. Raises InputError when their units must be wrong."""
+    """Return the plausible samples in order, each once. Raises InputError for wrong units."""
     table = drop_untimed(table, path, device, findings)
     absence = _nothing(table, path, device)
     if absence is not None:
@@ -138,18 +138,20 @@ def _repair(
     table = drop_implausible(table, str(path), device, findings)
     whole = _in_order(_drop_incomplete(table, device, findings), device, findings)
     if len(whole) < 2:
-        raise InputError(f"{path}: holds no two samples that are possible; record it again")
-    _tell_timing(whole["time"].to_numpy(), device, findings)
+        raise InputError(
+            f"{path}: has fewer than two samples with possible values; record it again"
+        )
+    _report_timing(whole["time"].to_numpy(), device, findings)
     return Samples(whole, first_time(table["time"].to_numpy()))
 
 
 def _nothing(table: pd.DataFrame, path: Path, device: Device) -> str | None:
-    """Why a sensor's rows hold nothing, or None when they do."""
+    """Return why a sensor's rows are unusable, or None if they can be used."""
     whole = table.dropna()
     if len(whole) < 2:
-        return f"{path.name} holds no two complete rows of {len(table.columns)} numbers"
+        return f"{path.name} has fewer than two complete rows of {len(table.columns)} numbers"
     if device == "force" and (whole.drop(columns="time").abs() <= NOTHING).all(axis=None):
-        return f"{path.name} holds only zeros: no sensor was connected"
+        return f"{path.name} contains only zeros: no sensor was connected"
     return None
 
 
@@ -157,28 +159,28 @@ def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> p
     table = drop_repeats(table, device, findings)
     later = epochs(table["time"].to_numpy()) > 0
     if later.any():
-        detail = "the device's time starts again; the samples from there on are left out"
+        detail = "the device's clock restarts; the samples after that are discarded"
         findings.append(Finding(device, "clock reset", "warning", int(later.sum()), detail))
         table = table[~later]
     backwards = int((table["time"].diff() < 0).sum())
     if backwards:
-        detail = "samples come after later ones; they are put in order"
+        detail = "samples come after later ones; sorted by time"
         findings.append(Finding(device, "samples out of order", "note", backwards, detail))
         table = table.sort_values("time", kind="stable")
     return table.reset_index(drop=True)
 
 
-def _tell_timing(time: Array, device: Device, findings: list[Finding]) -> None:
-    """Samples lost and stamps that stood still, beyond the jitter that devices have."""
+def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None:
+    """Report lost samples and repeated timestamps beyond a device's ordinary jitter."""
     steps = np.diff(time)
-    usual, middle = np.quantile(steps, [0.25, 0.5])
-    lost = int(np.rint(steps[steps > GAP * usual] / middle - 1).clip(min=0).sum())
-    if lost > FEW * len(time) or steps.max() > LONG_GAP * middle:
-        detail = f"longest step {1000 * steps.max():.0f} ms, {1000 * middle:.1f} ms in the middle"
+    usual, median = np.quantile(steps, [0.25, 0.5])
+    lost = int(np.rint(steps[steps > GAP * usual] / median - 1).clip(min=0).sum())
+    if lost > FEW * len(time) or steps.max() > LONG_GAP * median:
+        detail = f"longest step {1000 * steps.max():.0f} ms, median step {1000 * median:.1f} ms"
         findings.append(Finding(device, "lost samples", "warning", max(lost, 1), detail))
     still = int((steps == 0).sum())
     if still > FEW * len(time):
-        detail = "samples under the stamp of the one before"
+        detail = "samples with the timestamp of the previous one"
         findings.append(Finding(device, "stale stamps", "warning", still, detail))
 
 

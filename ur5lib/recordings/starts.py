@@ -1,4 +1,4 @@
-"""Which sensors belong to a recording, and when their clocks started."""
+"""Selection of the sensors that belong to a recording, and the start of their clocks."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
 @dataclass(frozen=True)
 class StartOffset:
-    """How much later than the robot's a device's clock started, by the stamps [s]."""
+    """How much later a device's clock started than the robot's, by the start stamps [s]."""
 
     seconds: float
     std: float
@@ -18,17 +18,17 @@ class StartOffset:
 def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
-    """The sensors whose record overlaps the robot's, with the start of their clocks."""
+    """Return the sensors whose record overlaps the robot's, and when their clocks started."""
     placed = {}
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
-            detail = "no start stamp, or a torn one: its clock cannot be placed, not used"
+            detail = "start stamp missing or incomplete: the clock cannot be aligned; not used"
             findings.append(Finding(device, "no start stamp", "warning", 1, detail))
         elif not _overlap(recording.robot, record, offset.seconds):
             detail = (
-                f"started {offset.seconds:+.0f} s from the robot and recorded nothing beside it: "
-                "of another run, or lost; not used"
+                f"started {offset.seconds:+.0f} s from the robot and has no data during the "
+                "recording: probably a file of another run; not used"
             )
             findings.append(Finding(device, "stale copy", "warning", 1, detail))
         else:
@@ -50,7 +50,7 @@ def _overlap(robot: DeviceRecord, device: DeviceRecord, offset: float) -> bool:
 
 
 def _span(record: DeviceRecord) -> tuple[float, float]:
-    """First and last stamp [s], in whatever order the rows are."""
+    """Return the first and last timestamp [s], whatever the order of the rows."""
     time = record.table["time"].to_numpy(float)
     time = time[~stray_times(time)]
     return float(time.min()), float(time.max())

@@ -1,4 +1,4 @@
-"""Reader of any delimited table whose columns the study names."""
+"""Reader of any delimited table whose columns the study declares."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ from ur5lib.recordings.sensors import read_sensors, table_start
 def read_table_csv(recording: Mapping[str, Any]) -> RawRecording:
     """Read a table. recording: `folder`, `file`, `columns`, `units`, `time`, and sensors.
 
-    Raises InputError when the file holds no row of that many numbers.
+    Raises InputError when the file has no row of that many numbers.
     """
     path = Path(recording["folder"]) / recording["file"]
     findings: list[Finding] = []
@@ -25,8 +25,8 @@ def read_table_csv(recording: Mapping[str, Any]) -> RawRecording:
     table = drop_untimed(table, path, "robot", findings)
     if table.empty:
         raise InputError(
-            f"{path}, line 1: holds no complete row of {len(names)} numbers (it begins "
-            f"{first_line(path)}); name its columns, or take it out of the study"
+            f"{path}, line 1: no complete row of {len(names)} numbers (it begins "
+            f"{first_line(path)}); correct `columns`, or remove the recording from the study"
         )
     counts = recording["time"]
     units = recording["units"] | ({"time": "ms"} if counts == "day_ms" else {})

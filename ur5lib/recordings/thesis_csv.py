@@ -21,7 +21,7 @@ from ur5lib.recordings.sensors import (
 )
 
 CYCLE = 0.008  # s, the CB2 controller's
-RESTART = 1e6  # s; longer than any recording, so that runs of a clock stay apart
+RESTART = 1e6  # s; longer than any recording, so that the epochs of a clock stay apart
 
 ROBOT_CHANNELS = {  # file: RTDE name
     "log_q_actual.csv": "actual_q",
@@ -37,15 +37,15 @@ ROBOT_CHANNELS = {  # file: RTDE name
     "log_tool_vector.csv": "actual_TCP_pose",
 }
 
-# Standard uncertainty of the start stamps [s]: the robot's is rounded to 10 ms, the force
-# sensor's has microseconds; the IMU's has 6 digits and its samples were seen to come 0.1 s late.
+# Standard uncertainties of the start stamps [s]: the robot's is rounded to 10 ms, the force
+# sensor's has microseconds, the IMU's has 6 digits and its samples arrive 0.1 s late.
 ROBOT_START_STD, FORCE_START_STD, IMU_START_STD = 0.005, 0.003, 0.1
 
 
 def read_thesis_csv(recording: Mapping[str, Any]) -> RawRecording:
     """Read a recording of the thesis. recording: `folder`, which holds `csv_files`.
 
-    Raises InputError when a robot channel is missing or holds no complete row.
+    Raises InputError when a robot channel is missing or has no complete row.
     """
     csv = Path(recording["folder"]) / "csv_files"
     findings: list[Finding] = []
@@ -61,50 +61,52 @@ def read_thesis_csv(recording: Mapping[str, Any]) -> RawRecording:
 
 
 def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
-    """One table of all channels, on the frames from the first to the last that all have."""
+    """Join all channels, from the first to the last frame that all of them have."""
     channels = [_read_channel(csv / file, name, findings) for file, name in ROBOT_CHANNELS.items()]
     start = max(channel["clock"].iloc[0] for channel in channels) - CYCLE / 4
     end = min(channel["clock"].iloc[-1] for channel in channels) + CYCLE / 4
     if not start < end:
-        raise InputError(f"{csv}: the channels share no frame; put files of one run together")
+        raise InputError(
+            f"{csv}: the channels have no frame in common; use files of one and the same run"
+        )
     longest = max(channels, key=len)
     robot = longest[["clock", "time"]]
     for channel in channels:
-        # The same frame's stamps may differ by some µs in the files.
+        # The timestamps of one frame may differ by some µs between the files.
         rows = channel.drop(columns="time")
         robot = pd.merge_asof(robot, rows, on="clock", direction="nearest", tolerance=CYCLE / 4)
     shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
     if len(shared) < len(longest):
-        detail = "channels end at different frames; frames beyond the shortest are left out"
+        detail = "channels end at different frames; cut to the shortest"
         lost = len(longest) - len(shared)
         findings.append(Finding("robot", "channels of unequal length", "note", lost, detail))
     return shared.reset_index(drop=True)
 
 
 def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFrame:
-    """A channel's rows by `clock`: the time, counted on where the controller's starts again."""
+    """Read a channel's rows by `clock`, a time that continues where the controller's restarts."""
     names = ["time", *(f"{name}_{joint}" for joint in range(6))]
     rows = drop_untimed(read_numbers(path, names, "robot", findings), path, "robot", findings)
     if rows.empty:
         raise InputError(
-            f"{path}, line 1: holds no complete row of 7 numbers (it begins {first_line(path)}); "
-            "record it again or take the recording out of the study"
+            f"{path}, line 1: no complete row of 7 numbers (it begins {first_line(path)}); "
+            "record it again, or remove the recording from the study"
         )
     rows = _drop_strays(rows, path, findings)
     rows["clock"] = rows["time"] + RESTART * epochs(rows["time"].to_numpy())
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
     if repeated.any():
-        detail = f"{path.name}: rows under a stamp that came before are left out"
+        detail = f"{path.name}: rows with a timestamp that was used before; discarded"
         findings.append(Finding("robot", "repeated stamps", "warning", int(repeated.sum()), detail))
     return rows[~repeated].reset_index(drop=True)
 
 
 def _drop_strays(rows: pd.DataFrame, path: Path, findings: list[Finding]) -> pd.DataFrame:
-    """Rows whose stamps belong together; done here, as the file's order is lost in joining."""
+    """Drop rows with stray timestamps; done here because joining loses the file's order."""
     stray = stray_times(rows["time"].to_numpy())
     if stray.any():
-        detail = f"{path.name}: rows far from all others in time are left out"
+        detail = f"{path.name}: rows far from all others in time; discarded"
         findings.append(Finding("robot", "impossible times", "warning", int(stray.sum()), detail))
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)

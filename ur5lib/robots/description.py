@@ -1,4 +1,4 @@
-"""An arm as data: the YAML files of this folder, read and checked."""
+"""Descriptions of arms: reading and validation of the YAML files in this folder."""
 
 import math
 from collections.abc import Sequence
@@ -41,9 +41,9 @@ class DenavitHartenberg(Strict):
 
 
 class Motor(Strict):
-    """What the maker says of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
+    """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
-    torque_constant: [Nm/A], of the motor, on its side of the gear.
+    torque_constant: [Nm/A], of the motor, before the gear.
     """
 
     position_max: Positive
@@ -60,7 +60,7 @@ class Motor(Strict):
 
 
 class Cylinder(Strict):
-    """A homogeneous cylinder [kg, m]; `offset`: its centroid from the link's centre of mass."""
+    """A homogeneous cylinder [kg, m]; `offset`: from the link's centre of mass to its centroid."""
 
     axis: Literal["x", "y", "z"]
     mass: Positive
@@ -70,7 +70,7 @@ class Cylinder(Strict):
 
 
 class Payload(Strict):
-    """What is mounted on the flange [kg, m, kg m²]; centre of mass in frame 6.
+    """A load mounted on the flange [kg, m, kg m²]; centre of mass in frame 6.
 
     inertia: xx yy zz xy xz yz, about the payload's centre of mass, axes of frame 6.
     """
@@ -82,7 +82,7 @@ class Payload(Strict):
     inertia: PerJoint = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def joined(self, other: "Payload | None") -> "Payload":
-        """This payload and another as one rigid body (Equations 2.45, 2.46)."""
+        """Return this payload and another as one rigid body (Equations 2.45, 2.46)."""
         if other is None:
             return self
         mass = self.mass + other.mass
@@ -95,18 +95,18 @@ class Payload(Strict):
         return Payload(mass=mass, center_of_mass=(x, y, z), inertia=(xx, yy, zz, xy, xz, yz))
 
     def inertia_about(self, point: Vector3) -> list[float]:
-        """xx yy zz xy xz yz [kg m²] about a point of frame 6 [m] (parallel-axis theorem)."""
+        """Return xx yy zz xy xz yz [kg m²] about a point of frame 6 [m] (parallel-axis theorem)."""
         x, y, z = (c - p for c, p in zip(self.center_of_mass, point, strict=True))
         shift = [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z]
         return [own + self.mass * shifted for own, shifted in zip(self.inertia, shift, strict=True)]
 
 
 class Model(Strict):
-    """One way to distribute the mass of the six links; centres of mass [m] in the link's frame.
+    """A link model: the mass distribution of six links; centres of mass [m] in the link's frame.
 
-    Either cylinders make up each link, or its inertia tensor is given: xx yy zz xy xz yz
-    [kg m²], about the centre of mass, axes of the link's frame. rotor_inertias: of each joint's
-    motor, seen through its gear [kg m²]. masses [kg]: where they are not the robot's.
+    Each link is given either as cylinders or by its inertia tensor: xx yy zz xy xz yz [kg m²],
+    about the centre of mass, axes of the link's frame. rotor_inertias: of each joint's motor,
+    reflected through its gear [kg m²]. masses [kg]: where they differ from the robot's.
     """
 
     description: str
@@ -120,7 +120,7 @@ class Model(Strict):
     @model_validator(mode="after")
     def _one_kind_of_inertia(self) -> Self:
         if (self.cylinders is None) == (self.inertias is None):
-            raise ValueError("give a model either cylinders or inertias")
+            raise ValueError("a model needs either `cylinders` or `inertias`, not both")
         return self
 
 
@@ -155,7 +155,7 @@ class Gains(Strict):
 
 
 class Robot(Strict):
-    """A six-joint arm: geometry, masses, link models and the constants published for it."""
+    """A six-joint arm: geometry, masses, link models and published constants."""
 
     name: str
     gravity: Gravity
@@ -174,31 +174,31 @@ class Robot(Strict):
     def _names_are_described(self) -> Self:
         unknown = sorted(set(self.joints) - set(self.motors))
         if unknown:
-            raise ValueError(f"joints name motors that are not described: {', '.join(unknown)}")
+            raise ValueError(f"`joints` names motors missing from `motors`: {', '.join(unknown)}")
         if self.chosen_model not in self.models:
-            raise ValueError(f"chosen_model is none of {', '.join(self.models)}")
+            raise ValueError(f"`chosen_model` must be one of {', '.join(self.models)}")
         return self
 
     def motor(self, joint: int) -> Motor:
-        """The motor of joint 1 to 6."""
+        """Return the motor of joint 1 to 6."""
         return self.motors[self.joints[joint - 1]]
 
     def maker_torque_constants(self) -> list[float]:
-        """Nm/A of joints 1 to 6, behind their gears; NaN where the maker's are not known."""
+        """Return the manufacturer's Nm/A of joints 1 to 6, after the gears; NaN where unknown."""
         motors = [self.motor(joint) for joint in range(1, 7)]
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def fullest_model(self) -> str:
-        """The model that explains most: identified, else with rotors, else the chosen one."""
+        """Return the most complete model: identified, else with rotors, else the chosen one."""
         names = ("identified", f"{self.chosen_model}+rotors")
         return next((name for name in names if name in self.models), self.chosen_model)
 
     def with_model(self, name: str, model: Model) -> Self:
-        """The same arm with a model more, or another of that name."""
+        """Return the arm with a model added, or replaced if the name exists."""
         return self.model_copy(update={"models": self.models | {name: model}})
 
     def carrying(self, payload: Payload | None) -> Self:
-        """The same arm with a payload more on its flange, in each of its models."""
+        """Return the arm with a further payload on its flange, in each of its models."""
         if payload is None:
             return self
         models = {
@@ -208,7 +208,7 @@ class Robot(Strict):
         return self.model_copy(update={"models": models})
 
     def mounted(self, gravity: Sequence[float] | None) -> Self:
-        """The same arm under another gravity (3,) [m/s²], base frame; None: as described."""
+        """Return the arm under another gravity (3,) [m/s²], base frame; None: as described."""
         if gravity is None:
             return self
         x, y, z = map(float, gravity)
@@ -216,21 +216,23 @@ class Robot(Strict):
 
 
 def robot_names() -> list[str]:
-    """Names of the arms described in this folder."""
+    """Return the names of the arms described in this folder."""
     return sorted(path.stem for path in FOLDER.glob("*.yaml"))
 
 
 def robot_path(name: str) -> Path:
-    """The YAML file that describes an arm."""
+    """Return the YAML file that describes an arm."""
     return FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
     """Read one arm's description, e.g. from `robot_path("ur5")`.
 
-    Raises InputError when the file is wrong.
+    Raises InputError when the file is invalid.
     """
     try:
         return Robot.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
     except (ValidationError, yaml.YAMLError) as error:
-        raise InputError(f"{path} does not describe an arm: {error}") from error
+        raise InputError(
+            f"{path} is not a valid description of an arm (docs/robots.md): {error}"
+        ) from error

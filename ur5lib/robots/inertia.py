@@ -1,4 +1,4 @@
-"""From cylinders to the mass, centre of mass and inertia tensor of each link."""
+"""Mass, centre of mass and inertia tensor of each link, from cylinders or tensors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ class RigidBodies:
 
     mass: (6,) [kg]; center_of_mass: (6, 3) [m];
     inertia: (6, 3, 3) [kg m²] about the centre of mass;
-    rotor_inertia: (6,) [kg m²] of the joints' motors, seen through their gears.
+    rotor_inertia: (6,) [kg m²] of the joints' motors, reflected through their gears.
     """
 
     mass: Array
@@ -25,7 +25,7 @@ class RigidBodies:
 
 
 def cylinder_inertia(axis: str, mass: float, height: float, radius: float) -> Array:
-    """Inertia tensor (3, 3) of a homogeneous cylinder about its centroid (Equation 2.48)."""
+    """Return the inertia tensor (3, 3) of a homogeneous cylinder about its centroid (2.48)."""
     across = mass / 12 * (3 * radius**2 + height**2)
     principal = np.full(3, across)
     principal["xyz".index(axis)] = mass / 2 * radius**2
@@ -33,7 +33,7 @@ def cylinder_inertia(axis: str, mass: float, height: float, radius: float) -> Ar
 
 
 def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
-    """Parallel-axis theorem (Equations 2.45, 2.46).
+    """Return an inertia tensor about another point by the parallel-axis theorem (2.45, 2.46).
 
     inertia: (3, 3) about the centroid; offset: (3,) from the new reference point to the centroid.
     """
@@ -41,7 +41,7 @@ def shift_inertia(inertia: Array, mass: float, offset: Array) -> Array:
 
 
 def combine_cylinders(cylinders: list[Cylinder]) -> Array:
-    """Inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
+    """Return the inertia tensor (3, 3) of a link about its centre of mass (Equation 2.56)."""
     return sum(
         (
             shift_inertia(
@@ -58,7 +58,7 @@ def combine_cylinders(cylinders: list[Cylinder]) -> Array:
 def split_heights(
     mass: float, mass_2: float, height: float, center_of_mass: float
 ) -> tuple[float, float]:
-    """Heights h1, h2 of two cylinders that put the combined centre of mass where it is.
+    """Return heights h1, h2 of two cylinders with the given common centre of mass.
 
     Section 2.2.4: a cylinder of `mass` and `height` is cut across its axis; the second part
     weighs `mass_2`, the first the rest. `center_of_mass` (x_M) is measured along the axis from
@@ -75,13 +75,13 @@ def split_heights(
 
 
 def tensor(entries: Sequence[float]) -> Array:
-    """Inertia tensor (3, 3) from its entries xx yy zz xy xz yz."""
+    """Return the inertia tensor (3, 3) of the entries xx yy zz xy xz yz."""
     xx, yy, zz, xy, xz, yz = entries
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
-    """The links of an arm under one of its models, e.g. "A", "B" or "C", payload included."""
+    """Return the links of an arm in one of its models, e.g. "C", payload included."""
     links = robot.models[model]
     inertias = (
         map(combine_cylinders, links.cylinders)
@@ -98,7 +98,7 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
 
 
 def mount(bodies: RigidBodies, payload: Payload) -> RigidBodies:
-    """The links of an arm with link 6 and a payload as one body (Equations 2.45, 2.46)."""
+    """Return the links with link 6 and a payload merged into one body (Equations 2.45, 2.46)."""
     center, mounted = bodies.center_of_mass[5], np.array(payload.center_of_mass)
     mass = bodies.mass[5] + payload.mass
     common = (bodies.mass[5] * center + payload.mass * mounted) / mass

@@ -1,4 +1,4 @@
-"""An arm as URDF, for pytorch-kinematics and any other engine that reads it."""
+"""Export of an arm as URDF, for pytorch-kinematics and other engines."""
 
 import math
 from collections.abc import Iterable
@@ -12,10 +12,10 @@ from ur5lib.timeseries.arrays import Array
 
 
 def link_tail(parameters: DenavitHartenberg) -> tuple[Array, Array]:
-    """Rotation (3, 3) and translation (3,) of Trans_z(d) Trans_x(a) Rot_x(alpha) (2.19).
+    """Return rotation (3, 3) and translation (3,) of Trans_z(d) Trans_x(a) Rot_x(alpha) (2.19).
 
-    A URDF joint turns first and a Denavit-Hartenberg frame lies at the far end of its link:
-    this is the constant transform from the joint's frame to the link's frame k.
+    This is the constant transform from a URDF joint's frame, at the near end of a link, to the
+    Denavit-Hartenberg frame k at its far end.
     """
     c, s = math.cos(parameters.alpha), math.sin(parameters.alpha)
     rotation = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
@@ -23,10 +23,10 @@ def link_tail(parameters: DenavitHartenberg) -> tuple[Array, Array]:
 
 
 def thick(inertia: Array) -> Array:
-    """The inertia tensor of a link, no flatter than a plate.
+    """Return an inertia tensor that obeys the triangle inequality of a rigid body.
 
-    Principal moments obey A + B >= C. A plate has A + B = C, which published digits miss by a
-    rounding, and MuJoCo refuses the link: then all are larger by 1e-12 of their sum.
+    Principal moments obey A + B >= C. For a flat plate A + B = C, which rounded digits can violate;
+    MuJoCo then rejects the link. In that case all moments are raised by 1e-12 of their sum.
     """
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
     margin = 1e-12 * np.trace(inertia)
@@ -34,11 +34,11 @@ def thick(inertia: Array) -> Array:
 
 
 def urdf(robot: Robot, bodies: RigidBodies) -> str:
-    """URDF of an arm: base `frame_0`; for k = 1 to 6, `joint_k` turns `link_k` with its mass,
-    and at the far end of the link lies its Denavit-Hartenberg frame, `frame_k`.
+    """Return an arm as URDF.
 
-    URDF has no word for rotor inertias: an engine is told them apart, as `model.armature` in
-    Pinocchio and `model.dof_armature` in MuJoCo. An external wrench is no part of it either.
+    The base is `frame_0`; for k = 1 to 6, `joint_k` turns `link_k`, which has the mass, and its
+    Denavit-Hartenberg frame `frame_k` lies at the far end of the link. URDF has no element for
+    rotor inertias: set them as `model.armature` in Pinocchio and `model.dof_armature` in MuJoCo.
     """
     root = Element("robot", name=robot.name)
     SubElement(root, "link", name="frame_0")

@@ -1,1 +1,1 @@
-"""The virtual test stand: an arm with its controller and sensors, simulated in MuJoCo."""
+"""The virtual test stand: an arm with controller and sensors, simulated in MuJoCo."""

@@ -1,4 +1,4 @@
-"""An arm in MuJoCo, from its description, with the sensors of its flange."""
+"""MuJoCo model of an arm, built from its description, with the sensors on its flange."""
 
 import mujoco
 import numpy as np
@@ -10,20 +10,20 @@ from ur5lib.robots.urdf import link_tail, thick
 from ur5lib.timeseries.arrays import Array
 
 FLANGE, TOOL = "link_6", "tool"
-SENSORS = {  # name: what it is, the site where it is mounted
+SENSORS = {  # name: MuJoCo type, site where it is mounted
     "force": (mujoco.mjtSensor.mjSENS_FORCE, "force_sensor"),
     "torque": (mujoco.mjtSensor.mjSENS_TORQUE, "force_sensor"),
     "accelerometer": (mujoco.mjtSensor.mjSENS_ACCELEROMETER, "imu"),
     "gyroscope": (mujoco.mjtSensor.mjSENS_GYRO, "imu"),
 }
-POINT = 1e-12  # kg m²
+POINT = 1e-12  # kg m², inertia that stands for a point mass
 AT_ORIGIN = Mounting(imu=(0.0, 0.0, 0.0), force_sensor=(0.0, 0.0, 0.0))
 
 
 def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.MjModel:
-    """The MuJoCo model of an arm under one of its link models.
+    """Return the MuJoCo model of an arm with one of its link models.
 
-    Body `link_k` has the Denavit-Hartenberg frame k as its frame; `tool`, fixed to link 6, carries
+    The frame of body `link_k` is the Denavit-Hartenberg frame k; `tool`, fixed to link 6, carries
     the payload. imu_turn: rotation vector from the axes of frame 6 to the IMU's [rad]; step: of the
     integration [s]. Sensor data (12,): force, torque, accelerometer, gyroscope, each in its own
     axes. Force and torque are those of the flange on the tool, at the sensor's origin.
@@ -44,7 +44,7 @@ def build_arm(robot: Robot, model: str, imu_turn: Array, step: float) -> mujoco.
 
 
 def _add_links(spec: mujoco.MjSpec, robot: Robot, model: str) -> mujoco.MjsBody:
-    """The six links, one on the other; returns the last."""
+    """Add the six links in series; return the last."""
     bare = robot.models[model].model_copy(update={"payload": None})
     bodies = rigid_bodies(robot.model_copy(update={"models": {model: bare}}), model)
     body = spec.worldbody
@@ -56,7 +56,7 @@ def _add_links(spec: mujoco.MjSpec, robot: Robot, model: str) -> mujoco.MjsBody:
 
 
 def _add_link(parent: mujoco.MjsBody, name: str, parameters: DenavitHartenberg) -> mujoco.MjsBody:
-    """A body whose frame is the Denavit-Hartenberg frame of its link, turning about z_(k-1)."""
+    """Add a body with its link's Denavit-Hartenberg frame that turns about z_(k-1)."""
     rotation, translation = link_tail(parameters)
     quaternion = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
     body = parent.add_body(name=name, pos=translation, quat=quaternion)
@@ -70,13 +70,13 @@ def _add_tool(flange: mujoco.MjsBody, robot: Robot, model: str) -> mujoco.MjsBod
     payload = robot.models[model].payload
     if payload is not None:
         center = np.array(payload.center_of_mass)
-        # MuJoCo takes no point mass: a ball as light as nothing around it.
+        # MuJoCo accepts no point mass, so the mass gets a negligible inertia.
         _set_inertia(tool, payload.mass, center, tensor(payload.inertia) + POINT * np.eye(3))
     return tool
 
 
 def _set_inertia(body: mujoco.MjsBody, mass: float, center: Array, inertia: Array) -> None:
-    """Mass [kg], centre of mass [m] and inertia tensor about it, axes of the body's frame."""
+    """Set mass [kg], centre of mass [m] and inertia tensor about it, axes of the body's frame."""
     full = thick(inertia)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     body.mass, body.ipos, body.fullinertia = mass, center, full
     body.explicitinertial = True

@@ -1,4 +1,4 @@
-"""What touches the arm: forces in time, a wall, a spring, a hand."""
+"""Contacts of the simulated arm: pushes, a hand, a spring, a wall, a grasped load."""
 
 from dataclasses import dataclass, field
 
@@ -11,26 +11,26 @@ from ur5lib.timeseries.arrays import Array
 
 Kind = Push | Hand | Spring | Wall | Load
 
-GRASP = 0.2  # s, until a load is lifted, or put down
+GRASP = 0.2  # s, duration of lifting or putting down a load
 
 
 def _swell(contact: Timed, time: float) -> float:
-    """0 where it starts and ends, 1 in the middle."""
+    """Return how far a contact has built up: 0 at its start and end, 1 halfway."""
     return float(np.sin(np.pi * (time - contact.start_s) / contact.seconds) ** 2)
 
 
 def _grip(load: Load, time: float) -> float:
-    """How much of a load is held: 0 where it starts and ends, 1 in between."""
+    """Return the share of a load that is held: 0 at its start and end, 1 in between."""
     since = min(time - load.start_s, load.start_s + load.seconds - time)
     return float(np.sin(np.pi / 2 * min(since / GRASP, 1.0)) ** 2)
 
 
 @dataclass
 class Touch:
-    """One contact while it is simulated.
+    """The state of one contact during the simulation.
 
-    gravity: (3,) [m/s²], base axes; anchor: where a spring is held, or a hand is [m], once it
-    touches; velocity, weight: of a load, in the step before [m/s, N].
+    gravity: (3,) [m/s²], base axes; anchor: fixed end of a spring, or place of a hand [m], once it
+    touches; velocity, weight: of a load, in the previous step [m/s, N].
     """
 
     plan: Kind
@@ -42,9 +42,9 @@ class Touch:
     def force(
         self, time: float, point: Array, velocity: Array, mobility: Array, step: float
     ) -> Array:
-        """On the arm (3,) [N], base axes, at a point [m] that moves [m/s].
+        """Return the force on the arm (3,) [N], base axes, at a point [m] with velocity [m/s].
 
-        mobility: by which a force there accelerates the point (3, 3) [1/kg].
+        mobility: acceleration of the point per force on it (3, 3) [1/kg].
         """
         contact = self.plan
         if isinstance(contact, Wall):
@@ -58,9 +58,10 @@ class Touch:
         return self._pull(contact, time, point, velocity, step)
 
     def _weigh(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
-        """Weight and inertia of a mass at the point: f = m (g − a), a = a_free + W f.
+        """Return weight and inertial force of a mass at the point: f = m (g − a), a = a_free + W f.
 
-        a_free, without the mass, is that of the step before: so any mass is stable.
+        a_free, the acceleration without the mass, is from the previous step, so that any mass is
+        stable.
         """
         before = velocity if self.velocity is None else self.velocity
         free = (velocity - before) / step - mobility @ self.weight
@@ -77,7 +78,7 @@ class Touch:
         velocity: Array,
         step: float,
     ) -> Array:
-        """Of a spring and damper whose far end is drawn away and, if a hand's, follows."""
+        """Return the force of a spring and damper; the far end moves, and a hand's also follows."""
         swell = _swell(contact, time)
         anchor = point.copy() if self.anchor is None else self.anchor
         follows = np.zeros(3)
@@ -85,14 +86,14 @@ class Touch:
             follows = (point - anchor) / contact.lag_s
         self.anchor = anchor + follows * step
         stretch = anchor + swell * np.array(contact.displacement) - point
-        # It takes hold and lets go softly: a jump of the force is no hand's.
+        # A hand takes hold and lets go gradually, without a jump of the force.
         hold = min(1.0, 4 * swell)
         pull = contact.stiffness_n_m * stretch + contact.damping_ns_m * (follows - velocity)
         return hold * pull
 
 
 def _wall(wall: Wall, point: Array, velocity: Array) -> Array:
-    """It pushes and never pulls."""
+    """Return the force of a wall, which pushes and never pulls."""
     normal = np.array(wall.normal) / np.linalg.norm(wall.normal)
     depth = float(normal @ (np.array(wall.through) - point))
     if depth <= 0:
@@ -102,7 +103,7 @@ def _wall(wall: Wall, point: Array, velocity: Array) -> Array:
 
 
 class Contacts:
-    """All contacts of a recording, put onto the arm step by step."""
+    """All contacts of a recording, applied to the arm step by step."""
 
     def __init__(self, model: mujoco.MjModel, contacts: list[Kind]) -> None:
         self._touches = [Touch(contact, model.opt.gravity.copy()) for contact in contacts]
@@ -114,9 +115,9 @@ class Contacts:
         self._jacobian = np.zeros((3, model.nv))
 
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData, step: float) -> tuple[Array, Array]:
-        """Put the forces of this instant onto the bodies.
+        """Apply the forces of this instant to the bodies.
 
-        Returns the joint torques that stand for all of them (6,) [Nm], and the wrench of those on
+        Returns the joint torques equivalent to all of them (6,) [Nm], and the wrench of those on
         link 6 and beyond (6,) [N, Nm]: environment on arm, base axes, at the origin of frame 6.
         """
         torque, wrench = np.zeros(6), np.zeros(6)
@@ -137,7 +138,7 @@ class Contacts:
         return torque, wrench
 
     def _mobility(self, model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-        """W = J M⁻¹ Jᵀ (3, 3) [1/kg] of the point whose Jacobian was computed last."""
+        """Return W = J M⁻¹ Jᵀ (3, 3) [1/kg] of the point whose Jacobian was computed last."""
         solved = np.empty_like(self._jacobian)
         mujoco.mj_solveM(model, data, solved, self._jacobian)
         return solved @ self._jacobian.T

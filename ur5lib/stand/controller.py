@@ -1,4 +1,4 @@
-"""What the controller sends: its channels, frame by frame."""
+"""The channels that the controller sends, frame by frame."""
 
 import mujoco
 import numpy as np
@@ -14,13 +14,13 @@ from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array, Labels
 
-DECIMALS = 6  # of what the controller sends, as the thesis's logs keep them
-COUNTS = 2**19  # of an encoder in a turn
-# Of moving joints, as what is left of the real ones against their targets.
+DECIMALS = 6  # of all channels, as in the thesis's logs
+COUNTS = 2**19  # of an encoder per turn
+# Noise of moving joints, like the real residuals against the targets.
 POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
-WINDOW = 4  # steps; velocity is the mean over them, and so 2 ms late
-FORCE_CUTOFF = 5.0  # Hz, of the controller's estimate of force
+WINDOW = 4  # steps; velocity is the mean over them and hence delayed by 2 ms
+FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
 SINGULAR = 0.02  # damping of that estimate near singularities
 TEMPERATURE = 30.0  # °C, of every motor
 
@@ -30,10 +30,11 @@ Steps = Labels
 def frames(
     experiment: Experiment, cycle: float, random: np.random.Generator | None
 ) -> pd.DataFrame:
-    """The controller's frames: `time` [s] and its channels under RTDE names.
+    """Return the controller's frames: `time` [s] and its channels under RTDE names.
 
-    cycle: [s]; random: of the noise, None for none. `actual_TCP_force` is its own estimate, the
-    wrench of the arm on its environment, from what model and known friction leave of the currents.
+    cycle: [s]; random: generator of the noise, None for no noise. `actual_TCP_force` is the
+    controller's own estimate, the wrench of the arm on its environment, from the residual of the
+    currents after the torques of the model and of the known friction.
     """
     known, drive, motion = experiment.known, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
@@ -63,22 +64,22 @@ def frames(
     columns = {"time": np.round(STEP * steps, DECIMALS)}
     for name, values in channels.items():
         columns |= named(np.round(values, DECIMALS), name)
-    return pd.DataFrame(columns | _payload(experiment.told, len(steps)))
+    return pd.DataFrame(columns | _payload(experiment.declared, len(steps)))
 
 
-def _payload(told: Payload | None, count: int) -> dict[str, Array]:
-    """RTDE's channels of the payload that the controller was told of; none without one."""
-    if told is None:
+def _payload(declared: Payload | None, count: int) -> dict[str, Array]:
+    """Return RTDE's channels of the payload declared to the controller, none without one."""
+    if declared is None:
         return {}
-    channels = {"payload_cog": told.center_of_mass, "payload_inertia": told.inertia}
-    columns = {"payload": np.full(count, told.mass)}
+    channels = {"payload_cog": declared.center_of_mass, "payload_inertia": declared.inertia}
+    columns = {"payload": np.full(count, declared.mass)}
     for name, values in channels.items():
         columns |= named(np.tile(values, (count, 1)), name)
     return columns
 
 
 def model_torques(plant: mujoco.MjModel, motion: Targets) -> Array:
-    """Torques (N, 6) [Nm] that a motion takes: inverse dynamics, rotors and payload included."""
+    """Return the inverse dynamics of a motion (N, 6) [Nm], rotors and payload included."""
     data, torques = mujoco.MjData(plant), np.empty((len(motion.q), 6))
     states = zip(motion.q, motion.qd, motion.qdd, strict=True)
     for torque, (data.qpos, data.qvel, data.qacc) in zip(torques, states, strict=True):
@@ -88,7 +89,7 @@ def model_torques(plant: mujoco.MjModel, motion: Targets) -> Array:
 
 
 def jacobians(plant: mujoco.MjModel, q: Array) -> Array:
-    """The geometric Jacobian (N, 6, 6) of the origin of frame 6, base axes; q: (N, 6) [rad]."""
+    """Return the geometric Jacobian (N, 6, 6) at the origin of frame 6, base axes; q: (N, 6)."""
     data, result = mujoco.MjData(plant), np.empty((len(q), 6, 6))
     flange = plant.body(FLANGE).id
     for jacobian, data.qpos in zip(result, q, strict=True):
@@ -103,7 +104,7 @@ def _at(targets: Targets, steps: Steps) -> Targets:
 
 
 def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array, Array]:
-    """Measured positions and, from them over a short window, velocities at every step (N, 6)."""
+    """Return measured positions and velocities (difference over WINDOW) at every step (N, 6)."""
     if random is None:
         return motion.q, motion.qd
     shake = stir(motion.qd) * random.normal(size=(2, *motion.q.shape))
@@ -115,7 +116,7 @@ def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array
 
 
 def _force(external: Array, jacobian: Array, cycle: float) -> Array:
-    """The wrench (N, 6) behind excess joint torques (N, 6): least squares, damped, filtered."""
+    """Return the wrench (N, 6) of external torques (N, 6) by damped, filtered least squares."""
     square = jacobian @ jacobian.mT + SINGULAR**2 * np.eye(6)
     wrench = np.linalg.solve(square, jacobian @ external[:, :, None])[..., 0]
     b, a = butter(1, FORCE_CUTOFF, fs=1 / cycle)
@@ -123,6 +124,6 @@ def _force(external: Array, jacobian: Array, cycle: float) -> Array:
 
 
 def _pose(motion: Motion, steps: Steps) -> Array:
-    """Origin [m] and rotation vector [rad] of frame 6 (N, 6)."""
+    """Return origin [m] and rotation vector [rad] of frame 6 (N, 6)."""
     turn = Rotation.from_matrix(motion.rotation[steps].reshape(-1, 3, 3)).as_rotvec()
     return np.concatenate([motion.origin[steps], turn], axis=1)

@@ -1,4 +1,4 @@
-"""The drives: how the controller follows its target, and what current that takes."""
+"""The drives: the control of the joints, and the motor currents it takes."""
 
 from dataclasses import dataclass
 
@@ -9,16 +9,16 @@ from ur5lib.robots.description import Robot
 from ur5lib.stand.friction import FrictionParameters
 from ur5lib.timeseries.arrays import Array
 
-# rad/s; with these, joints stray from their targets as the real ones do.
+# rad/s; with these, joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
 KNOWN = 0.8  # share of the friction that the controller knows
-MOVES = 0.05  # rad/s, of a joint whose noise is that of a moving one
+MOVES = 0.05  # rad/s; speed at which the noise of a moving joint sets in
 
-# Of the thesis's UR5, joint by joint: from its target currents at rest, and from what is left of
-# its currents above 2 Hz: a ripple of two (big joints) or four periods a motor turn, and noise.
+# Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
+# currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
 TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A
 RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
-PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple in a turn of the joint
+PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple per turn of the joint
 NOISE, NOISE_AT_REST = 0.05, 0.01  # A
 
 
@@ -26,9 +26,9 @@ NOISE, NOISE_AT_REST = 0.05, 0.01  # A
 class Drive:
     """PD control with feed-forward (Equations 2.69, 2.71); its gains and feed-forward (6,).
 
-    position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: what it knows of the friction
-    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. The motors are given the viscous
-    friction alone, as the real target currents are.
+    position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: friction known to the controller
+    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. The feed-forward contains the viscous
+    friction only, like the real target currents.
     """
 
     position_gain: Array
@@ -41,9 +41,9 @@ class Drive:
     def torques(
         self, model: mujoco.MjModel, data: mujoco.MjData, target: tuple[Array, Array, Array]
     ) -> Array:
-        """What the motors give, (6,) [Nm].
+        """Return the motor torques (6,) [Nm].
 
-        u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71); then friction.
+        u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71), plus friction.
         model: as the controller knows the arm; data: with positions and velocities computed;
         target: q [rad], q̇, q̈.
         """
@@ -55,19 +55,19 @@ class Drive:
         return np.clip(motors, -self.torque_max, self.torque_max)
 
     def known_friction(self, qd: Array) -> Array:
-        """The friction torques (..., 6) [Nm] that the controller reckons with; qd: [rad/s]."""
+        """Return the friction torques (..., 6) [Nm] known to the controller; qd: [rad/s]."""
         return self.viscous * qd + self.coulomb * np.tanh(qd / MOVES)
 
 
 def link_torques(model: mujoco.MjModel, data: mujoco.MjData, qdd: Array) -> Array:
-    """D(q) q̈ + C q̇ + g (6,) [Nm]; data: with positions and velocities computed."""
+    """Return D(q) q̈ + C q̇ + g (6,) [Nm]; data: with positions and velocities computed."""
     torques = np.empty(6)
     mujoco.mj_mulM(model, data, torques, qdd)
     return torques + data.qfrc_bias
 
 
 def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
-    """The drives of an arm whose joints have this friction."""
+    """Return the drives of an arm whose joints have this friction."""
     return Drive(
         position_gain=NATURAL_FREQUENCY**2,  # (2.74)
         velocity_gain=2 * NATURAL_FREQUENCY,
@@ -79,12 +79,12 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
 
 
 def stir(qd: Array) -> Array:
-    """How much the noise of moving joints is there, 0 at rest to 1; qd: [rad/s]."""
+    """Return the share of the moving joints' noise, from 0 at rest to 1; qd: [rad/s]."""
     return np.tanh(np.abs(qd) / MOVES)
 
 
 def current_noise(q: Array, qd: Array, random: np.random.Generator) -> Array:
-    """What measured currents have besides torque by constant (N, 6) [A]: ripple and noise."""
+    """Return the ripple and noise of measured currents (N, 6) [A]."""
     ripple = RIPPLE * np.sin(PERIODS * q)
     noise = random.normal(size=q.shape) * (NOISE_AT_REST + NOISE * stir(qd))
     return ripple * stir(qd) + noise

@@ -1,4 +1,4 @@
-"""The arm moves: targets, drives, friction and contacts in one loop."""
+"""The simulation loop: targets, drives, friction and contacts."""
 
 from dataclasses import dataclass
 
@@ -16,9 +16,9 @@ from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s, of the integration
-SETTLE = 300  # steps before the recording
-START = 0.5  # largest dry friction before them, as a share of what holds
-PARTS = {  # what is kept of each step, and how many numbers that is
+SETTLE = 300  # steps simulated before the recording starts
+START = 0.5  # largest initial dry friction, as a share of the breakaway torque
+PARTS = {  # quantities stored of each step, and their numbers of components
     "q": 6,
     "qd": 6,
     "qdd": 6,
@@ -35,7 +35,7 @@ PARTS = {  # what is kept of each step, and how many numbers that is
 
 @dataclass(frozen=True)
 class Motion:
-    """What truly happened, every millisecond.
+    """The true motion and forces, every millisecond.
 
     time: (N,) [s]; targets; q, qd, qdd: (N, 6); torques: (N, 6) [Nm], of the motors, of friction
     (against the motion) and of contacts: D q̈ + C q̇ + g = motor − friction + contact; wrench:
@@ -62,10 +62,11 @@ class Motion:
 
 @dataclass(frozen=True)
 class Experiment:
-    """An arm as a plan equips it, and what it did.
+    """A simulated arm and its motion.
 
-    robot: with all that it carries; model: the name of its true link model; plant: that in MuJoCo;
-    known: the same as the controller knows it; told: the payload that it was told of.
+    robot: with all that it carries; model: name of its true link model; plant: that model in
+    MuJoCo; known: the arm as the controller knows it; declared: the payload that the controller was
+    given.
     """
 
     robot: Robot
@@ -73,7 +74,7 @@ class Experiment:
     plan: SimulatedRecording
     plant: mujoco.MjModel
     known: mujoco.MjModel
-    told: Payload | None
+    declared: Payload | None
     friction: FrictionParameters
     drive: Drive
     motion: Motion
@@ -82,25 +83,27 @@ class Experiment:
 def perform(
     robot: Robot, plan: SimulatedRecording, random: np.random.Generator, tell: bool = True
 ) -> Experiment:
-    """Do what is planned; random: of the friction at the start.
+    """Simulate a plan; random: generator of the initial friction.
 
-    tell: whether the controller is told of the plan's payload; of an undeclared one it never is.
-    Raises InputError when the arm cannot do it.
+    tell: whether the plan's payload is declared to the controller; an undeclared one never is.
+    Raises InputError when the arm cannot execute the plan.
     """
     model = plan.model or list(robot.models)[-1]
     if model not in robot.models:
         known = ", ".join(robot.models)
-        raise InputError(f"{robot.name} has no model {model!r} to simulate; give one of {known}")
-    told = plan.payload if tell else None
+        raise InputError(
+            f"{robot.name} has no link model {model!r} to simulate; give one of {known}"
+        )
+    declared = plan.payload if tell else None
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
     plant = build_arm(loaded, model, mounting, STEP)
-    known = build_arm(robot.carrying(told), model, mounting, STEP)
+    known = build_arm(robot.carrying(declared), model, mounting, STEP)
     friction = friction_of(robot, plan.friction)
     drive = drive_of(robot, friction)
     rubbing = Friction(friction, random.uniform(-START, START, 6))
     motion = _move(plant, known, loaded, plan, drive, rubbing)
-    return Experiment(loaded, model, plan, plant, known, told, friction, drive, motion)
+    return Experiment(loaded, model, plan, plant, known, declared, friction, drive, motion)
 
 
 def _move(
@@ -134,7 +137,7 @@ class Control:
     drive: Drive
 
     def torques(self, q: Array, qd: Array, target: tuple[Array, Array, Array]) -> Array:
-        """What the motors give (6,) [Nm] where the arm is at q [rad], qd [rad/s]."""
+        """Return the motor torques (6,) [Nm] in the state q [rad], qd [rad/s]."""
         self.data.qpos, self.data.qvel = q, qd
         mujoco.mj_fwdPosition(self.known, self.data)
         mujoco.mj_fwdVelocity(self.known, self.data)
@@ -150,7 +153,7 @@ def _step(
     target: tuple[Array, Array, Array],
     row: Array,
 ) -> None:
-    """Forces at this instant, a step on, and what was, in the order of PARTS."""
+    """Advance by one step; write the state before it into `row`, in the order of PARTS."""
     mujoco.mj_step1(plant, data)
     q, qd = data.qpos.copy(), data.qvel.copy()
     motor = control.torques(q, qd, target)

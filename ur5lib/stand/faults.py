@@ -1,4 +1,4 @@
-"""What goes wrong while a recording is made: in the frames, in the stream, in the files."""
+"""Simulated faults of a recording: in the frames, in the stream, in the files."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -9,14 +9,14 @@ import pandas as pd
 from ur5lib.stand.plan import Faults
 from ur5lib.timeseries.arrays import Array, Mask
 
-BUFFER = 4096  # bytes; what had not filled one was never written
-LATE, SPLIT, REST = 3, 694, 0.001  # every how many packets; bytes that come first; s to the others
-MOVES = 1e-3  # rad/s, of an arm that moves
+BUFFER = 4096  # bytes; a partly filled buffer is never written to the file
+LATE, SPLIT, REST = 3, 694, 0.001  # every third packet; bytes in its first part; s to the rest
+MOVES = 1e-3  # rad/s; above it, the arm counts as moving
 
 
 @dataclass(frozen=True)
 class Hit:
-    """Which frames (N,) faults hit: never the first two or the last."""
+    """The frames (N,) hit by faults: never the first two or the last."""
 
     lost: Mask
     cut: Mask
@@ -25,19 +25,18 @@ class Hit:
 
 
 def choose_hit(faults: Faults, count: int, random: np.random.Generator) -> Hit:
-    """Draw which of so many frames are hit, each by one fault at most."""
+    """Draw which of `count` frames are hit, each by at most one fault."""
     drawn = random.random(count)
-    drawn[[0, 1, -1]] = 1.0  # the first is safe for a reader when the second is whole, too
+    drawn[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
     shares = faults.lost_frames, faults.cut_frames, faults.stale_stamps, faults.stale_frames
     bounds = np.cumsum([0.0, *shares])
     return Hit(*((start <= drawn) & (drawn < end) for start, end in pairwise(bounds)))
 
 
 def spoil(frames: pd.DataFrame, hit: Hit, random: np.random.Generator) -> pd.DataFrame:
-    """Frames as faults leave them: some with the stamp or the data of the one before, some gone.
+    """Return the frames after the faults: stale timestamps, stale data and lost frames.
 
-    Adds `sent` [s], when each was sent, whatever its stamp says; and `kept`, which share of its
-    bytes comes.
+    Adds `sent` [s], the true time of sending, and `kept`, the share of the bytes that arrives.
     """
     before, channels = frames.shift(), frames.columns.drop("time")
     kept = np.where(hit.cut, random.random(len(frames)), 1.0)
@@ -48,10 +47,10 @@ def spoil(frames: pd.DataFrame, hit: Hit, random: np.random.Generator) -> pd.Dat
 
 
 def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[float, bytes]]:
-    """When a capture receives which bytes, with every third packet late (Figure 4.4).
+    """Return when a capture receives which bytes, with every third packet late (Figure 4.4).
 
-    messages; sent: when [s] (N,); moving: whether the arm does (N,). The late packet comes with the
-    first 694 bytes of the next, whose others follow 1 ms after.
+    sent: times of sending [s] (N,); moving: whether the arm moves (N,). The late packet arrives
+    with the first 694 bytes of the next one, the rest of which follows 1 ms later.
     """
     received: list[tuple[float, bytes]] = []
     late, count = b"", 0
@@ -68,11 +67,11 @@ def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[f
 
 
 def is_moving(frames: pd.DataFrame) -> Mask:
-    """Whether the arm is to move, frame by frame (N,)."""
+    """Return whether the arm is meant to move, frame by frame (N,)."""
     speed = frames.filter(like="target_qd_").abs().max(axis="columns")
     return (speed > MOVES).to_numpy()
 
 
 def tear(text: str) -> str:
-    """A file as it is when its last, unfilled buffer was lost."""
+    """Return a file without its last, partly filled buffer."""
     return text[: max(len(text) // BUFFER, 1) * BUFFER]

@@ -1,4 +1,4 @@
-"""The files of a recording, as the devices write them."""
+"""Writers of simulated device files."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -11,14 +11,14 @@ from ur5lib.stand.layout import ROBOT_FILES, THESIS_FILES
 from ur5lib.stand.plan import Clock, SimulatedRecording
 from ur5lib.tables import channel, write_text
 
-EPOCH = 1388577600.0  # s; the recordings' made-up date, 2014-01-01 12:00 UTC
+EPOCH = 1388577600.0  # s; fictitious date of all recordings, 2014-01-01 12:00 UTC
 DAY = 86400.0  # s
-OTHER_RUN = 5000.0  # s by which another run was earlier
-UPTIME = 4096.0  # s, of the controller when a recording begins
+OTHER_RUN = 5000.0  # s; how much earlier the other run of a stale file was
+UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
 MESSAGE = 756  # bytes
-UNCONNECTED = -1e-6  # what a force sensor writes that is not connected
+UNCONNECTED = -1e-6  # value that an unconnected force sensor writes
 
-PLACES = {  # in a message: after its size, in doubles
+PLACES = {  # index of the first double in a message, counted after its size word
     "time": 0,
     "target_q": 1,
     "target_qd": 7,
@@ -34,19 +34,19 @@ PLACES = {  # in a message: after its size, in doubles
     "joint_temperatures": 86,
 }
 Files = dict[str, str]  # text by name
-Sensors = Mapping[str, pd.DataFrame]  # readings by the plan's name for the sensor
+Sensors = Mapping[str, pd.DataFrame]  # readings, by the plan's name of the sensor
 
 
 def write_files(files: Mapping[str, str], folder: Path, torn: bool) -> None:
-    """Write a recording's files below a folder; torn: without their last, unfilled buffers."""
+    """Write a recording's files into a folder; torn: without their last, partly filled buffers."""
     for name, text in files.items():
         write_text(tear(text) if torn else text, folder / name)
 
 
 def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
-    """One CSV per channel, with the devices' start stamps beside them.
+    """Return one CSV per channel, and the start stamps of the devices.
 
-    The tool's acceleration is left out: the real one is raw counts that nothing reads.
+    The tool's acceleration is omitted: the real file holds raw counts that nothing reads.
     """
     files = {
         f"log_{file}.csv": _rows(frames["time"], channel(frames, name))
@@ -61,12 +61,12 @@ def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording)
         imu = sensors["imu"]
         files["acc_data.csv"] = _imu_rows(imu)
         day = _stamp(plan.imu.clock) + EPOCH - OTHER_RUN * plan.faults.stale_imu
-        files["acc_start_time.csv"] = f"{day % DAY * 1000:.6g}"  # this file's line never ends
+        files["acc_start_time.csv"] = f"{day % DAY * 1000:.6g}"  # this file has no newline
     return {f"csv_files/{name}": text for name, text in files.items()}
 
 
 def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
-    """A capture of the realtime port, `received_s,payload_hex`, and sensors on epoch time."""
+    """Return a capture of the realtime port, `received_s,payload_hex`, and epoch-time sensors."""
     lines = (f"{EPOCH + time:.6f},{data.hex()}\n" for time, data in _receive(frames, plan) if data)
     return {
         ROBOT_FILES["realtime-stream"]: "received_s,payload_hex\n" + "".join(lines),
@@ -75,7 +75,7 @@ def realtime_stream(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecor
 
 
 def rtde_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
-    """One CSV with RTDE's names, and sensors whose time counts from the robot's first row."""
+    """Return one CSV with RTDE names, and sensors whose time counts from the robot's first row."""
     names = frames.columns.drop(["time", "sent", "kept"])
     header = ",".join(["timestamp", *names]) + "\n"
     rows = _rows(frames["time"] + UPTIME, frames[names].to_numpy(), ",")
@@ -90,7 +90,7 @@ WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]]
 
 
 def messages(frames: pd.DataFrame) -> list[bytes]:
-    """Frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
+    """Return frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
     doubles = np.zeros((len(frames), (MESSAGE - 4) // 8), ">f8")
     for name, place in PLACES.items():
         values = frames[["time"]] + UPTIME if name == "time" else channel(frames, name)
@@ -100,7 +100,7 @@ def messages(frames: pd.DataFrame) -> list[bytes]:
 
 
 def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
-    """When a capture receives which bytes; messages that are cut end early."""
+    """Return when a capture receives which bytes; cut messages end early."""
     lengths = (MESSAGE * frames["kept"]).astype(int)
     came = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
     time = frames["sent"].to_numpy()
@@ -110,7 +110,7 @@ def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float
 
 
 def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> Files:
-    """`force_sensor.csv` and `imu.csv`; their times count from `zero` [s] before the robot's."""
+    """Return `force_sensor.csv` and `imu.csv`; their time starts at `zero` [s]."""
     other_run = {"imu": OTHER_RUN * plan.faults.stale_imu}
     return {
         f"{name}.csv": _rows(
@@ -122,7 +122,7 @@ def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> F
 
 
 def _stamp(clock: Clock) -> float:
-    """When a device says that it began [s], after the robot."""
+    """Return the start of a device by its own stamp, relative to the robot's [s]."""
     return clock.offset_s + clock.stamp_error_s
 
 
@@ -132,12 +132,12 @@ def _unconnected(frames: pd.DataFrame) -> pd.DataFrame:
 
 
 def _rows(time: pd.Series, values: np.ndarray, mark: str = ", ") -> str:
-    """One row per sample with six decimals."""
+    """Return one row per sample with six decimals."""
     return _formatted(np.column_stack([time, values]), mark.join(["%.6f"] * (1 + values.shape[1])))
 
 
 def _imu_rows(imu: pd.DataFrame) -> str:
-    """A counter of milliseconds, and six digits of each value."""
+    """Return rows of a millisecond counter and values with six digits."""
     counter = np.rint(1000 * imu["time"].to_numpy())
     table = np.column_stack([counter, imu.drop(columns="time").to_numpy()])
     return _formatted(table, ", ".join(["%d"] + ["%.6g"] * 9))

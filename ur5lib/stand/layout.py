@@ -1,9 +1,9 @@
-"""Which files the stand's devices write, and how a study names them."""
+"""Names of the files that the test stand writes, and the keys of a study for them."""
 
 from collections.abc import Mapping
 from typing import Any
 
-THESIS_FILES = {  # after log_; as the thesis's recorder names the controller's channels
+THESIS_FILES = {  # name after log_, as in the thesis, and RTDE name
     "q_actual": "actual_q",
     "qd_actual": "actual_qd",
     "i_actual": "actual_current",
@@ -20,11 +20,11 @@ ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
 COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
 COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
 FORMATS = ["thesis-csv", *ROBOT_FILES]
-TELLING = ["rtde-csv"]  # formats that say what payload the controller was told of
+TELLING = ["rtde-csv"]  # formats that record the payload declared to the controller
 
 
 def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:
-    """The files of a simulated recording, below its folder. plan: as plain data."""
+    """Return the files of a simulated recording, within its folder. plan: as plain data."""
     sensors = [name for name in COLUMNS if plan.get(name) is not None]
     if format != "thesis-csv":
         return [ROBOT_FILES[format], *(f"{name}.csv" for name in sensors)]
@@ -35,7 +35,7 @@ def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:
 
 
 def device_keys(format: str, plan: Mapping[str, Any]) -> dict[str, Any]:
-    """What an entry of a study says of these files: `file`, `force_sensor`, `imu`."""
+    """Return the keys of a study's entry for these files: `file`, `force_sensor`, `imu`."""
     if format == "thesis-csv":
         return {}
     sensors = {

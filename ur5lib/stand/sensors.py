@@ -1,4 +1,4 @@
-"""What force sensor and IMU read, on clocks of their own."""
+"""Readings of the simulated force sensor and IMU, each on its own clock."""
 
 import numpy as np
 import pandas as pd
@@ -13,22 +13,22 @@ TICK = 0.001  # s, of the IMU's stamps
 FORCE_COLUMNS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
 IMU_COLUMNS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
 
-# Force sensor: from sample to sample at rest, in the thesis's recordings [N, Nm].
+# Force sensor: noise between samples at rest, from the thesis's recordings [N, Nm].
 FORCE_NOISE = np.array([0.0013, 0.0015, 0.0022, 5e-5, 5e-5, 4e-5])
-# IMU: density per √Hz, and bandwidth [Hz], of the maker (Table 4.5).
+# IMU: manufacturer's noise density per √Hz and bandwidth [Hz] (Table 4.5).
 GYROSCOPE_NOISE, GYROSCOPE_BANDWIDTH = np.deg2rad(0.05), 40.0
 ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH = 0.002, 30.0
-MAGNETOMETER_NOISE = 0.001  # of the earth's field: 0.5 of some 500 mGauss
+MAGNETOMETER_NOISE = 0.001  # relative to the Earth's field: 0.5 of about 500 mGauss
 EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
 
 
 def force_readings(
     sensor: ForceSensor, motion: Motion, random: np.random.Generator, noise: bool
 ) -> pd.DataFrame:
-    """A force sensor's record: `time` [s] by its clock from its first sample, and ft_* [N, Nm].
+    """Return a force sensor's `time` [s] on its own clock, from its first sample, and ft_* [N, Nm].
 
-    Force and torque on the arm of what it carries and touches: weight and inertia of the tool and
-    the contact, plus the bias. noise: whether there is any, in values and stamps.
+    Force and torque on the arm: weight and inertia of the tool, and the contact, plus the bias.
+    noise: whether values and timestamps are noisy.
     """
     stamps, when = _samples(sensor.clock, FORCE_RATE, motion, random, noise)
     reading = _sample(when, motion.time, motion.force_sensor) + sensor.bias
@@ -41,7 +41,7 @@ def force_readings(
 def imu_readings(
     imu: Imu, motion: Motion, random: np.random.Generator, noise: bool
 ) -> pd.DataFrame:
-    """An IMU's record: `time` [s] by its clock from its first sample, and imu_* in its axes.
+    """Return an IMU's `time` [s] on its own clock, from its first sample, and imu_* in its axes.
 
     Specific force [m/s²], magnetic field [normalised], angular rate [rad/s]; arguments as above.
     """
@@ -51,7 +51,9 @@ def imu_readings(
     felt = _sample(when, motion.time, motion.imu)
     turn = _sample(when, motion.time, motion.rotation).reshape(-1, 3, 3)
     acceleration = felt[:, :3] + imu.accelerometer_bias
-    field = EARTH_FIELD @ turn  # axes of frame 6: nobody reads it for more
+    field = (
+        EARTH_FIELD @ turn
+    )  # axes of frame 6; the mounting is neglected because nothing uses the field
     rate = felt[:, 3:] + imu.gyroscope_bias
     if noise:
         acceleration += _coloured(ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH, len(when), random)
@@ -63,9 +65,9 @@ def imu_readings(
 def _samples(
     clock: Clock, rate: float, motion: Motion, random: np.random.Generator, noise: bool
 ) -> tuple[Array, Array]:
-    """Stamps of a device's samples by its clock, and when they truly were (N,) [s].
+    """Return the timestamps of a device's samples and their true times (N,) [s].
 
-    t_robot = offset + (1 + drift) t_device; the stamps jitter, the first excepted: it is zero.
+    t_robot = offset + (1 + drift) t_device; all timestamps but the first, which is zero, jitter.
     """
     scale = 1 + 1e-6 * clock.drift_ppm
     stamps = np.arange(0, (motion.time[-1] - clock.offset_s) / scale, 1 / rate)
@@ -75,14 +77,14 @@ def _samples(
 
 
 def _sample(when: Array, time: Array, values: Array) -> Array:
-    """Values (N, C) of even times at others (M,), linearly."""
+    """Return values (N, C) interpolated linearly from `time` (N,) to `when` (M,)."""
     return np.column_stack([np.interp(when, time, column) for column in values.T])
 
 
 def _coloured(density: float, bandwidth: float, count: int, random: np.random.Generator) -> Array:
-    """White noise of a density [1/√Hz] behind a low-pass of first order (N, 3)."""
+    """Return white noise of a density [1/√Hz] behind a first-order low-pass (N, 3)."""
     decay = np.exp(-2 * np.pi * bandwidth / IMU_RATE)
-    deviation = density * np.sqrt(bandwidth * np.pi / 2)  # what such a low-pass lets through
+    deviation = density * np.sqrt(bandwidth * np.pi / 2)  # of the noise after the low-pass
     drive = deviation * np.sqrt(1 - decay**2) * random.normal(size=(count, 3))
     drive[0] /= np.sqrt(1 - decay**2)
     return lfilter([1.0], [1.0, -decay], drive, axis=0)

@@ -1,4 +1,4 @@
-"""A recording of the virtual test stand: the arm moves, the devices write."""
+"""Simulation of one recording: the motion of the arm and the files of its devices."""
 
 from pathlib import Path
 from typing import Literal
@@ -18,18 +18,18 @@ from ur5lib.stand.truth import write_truth
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
-DEVICES = ("arm", "controller", "faults", "force", "imu")  # each draws its own noise
+DEVICES = ("arm", "controller", "faults", "force", "imu")  # each with its own random generator
 CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
 def simulate(
     robot: Robot, plan: SimulatedRecording, format: Format, folder: Path, truth: Path
 ) -> None:
-    """Write one recording as real devices would, and beside it, elsewhere, what truly was.
+    """Write one recording as real devices would, and, elsewhere, the truth about it.
 
-    folder: of the files that `layout.file_names` tells; truth: path of the truth's table and
-    summary, less their suffixes .parquet and .json.
-    The same plan gives the same bytes. Raises InputError when the arm cannot do what is planned.
+    folder: of the files that `layout.file_names` lists; truth: path of the truth's table and
+    summary without their suffixes .parquet and .json.
+    The same plan gives the same bytes. Raises InputError when the arm cannot execute the plan.
     """
     random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))
     experiment = perform(robot, plan, random["arm"], tell=format in TELLING)

@@ -1,4 +1,4 @@
-"""Where the controller wants the joints to be: position, velocity and acceleration in time."""
+"""Target trajectories: position, velocity and acceleration of the joints over time."""
 
 import re
 from collections.abc import Iterator
@@ -14,15 +14,15 @@ from ur5lib.stand.plan import Fourier, Movej, Standstill
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
-REST = 1.0  # s; every recording begins at rest
-SHORTEST = 0.008  # s, of a command, even to where the arm is
-ACCELERATION = 15.0  # rad/s², of motors for which no limit is published
+REST = 1.0  # s at rest at the beginning of every recording
+SHORTEST = 0.008  # s, shortest duration of a command, even without motion
+ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 COMMAND = re.compile(r"\s*movej\(\[(.*)\]\)\s*")
 
 
 @dataclass(frozen=True)
 class Targets:
-    """What the drives follow, each (N, 6): q [rad], qd [rad/s], qdd [rad/s²]."""
+    """Targets of the drives, each (N, 6): q [rad], qd [rad/s], qdd [rad/s²]."""
 
     q: Array
     qd: Array
@@ -30,9 +30,9 @@ class Targets:
 
 
 def plan_targets(plan: Movej | Fourier | Standstill, robot: Robot, time: Array) -> Targets:
-    """The targets of a trajectory at times (N,) [s].
+    """Return the targets of a trajectory at times (N,) [s].
 
-    Raises InputError when it leaves the joints' limits or its file of way-points is wrong.
+    Raises InputError when it exceeds the joints' limits or its file of way-points is wrong.
     """
     match plan:
         case Standstill():
@@ -46,18 +46,20 @@ def plan_targets(plan: Movej | Fourier | Standstill, robot: Robot, time: Array) 
 
 
 def read_way_points(path: str | Path) -> list[PerJoint]:
-    """Way-points [rad] from a text file with one command `movej([six angles])` per line.
+    """Read way-points [rad] from a text file with one command `movej([six angles])` per line.
 
-    As the thesis's program sent them to the arm (Section 4.4.1). Raises InputError otherwise.
+    This is the file format of the thesis (Section 4.4.1). Raises InputError for anything else.
     """
     expect_file(Path(path))
     try:
         lines = Path(path).read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({error}); name a file of way-points") from error
+        raise InputError(
+            f"{path} cannot be read ({error}); give a text file of way-points"
+        ) from error
     points = [_way_point(line, f"{path}, line {k}") for k, line in enumerate(lines, 1) if line]
     if len(points) < 2:
-        raise InputError(f"{path}: holds {len(points)} way-points; give at least two")
+        raise InputError(f"{path}: found {len(points)} way-point(s); give at least two")
     return points
 
 
@@ -68,7 +70,9 @@ def _way_point(line: str, place: str) -> PerJoint:
     except ValueError:
         angles = []
     if len(angles) != 6 or not np.isfinite(angles).all():
-        raise InputError(f"{place}: is {line!r}; give movej([six angles in radians])")
+        raise InputError(
+            f"{place}: {line!r} is not a way-point; write movej([six angles in radians])"
+        )
     return (angles[0], angles[1], angles[2], angles[3], angles[4], angles[5])
 
 
@@ -80,10 +84,10 @@ def _expect_within_limits(targets: Targets, robot: Robot) -> None:
             (targets.qd, motor.velocity_max, "rad/s"),
         ):
             most = float(np.abs(values[:, joint]).max())
-            if not most <= limit:  # NaN is none
+            if not most <= limit:  # also rejects NaN
                 raise InputError(
                     f"the trajectory takes joint {joint + 1} of {robot.name} to {most:.3g} {unit}, "
-                    f"its limit is {limit:.3g}; choose a slower or smaller one"
+                    f"beyond its limit of {limit:.3g}; choose a slower or smaller motion"
                 )
 
 
@@ -111,7 +115,7 @@ def _movej(plan: Movej, time: Array) -> Targets:
 
 
 def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array, Array]]:
-    """When each move starts [s], where, and its way (6,) [rad], until the end."""
+    """Yield start [s], origin and way (6,) [rad] of each move, until the end."""
     start = 0.0
     for origin, goal in pairwise(cycle(points)):
         if start >= end:
@@ -123,14 +127,14 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
 
 
 def _duration(way: float, plan: Movej) -> tuple[float, float, float]:
-    """How long a move over a way [rad] speeds up, when it slows down, when it ends [s]."""
+    """Return the duration of the acceleration, the start of the braking, and the end [s]."""
     ramp = min(plan.speed_rad_s / plan.acceleration_rad_s2, (way / plan.acceleration_rad_s2) ** 0.5)
     cruise = way / (plan.acceleration_rad_s2 * ramp) - ramp if ramp else 0.0
     return ramp, ramp + cruise, 2 * ramp + cruise
 
 
 def _trapezoid(time: Array, way: Array, plan: Movej) -> tuple[Array, Array, Array]:
-    """Place [rad], speed and acceleration (N,) of the joint that leads, at times from its start."""
+    """Return position [rad], speed and acceleration (N,) of the joint with the longest way."""
     ramp, slow, end = _duration(np.abs(way).max(), plan)
     passed = [np.clip(time - start, 0, ramp) for start in (0.0, slow)]
     cruise = np.clip(time - ramp, 0, slow - ramp)
@@ -145,7 +149,7 @@ def _trapezoid(time: Array, way: Array, plan: Movej) -> tuple[Array, Array, Arra
 
 
 def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
-    """A series that starts at rest, as large as the limits allow, joint by joint."""
+    """Return a series that starts at rest, scaled to the limits joint by joint."""
     fine = np.linspace(0, plan.period_s, 2001)
     coefficients = _coefficients(plan)
     parts = [series @ coefficients for series in _series(plan, fine)]
@@ -162,7 +166,7 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
 
 
 def _coefficients(plan: Fourier) -> Array:
-    """Of sines and cosines (2 H, 6), random but for q = posture, qd = qdd = 0 at the start."""
+    """Draw coefficients (2 H, 6) subject to q = posture, qd = qdd = 0 at the start."""
     start = np.concatenate(_series(plan, np.zeros(1)))
     start /= np.linalg.norm(start, axis=1, keepdims=True)
     drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, 6))
@@ -170,7 +174,7 @@ def _coefficients(plan: Fourier) -> Array:
 
 
 def _series(plan: Fourier, time: Array) -> tuple[Array, Array, Array]:
-    """Sines and cosines (N, 2 H) at times (N,), and their first and second derivatives."""
+    """Return sines and cosines (N, 2 H) at times (N,), and their first and second derivatives."""
     omega = 2 * np.pi / plan.period_s * np.arange(1, plan.harmonics + 1)
     sin, cos = np.sin(np.outer(time, omega)), np.cos(np.outer(time, omega))
     return (

@@ -1,4 +1,4 @@
-"""What truly was: no step of the pipeline reads it but the comparison at its end."""
+"""The truth of a simulated recording, read only by the comparison at the end of the pipeline."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -17,7 +17,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> None:
-    """Write truth + .parquet, at the controller's frames, and .json: what made the recording."""
+    """Write truth.parquet, at the controller's frames, and truth.json, the true parameters."""
     plan, motion = experiment.plan, experiment.motion
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)
@@ -38,9 +38,11 @@ def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> 
 
 
 def truth_table(motion: Motion, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
-    """`time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the environment on
-    link 6 and beyond [N, Nm], base axes, at the origin of frame 6, at the controller's frames; and
-    the unit of each column.
+    """Return the true time series at the controller's frames, and the unit of each column.
+
+    Columns: `time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the
+    environment on link 6 and beyond [N, Nm], base axes, at the origin of frame 6; o6, R6: pose of
+    frame 6.
     """
     every = slice(None, None, round(cycle / STEP))
     parts = {
@@ -75,7 +77,7 @@ def _noise() -> dict[str, Any]:
 
 
 def _clocks(plan: SimulatedRecording) -> dict[str, dict[str, float]]:
-    """t_robot = offset + (1 + drift) t_device, by device, both from their first samples."""
+    """Return each device's clock, counted from its first sample: offset + (1 + drift) t_device."""
     devices = {"force": plan.force_sensor, "imu": plan.imu}
     return {
         name: {"offset_s": device.clock.offset_s, "drift_ppm": device.clock.drift_ppm}
@@ -85,7 +87,7 @@ def _clocks(plan: SimulatedRecording) -> dict[str, dict[str, float]]:
 
 
 def _intervals(motion: Motion) -> list[list[float]]:
-    """When something touches the arm: starts and ends [s]."""
+    """Return the starts and ends of all contacts [s]."""
     touched = (motion.contact_torque != 0).any(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], touched, [0]])))
     times: Array = np.append(motion.time, motion.time[-1])[edges]

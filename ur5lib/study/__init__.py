@@ -1,1 +1,1 @@
-"""What a study may say, and what is said where it errs."""
+"""The model of a study, and the messages about errors in it."""

@@ -13,7 +13,7 @@ from rich.table import Table
 from ur5lib.errors import InputError
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.intake import Intake, take_in
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
@@ -98,7 +98,9 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     """A recording's quality.json and own_clocks.json; of an unusable one, the error is all."""
     arm = load_robot(robot_path(recording.robot))
     try:
-        intake = take_in(recording.model_dump(), arm, study.settings.repair_frames.max_gap_s)
+        intake = read_and_repair(
+            recording.model_dump(), arm, study.settings.repair_frames.max_gap_s
+        )
     except InputError as error:
         return unusable(error), {}
     return intake.quality, _clocks_of(intake, arm)

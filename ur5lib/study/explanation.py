@@ -1,4 +1,4 @@
-"""What is wrong with a study: key, value, what is allowed, and the nearest valid name."""
+"""Error messages about a study: key, value, allowed values, closest valid name."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -6,27 +6,27 @@ from typing import Any
 
 from pydantic_core import ErrorDetails
 
-QUOTE = "'"  # around a discriminator's name in pydantic's errors
+QUOTE = "'"  # pydantic puts it around a discriminator's name
 
 
 def explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
-    """One sentence for one error: key, value, what is allowed, the nearest valid name."""
+    """Return one sentence for one error: key, value, allowed values, closest valid name."""
     location, node = _descend(schema, error["loc"])
     key, kind = _key(location), error["type"]
     if kind == "extra_forbidden":
         known = _descend(schema, error["loc"][:-1])[1]["properties"]
-        return f"unknown key `{key}`{_near(location[-1], known)}; known: {', '.join(known)}"
+        return f"unknown key `{key}`{_near(location[-1], known)}; known keys: {', '.join(known)}"
     if kind.startswith("union_tag"):
         return _explain_tag(error, key, list(branches(node)))
     if kind == "missing":
         return f"`{key}` is missing; give {allowed(node)}"
     near = _near(error["input"], _choices(node))
-    told = error["ctx"]["error"] if kind == "value_error" else allowed(node)
-    return f"`{key}` is {shown(error['input'])}{near}; give {told}"
+    wanted = error["ctx"]["error"] if kind == "value_error" else allowed(node)
+    return f"`{key}` is {shown(error['input'])}{near}; give {wanted}"
 
 
 def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
-    """Of a part that comes in several kinds, told apart by its `format` or `kind`."""
+    """Explain a wrong or missing `format` or `kind`, which selects the kind of a part."""
     key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
     known = f"give one of {', '.join(tags)}"
     if error["type"] == "union_tag_not_found":
@@ -43,7 +43,7 @@ def _key(location: Iterable[str | int]) -> str:
 def _descend(
     schema: dict[str, Any], location: Iterable[str | int]
 ) -> tuple[list[str | int], dict[str, Any]]:
-    """The keys of a location, less the tags of its kinds, and what a JSON schema says there."""
+    """Return the keys of a location, without tags of kinds, and the schema node there."""
     node, keys = schema, list[str | int]()
     for part in location:
         kinds = branches(node)
@@ -59,14 +59,14 @@ def _descend(
 
 
 def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """The kinds of a part by their tags; where values of two types are allowed, these."""
+    """Return the kinds of a part by tag; where two types are allowed, the types."""
     tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
     options = {tags.get(o.get("$ref"), o.get("type")): o for o in node.get("oneOf", [])}
     return {tag: option for tag, option in options.items() if tag is not None}
 
 
 def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
-    """What a schema says of a key, or of an entry of a list."""
+    """Return the schema node of a key, or of an entry of a list."""
     if isinstance(part, str):
         return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
     each = node.get("prefixItems", [])
@@ -79,7 +79,7 @@ def _near(value: object, candidates: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as a message shows it, cut where it is long."""
+    """Return a value as messages show it, shortened where it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -89,7 +89,7 @@ def _choices(node: dict[str, Any]) -> list[str]:
 
 
 def allowed(node: dict[str, Any]) -> str:
-    """What a node of a JSON schema allows, in words: "a number above 0 and below 62.5"."""
+    """Return what a JSON schema node allows, in words: "a number above 0 and below 62.5"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
     bounds = {
@@ -97,9 +97,11 @@ def allowed(node: dict[str, Any]) -> str:
         "exclusiveMinimum": "above",
         "maximum": "at most",
         "exclusiveMaximum": "below",
-        "minItems": "with entries, at least",
+        "minItems": "with at least",
     }
     limits = [f"{word} {node[key]}" for key, word in bounds.items() if key in node]
+    if "minItems" in node:
+        limits = [f"{limits[0]} {'entry' if node['minItems'] == 1 else 'entries'}"]
     if "maxItems" in node:
         limits = [f"of {node['maxItems']}"]
     type_ = "object" if "discriminator" in node else node.get("type", "value")

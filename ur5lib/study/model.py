@@ -1,7 +1,7 @@
 """A study: the recordings to analyse, and the settings of every step.
 
-The model below is the whole truth about `config.yaml`; `workflow/study.schema.json` is made from
-it.
+The model below defines every key of `config.yaml`; `workflow/study.schema.json` and
+`docs/settings.md` are generated from it.
 """
 
 import json
@@ -15,23 +15,24 @@ from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
 
-Name = Annotated[  # it becomes a folder's name
+Name = Annotated[  # becomes the name of a folder
     str,
     Field(
         pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
-        description="letters, digits, _ - and, but for the first, .",
+        description="letters, digits, `_`, `-`; dots too, except as the first character",
     ),
 ]
 
 
 def _known_robot(name: str) -> str:
     if name not in robot_names():
-        raise ValueError("one of " + ", ".join(robot_names()))
+        known = ", ".join(robot_names())
+        raise ValueError(f"one of {known}, or describe the arm yourself (docs/robots.md)")
     return name
 
 
 class Part(Strict):
-    """One run of an arm: what every format needs to know of it."""
+    """One run of an arm: the keys that every format has."""
 
     name: Name
     robot: Annotated[str, AfterValidator(_known_robot)] = Field(
@@ -45,22 +46,22 @@ class Part(Strict):
     )
     gravity: Gravity | None = Field(
         None,
-        description="in the base frame [m/s²], for an arm on a ceiling, a wall or a slope; by "
-        "default as in the arm's description",
+        description="vector in the base frame [m/s²], for an arm on a ceiling, a wall or a slope; "
+        "default: that of the arm's description",
     )
     payload: Payload | None = Field(
         None,
-        description="what the arm carries beyond its description, told to the controller or not; "
-        "by default what RTDE's `payload` channels say, else nothing",
+        description="load on the flange that the arm's description lacks, whether the controller "
+        "knows it or not; default: the recorded `payload` channels of RTDE, otherwise none",
     )
     format: str
 
     def known_payload(self) -> Payload | None:
-        """What the study says that the arm carries."""
+        """Return the payload that the study declares."""
         return self.payload
 
     def file_names(self) -> list[str]:
-        """The files below its folder that it names; none when it means all of them."""
+        """Return the files in its folder that it names; none when it uses all of them."""
         parts = [self, getattr(self, "force_sensor", None), getattr(self, "imu", None)]
         names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
         return [name for name in names if name is not None]
@@ -69,17 +70,19 @@ class Part(Strict):
 class DeviceTable(Strict):
     """A delimited table of numbers, with or without a header line."""
 
-    file: str = Field(description="below the recording's folder")
+    file: str = Field(description="path within the recording's folder")
     columns: list[str] = Field(
         min_length=1,
-        description="what the columns hold, in order: time, then channels by their RTDE names; "
-        "a channel without suffix stands for its six columns, - for one to skip",
+        description="contents of the columns, in order: `time` and channels by their RTDE names; a "
+        "channel without suffix stands for all its columns, `-` for a column to skip",
     )
     units: dict[str, str] = Field(
-        default={}, description="of channels that are not in SI units: deg, deg/s, ms, mA, g, ..."
+        default={}, description="units of the channels not in SI units: deg, deg/s, ms, mA, g, ..."
     )
     time: Literal["relative_s", "epoch_s", "day_ms"] = Field(
-        "relative_s", description="what the time column counts"
+        "relative_s",
+        description="time base: seconds since the start, seconds since 1970, milliseconds of the "
+        "day",
     )
 
 
@@ -87,71 +90,74 @@ class Sensor(DeviceTable):
     """A force sensor or an IMU with its own clock."""
 
     start_file: str | None = Field(
-        None, description="file with the stamp of the clock's zero, where the time is relative"
+        None, description="file with the time at which a relative clock read zero"
     )
-    start: Literal["epoch_s", "day_ms"] = Field("epoch_s", description="what that stamp counts")
+    start: Literal["epoch_s", "day_ms"] = Field(
+        "epoch_s",
+        description="unit of the time in `start_file`: seconds since 1970, milliseconds of the day",
+    )
 
 
 class Sensors(Strict):
-    """The sensors that were recorded besides the robot."""
+    """The sensors that were recorded together with the robot."""
 
-    force_sensor: Sensor | None = Field(None, description="where there is one")
-    imu: Sensor | None = Field(None, description="where there is one")
+    force_sensor: Sensor | None = Field(None, description="file of the force sensor, if any")
+    imu: Sensor | None = Field(None, description="file of the IMU, if any")
 
 
 def _or_simulated(schema: dict[str, Any]) -> None:
-    """Either the keys that say where real files are, or `simulate`."""
+    """Require either the keys that locate real files, or `simulate`."""
     files = [key for key in ("folder", "file") if key in schema["required"]]
     schema["required"] = [key for key in schema["required"] if key not in files]
     schema["oneOf"] = [{"required": files}, {"required": ["simulate"]}]
 
 
 class Simulable(Part):
-    """A recording that the virtual test stand can make."""
+    """A recording that the virtual test stand can simulate."""
 
     model_config = ConfigDict(json_schema_extra=_or_simulated)
 
     simulate: SimulatedRecording | None = Field(
         None,
-        description="let the virtual test stand make it, in raw/<study>/<name>, without the keys "
-        "that say where real files are",
+        description="simulate the recording on the virtual test stand, in raw/<study>/<name>; "
+        "replaces the keys that locate real files",
     )
 
     def known_payload(self) -> Payload | None:
-        """What the study says that the arm carries, or its plan where the files cannot say it."""
+        """Return the declared payload, or the plan's where the format cannot record it."""
         if self.payload or self.simulate is None or self.format in layout.TELLING:
             return self.payload
         return self.simulate.payload
 
     def file_names(self) -> list[str]:
-        """The files below its folder; those that the stand writes where it makes them."""
+        """Return the files in its folder, or those that the test stand writes there."""
         if self.simulate is None:
             return super().file_names()
         return layout.file_names(self.format, self.simulate.model_dump())
 
 
 class ThesisRecording(Simulable):
-    """A folder `csv_files` with one CSV per channel, as the thesis recorded."""
+    """A folder `csv_files` with one CSV per channel, as recorded for the thesis."""
 
     format: Literal["thesis-csv"]
 
 
 class StreamRecording(Simulable, Sensors):
-    """A capture of the controller's realtime port: received_s,payload_hex."""
+    """A capture of the controller's realtime port, with lines received_s,payload_hex."""
 
     format: Literal["realtime-stream"]
-    file: str = Field(description="below the recording's folder")
+    file: str = Field(description="path within the recording's folder")
 
 
 class RtdeRecording(Simulable, Sensors):
-    """One CSV with RTDE's names in its header, as ur_rtde and the maker's client write."""
+    """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
     format: Literal["rtde-csv"]
-    file: str = Field(description="below the recording's folder")
+    file: str = Field(description="path within the recording's folder")
 
 
 class TableRecording(Part, DeviceTable, Sensors):
-    """Any delimited table whose columns the study names."""
+    """Any delimited table whose columns the study declares."""
 
     format: Literal["table-csv"]
 
@@ -162,15 +168,18 @@ Recording = Annotated[
 ]
 
 
-ORDER = "of the Butterworth filter, which runs forwards and backwards"
-CUTOFF = "where a signal loses half its amplitude (-6 dB)"
+ORDER = "order of the Butterworth filter, which runs forwards and backwards"
+CUTOFF = "frequency at which a signal loses half its amplitude (-6 dB)"
 
 
 class RepairFrames(Strict):
-    """Putting frames back on the controller's grid."""
+    """Repair of frames on the controller's time grid."""
 
     max_gap_s: float = Field(
-        0.1, ge=0, le=1, description="gaps up to this are interpolated, longer ones split"
+        0.1,
+        ge=0,
+        le=1,
+        description="gaps up to this length are interpolated, longer ones split the recording",
     )
 
 
@@ -182,7 +191,7 @@ class FilterSignals(Strict):
 
 
 class CompareAccelerations(Strict):
-    """Zero-phase Butterworth low-pass of joints and IMU where they are compared."""
+    """Zero-phase Butterworth low-pass for the comparison of joints and IMU."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
@@ -192,55 +201,66 @@ FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetr
 
 
 class FitFriction(Strict):
-    """Torque constants and friction, from currents and motion low-passed without delay."""
+    """Fit of torque constants and friction to currents and motion, low-passed without delay."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
-        2.0, gt=0, lt=62.5, description="above it, a measured current is noise"
+        2.0, gt=0, lt=62.5, description="above this frequency, measured currents are mostly noise"
     )
     terms: list[FrictionTerm] = Field(
         [*get_args(FrictionTerm)],
-        description="to choose from besides Coulomb, viscous and load-dependent friction and what "
-        "comes once a turn; those that predict recordings left out are taken",
+        description="candidate friction terms besides Coulomb, viscous, load-dependent and "
+        "once-per-turn friction; only terms that improve cross-validation are used",
     )
 
 
 class RebuildForces(Strict):
     """The thesis's estimates of a contact force."""
 
-    order: int = Field(5, ge=1, le=12, description="of the low-pass on the external torque")
-    cutoff_hz: float = Field(1.454, gt=0, lt=62.5, description="the thesis's (erratum 4)")
+    order: int = Field(5, ge=1, le=12, description="order of the low-pass on the external torque")
+    cutoff_hz: float = Field(
+        1.454, gt=0, lt=62.5, description="cut-off frequency in the thesis (erratum 4)"
+    )
     min_singular_value: float = Field(
-        0.01, gt=0, le=1, description="of the Jacobian; below it the torques tell no force"
+        0.01,
+        gt=0,
+        le=1,
+        description="smallest singular value of the Jacobian; below it, torques determine no force",
     )
 
 
 class EstimateForces(Strict):
-    """What is known of a contact before any measurement."""
+    """Prior knowledge about contacts."""
 
     contact_force_n: float = Field(
-        15.0, gt=0, le=1000, description="a usual contact; each contact's own data override it"
+        15.0,
+        gt=0,
+        le=1000,
+        description="force of a typical contact; the data of each contact override it",
     )
 
 
 class CompareForces(Strict):
-    """The force sensor that estimates are compared with."""
+    """Comparison of the estimates with the force sensor."""
 
     bias_window_s: float = Field(
-        1.0, gt=0, le=60, description="start of a run, free of contact, for the kind “corrected”"
+        1.0,
+        gt=0,
+        le=60,
+        description="contact-free start of a run whose mean is removed in the kind “corrected”",
     )
 
 
 class SetThreshold(Strict):
-    """From which odds on a contact is called one."""
+    """Threshold on the odds of contact for an alarm."""
 
     false_alarms_per_min: float = Field(
-        1.0, ge=0, le=60, description="at most so many on the recordings for fitting"
+        1.0, ge=0, le=60, description="highest rate allowed on the `fit` recordings"
     )
 
 
 class Settings(Strict):
-    """Settings of the steps, by rule."""
+    """Settings of the steps, named after their rules."""
 
     repair_frames: RepairFrames = RepairFrames()
     filter_signals: FilterSignals = FilterSignals()
@@ -253,32 +273,32 @@ class Settings(Strict):
 
 
 class Study(Strict):
-    """What `snakemake` analyses; results lie in `results/<study>/`."""
+    """The configuration of one run of `snakemake`; its results are in `results/<study>/`."""
 
     study: Name
-    title: str = Field(description="of the report")
-    recordings: list[Recording] = Field(min_length=1, description="what was recorded")
+    title: str = Field(description="title of the report")
+    recordings: list[Recording] = Field(min_length=1, description="recordings to analyse")
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
-        None, description="YAML file of published values and errata to show beside the results"
+        None, description="YAML file with published values and errata to compare the results with"
     )
     hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(
         {},
-        description="computers, by any name, each with the devices whose stamps its clock gives; "
-        "devices of one host share its drift",
+        description="computers, under names of your choice, each with the devices whose samples it "
+        "timestamps; devices of one host share its clock drift",
     )
-    settings: Settings = Field(Settings(), description="of the steps")
+    settings: Settings = Field(Settings(), description="settings of the steps")
 
     def devices_of_hosts(self) -> dict[str, list[str]]:
-        """Each host's devices, by their names in results."""
+        """Return each host's devices, by their names in results."""
         return {host: [SENSORS[key] for key in keys] for host, keys in self.hosts.items()}
 
 
 def schema_text() -> str:
-    """The JSON schema of a study, as committed in workflow/study.schema.json."""
+    """Return the JSON schema of a study, as committed in workflow/study.schema.json."""
     return json.dumps(Study.model_json_schema(), indent=2) + "\n"
 
 
 def arms_without_fit(study: Study) -> list[str]:
-    """Arms that no recording of role `fit` is of: their friction, hence forces, stay unknown."""
+    """Return the arms without a recording of role `fit`: they get no friction and no forces."""
     fitted = {recording.robot for recording in study.recordings if recording.role == "fit"}
     return sorted({recording.robot for recording in study.recordings} - fitted)

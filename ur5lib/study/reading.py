@@ -1,4 +1,4 @@
-"""Reading a study: all of its errors are reported at once."""
+"""Reading of a study: all of its errors are reported at once."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -16,9 +16,9 @@ FILE_KEYS = {"folder", "file", "force_sensor", "imu"}
 
 
 def parse_study(raw: Mapping[str, Any], source: str) -> Study:
-    """The study that a configuration describes.
+    """Return the study that a configuration describes.
 
-    raw: the configuration as plain data; source: the file it came from, for the messages.
+    raw: the configuration as plain data; source: its file, for the messages.
     Raises InputError with one line for each error found.
     """
     expect_few_values(raw, source)
@@ -40,7 +40,7 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
 
 
 def _entries(raw: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
-    """The entries of the recordings that are mappings, each after its place."""
+    """Return the entries of the recordings that are mappings, each with its place."""
     recordings = raw.get("recordings")
     entries = recordings if isinstance(recordings, list) else []
     return [(f"recordings[{k}]", e) for k, e in enumerate(entries) if isinstance(e, dict)]
@@ -51,8 +51,9 @@ def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
         folder = entry.get("folder")
         if "simulate" not in entry and isinstance(folder, str) and not Path(folder).is_dir():
             yield (
-                f"`{place}.folder` is {shown(folder)}, which is not in {Path.cwd()}; run in the "
-                "project's folder, correct the path, or fetch it (`ur5 fetch thesis`)"
+                f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; "
+                "run in the project's folder, correct the path, or fetch the data "
+                "(`ur5 fetch thesis`)"
             )
 
 
@@ -60,11 +61,11 @@ def _files_of_simulated(raw: Mapping[str, Any]) -> Iterator[str]:
     for place, entry in _entries(raw):
         if "simulate" in entry:
             for key in sorted(entry.keys() & FILE_KEYS):
-                yield f"`{place}.{key}` says where real files are; leave it or `simulate` out"
+                yield f"`{place}.{key}` names real files, but the entry has `simulate`; remove one"
 
 
 def _with_simulated_files(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """The configuration, its simulated recordings with the files that the stand will write."""
+    """Return the configuration with the files that the test stand will write."""
     study = {**raw}
     if isinstance(raw.get("recordings"), list):
         study["recordings"] = [_with_files(entry, raw.get("study")) for entry in raw["recordings"]]
@@ -83,18 +84,18 @@ def _with_files(entry: Any, study: object) -> Any:
 def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
     names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
     for name in sorted({str(name) for name in names if names.count(name) > 1}):
-        yield f"recordings: two are named {name!r}; give each its own name"
+        yield f"recordings: {name!r} is used twice as a name; give each recording its own"
 
 
 def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
-    """Recordings of the same file: what is validated on what it was fitted on proves nothing."""
+    """Find recordings of the same file: validating on data of the fit proves nothing."""
     real = [entry for _, entry in _entries(raw) if isinstance(entry.get("folder"), str)]
     paths = [str(Path(entry["folder"], str(entry.get("file", "")))) for entry in real]
     for path in sorted({path for path in paths if paths.count(path) > 1}):
         names = [
             str(entry.get("name")) for entry, its in zip(real, paths, strict=True) if its == path
         ]
-        yield f"recordings: {' and '.join(names)} are both {path}; give each its own file"
+        yield f"recordings: {' and '.join(names)} use the same {path}; give each its own file"
 
 
 def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
@@ -102,4 +103,4 @@ def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
     lists = hosts.values() if isinstance(hosts, dict) else []
     named = [device for devices in lists if isinstance(devices, list) for device in devices]
     for device in sorted({str(device) for device in named if named.count(device) > 1}):
-        yield f"hosts: {device} is named twice; name it on the one host that stamps its samples"
+        yield f"hosts: {device} is listed twice; list it under the host that timestamps its samples"

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.recordings.intake import checksum, take_in
+from ur5lib.recordings.intake import checksum, read_and_repair
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import write_json, write_table
@@ -14,7 +14,7 @@ NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
 
 
 def repair_frames(input: Any, output: Any, params: Any) -> None:
-    intake = take_in(json.loads(params.recording), load_robot(input.arm), params.max_gap_s)
+    intake = read_and_repair(json.loads(params.recording), load_robot(input.arm), params.max_gap_s)
     write_table(intake.robot, output.robot)
     write_table(intake.sensors.get("force", NO_SAMPLES), output.force)
     write_table(intake.sensors.get("imu", NO_SAMPLES), output.imu)

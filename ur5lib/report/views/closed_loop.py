@@ -1,4 +1,4 @@
-"""The closed loop: errors of positions and velocities, and gains."""
+"""Closed loop: errors of positions and velocities, and gains."""
 
 from collections.abc import Iterator
 
@@ -11,29 +11,29 @@ from ur5lib.report.results import Body, Results, shown
 
 
 def printed(results: Results) -> list[str]:
-    """Recordings with printed errors of the closed loop."""
+    """Return the recordings with printed errors of the closed loop."""
     return results.printed("closed_loop_mae")
 
 
 def drawn(results: Results) -> list[str]:
-    """Recordings whose closed loop is drawn."""
+    """Return the recordings whose closed loop is drawn."""
     known = [*results.tables["closed_loop_mae"]["recording"].unique()]
     validated = [name for name in results.with_role("validate") if name in known]
     return shown(printed(results) or validated[:1] or known[:1])
 
 
 def positions(results: Results, of: str) -> Body:
-    """Table 5.5, positions."""
+    """Return the positions of Table 5.5."""
     return _errors(results.rows("closed_loop_mae", recording=of, quantity="q"), 5)
 
 
 def velocities(results: Results, of: str) -> Body:
-    """Table 5.5, velocities."""
+    """Return the velocities of Table 5.5."""
     return _errors(results.rows("closed_loop_mae", recording=of, quantity="qd"), 4)
 
 
 def _errors(rows: pd.DataFrame, digits: int) -> Body:
-    """Printed and rebuilt, the estimated gains and the targets beside them."""
+    """Return printed and rebuilt errors, and those of the estimated gains and the targets."""
     part = rows.set_index(["model", "joint"])
     models = part.index.unique("model")
     known = [model for model in models if part.loc[model, "printed"].notna().any()]
@@ -50,7 +50,7 @@ def _errors(rows: pd.DataFrame, digits: int) -> Body:
 
 
 def gains(results: Results) -> Body:
-    """The estimated gains of each recording."""
+    """Return the estimated gains of each recording."""
     rows = results.tables["gains"]
     body = [
         [Cell(recording), Cell(gain), *(_gain(row) for row in part.itertuples())]
@@ -73,7 +73,7 @@ def _gain(row: pd.Series) -> Cell:
 
 
 def contradictions(results: Results) -> Iterator[str]:
-    """On which joints no one gain lies in the ranges of all recordings of an arm."""
+    """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
     arms = {each["name"]: each["robot"] for each in results.study["recordings"]}
     ranges["robot"] = ranges["recording"].map(arms)
@@ -82,13 +82,13 @@ def contradictions(results: Results) -> Iterator[str]:
         apart = each["low"].max() > each["high"].min()
         if apart.any():
             yield (
-                f"No one {gain} gain lies in the ranges of all recordings of {robot} on "
-                f"{joints(apart.index[apart])}: its loop is not this one there."
+                f"No single {gain} gain fits all recordings of {robot} on "
+                f"{joints(apart.index[apart])}: there, the controller is not this closed loop."
             )
 
 
 def published_gains(results: Results) -> Iterator[str]:
-    """On how many joints of how many recordings published gains fit as well as the best."""
+    """Report on how many joints and recordings published gains fit as well as the best."""
     published = results.tables["published_gains"]
     parts = [
         f"{model} on {int((rows['fits'] == 'yes').sum())} of {len(rows)}"
@@ -96,6 +96,6 @@ def published_gains(results: Results) -> Iterator[str]:
     ]
     if parts:
         yield (
-            "The published gains fit as well as the best ones do, counted over joints and "
-            f"recordings: {', '.join(parts)}."
+            "Counted over joints and recordings, the published gains fit as well as the best "
+            f"gains for {', '.join(parts)}."
         )

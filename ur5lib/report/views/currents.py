@@ -18,14 +18,14 @@ MODELS = {
 
 
 def predicted(results: Results) -> list[str]:
-    """Recordings to validate on, whose currents were predicted."""
+    """Return the validate recordings whose currents were predicted."""
     rows = results.tables["current_rmse"]
     known = {*rows.loc[rows["model"] == "fitted", "recording"]}
     return shown([name for name in results.with_role("validate") if name in known])
 
 
 def constants(results: Results) -> Body:
-    """Torque constants, offsets and friction, beside the thesis's."""
+    """Return torque constants, offsets and friction, with the thesis's values."""
     rows = results.tables["friction"]
     body = [
         [
@@ -39,7 +39,7 @@ def constants(results: Results) -> Body:
         ]
         for row in rows.itertuples()
     ]
-    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "told by"]
+    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "mainly from"]
     if rows["thesis"].isna().all():
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
@@ -47,14 +47,14 @@ def constants(results: Results) -> Body:
 
 
 def remarks(results: Results) -> Iterator[str]:
-    """What the fit says of joints."""
+    """Return the remarks of the fit about joints."""
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
-        yield f"Of {robot}, {joints(group['joint'])}: {remark}."
+        yield f"{robot}, {joints(group['joint'])}: {remark}."
 
 
 def prediction(results: Results, of: str) -> Body:
-    """RMSE on a recording that was not fitted on, each model beside the others."""
+    """Return the RMSE of each model on a recording that was not used for fitting."""
     rows = results.rows("current_rmse", recording=of)
     errors = rows.set_index(["joint", "model"])["rmse_2hz"]
     models = [model for model in MODELS if model in {*rows["model"]}]
@@ -76,7 +76,7 @@ def prediction(results: Results, of: str) -> Body:
 
 
 def cross_validation(results: Results, of: str) -> Body:
-    """Fitted on one recording of an arm, tested on each: mean over the joints."""
+    """Return the RMSE of a fit to one recording, tested on each: mean over the joints."""
     rows = results.rows("cross_validation", robot=of)
     mean = rows.pivot_table("rmse_2hz", "fitted_on", "tested_on", aggfunc="mean", sort=False)
     names = [*mean.index][:MOST_COMPARED]
@@ -88,17 +88,17 @@ def cross_validation(results: Results, of: str) -> Body:
     return Body(["fitted on", *(str(i + 1) for i in range(len(names)))], body)
 
 
-MOST_COMPARED = 12  # columns that a page has room for
+MOST_COMPARED = 12  # columns that fit on a page
 
 
 def loaded(results: Results) -> pd.DataFrame:
-    """Loads that nobody declared, but the currents tell of with certainty."""
+    """Return the undeclared loads that the currents show with certainty."""
     payload = results.tables["payload"]
     return payload[payload["taken"] == "yes"]
 
 
 def payloads(results: Results) -> Body:
-    """Mass on the flange beyond the arm's model."""
+    """Return the mass on the flange in excess of the declared payload."""
     body = [
         [
             Cell(row.recording),
@@ -109,5 +109,5 @@ def payloads(results: Results) -> Body:
         ]
         for row in results.tables["payload"].itertuples()
     ]
-    header = ["recording", "declared [kg]", "beyond it [kg]", "95 % [kg]", "taken in"]
+    header = ["recording", "declared [kg]", "additional [kg]", "95 % [kg]", "used in prediction"]
     return Body(header, body)

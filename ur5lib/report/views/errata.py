@@ -4,5 +4,5 @@ from ur5lib.report.results import Results
 
 
 def listed(results: Results) -> list[str]:
-    """Each with its place and the choice made here."""
+    """Return each erratum with its place and the choice made here."""
     return [f"{each.place}: {each.error} Here: {each.choice}" for each in results.errata]

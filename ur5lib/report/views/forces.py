@@ -1,4 +1,4 @@
-"""Contact forces against the force sensor, their bands, and detected contacts."""
+"""Contact forces compared with the force sensor, their bands, and detected contacts."""
 
 import math
 from collections.abc import Iterator
@@ -19,19 +19,19 @@ PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 
 
 def compared(results: Results) -> list[str]:
-    """Recordings with printed errors, with a working force sensor, then others with contact."""
+    """Return recordings with printed errors, with a force sensor, then others with contact."""
     drawn = {*results.tables["detection"]["recording"]}
     felt = [name for name in results.with_role("contact") if name in drawn]
     return shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
 
 
 def printed(results: Results) -> list[str]:
-    """Recordings with printed errors."""
+    """Return the recordings with printed errors."""
     return results.printed("force_mae", "printed_mae")
 
 
 def headline(results: Results) -> Body:
-    """The leading estimate in contact, beside the mean force there, and where the arm is free."""
+    """Return the leading estimate in contact, the mean force there, and the free errors."""
     rows = leading(results.rows("force_mae", kind="compensated"))
     forces = rows[rows["component"].str.startswith("F")]
     free = forces[forces["during"] == "free"].set_index(["recording", "component"])
@@ -57,19 +57,19 @@ def headline(results: Results) -> Body:
     return Body(header, body)
 
 
-VARIANTS = {  # what is left out or replaced, as the report words it
+VARIANTS = {  # the variants of the ablation, and their names in the report
     "whole": "F̂ᵐᵃᵖ",
-    "contacts by the sensor": "contacts by the sensor, not by the gate",
-    "no background": "background not taken off",
-    "usual contact": "size not learnt: every contact a usual one",
-    "efficiency of 1": "gears without loss",
-    "least_squares": "no prior at all (least squares)",
-    "repeat": "residual of earlier runs taken off (repeat-aware)",
+    "contacts by the sensor": "contacts from the sensor instead of the gate",
+    "no background": "background not subtracted",
+    "usual contact": "prior force of a typical contact, not estimated for each",
+    "efficiency of 1": "gears without losses",
+    "least_squares": "no prior (least squares)",
+    "repeat": "residual of other runs subtracted (repeat-aware)",
 }
 
 
 def ablation(results: Results) -> Body:
-    """Error in contact by x, y, z, a row a variant of F̂ᵐᵃᵖ, a column a recording."""
+    """Return the errors in contact along x, y, z by variant of F̂ᵐᵃᵖ (row) and recording."""
     rows = results.tables["ablation"]
     recordings = [*dict.fromkeys(rows["recording"])]
     errors = rows.set_index(["variant", "recording", "component"])["mae"].to_dict()
@@ -85,26 +85,26 @@ def ablation(results: Results) -> Body:
 
 
 def _forces(errors: dict[tuple[str, str, str], float], variant: str, recording: str) -> str:
-    """Errors in x, y, z [N]; a dash where the variant was not made."""
+    """Return errors in x, y, z [N]; a dash where the variant was not computed."""
     values = [errors.get((variant, recording, f"F{axis}")) for axis in "xyz"]
     return ", ".join("–" if value is None else fixed(value, 1) for value in values)
 
 
 def with_interval(row: Any) -> str:
-    """An error in contact, and its 95 % interval where contacts were resampled."""
+    """Return an error in contact, with its 95 % interval where contacts were resampled."""
     mae = fixed(row.mae, 1)
     return mae if math.isnan(row.mae_low) else f"{mae} ({interval(row.mae_low, row.mae_high, 1)})"
 
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
-    """The rows of the estimate that the report leads with: the first of its order."""
+    """Return the rows of the leading estimate: the first in the report's order."""
     known = {*rows["estimate"]}
     first = next((name for name in [*NEW, *PUBLISHED] if name in known), None)
     return rows[rows["estimate"] == first]
 
 
 def summary(results: Results) -> Body:
-    """The error of each estimate in contact, beside the mean force there."""
+    """Return the error of each estimate in contact, and the mean force there."""
     rows = results.rows("force_mae", kind="compensated", during="contact")
     known = _known(rows)
     body = []
@@ -115,14 +115,14 @@ def summary(results: Results) -> Body:
                 Cell(str(recording)),
                 _component(str(component)),
                 number(part["mean_force"].iloc[0], 2),
-                *_told(found, known),
+                *_determined(found, known),
             ]
         )
-    return Body(["recording", "component", "mean there", *(ESTIMATES[x] for x in known)], body)
+    return Body(["recording", "component", "mean in contact", *(ESTIMATES[x] for x in known)], body)
 
 
-def _told(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
-    """The errors of a component by estimate; "undetermined" where a new one tells no moment."""
+def _determined(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
+    """Yield a component's errors by estimate, or "undetermined" for such moments."""
     marks = extremes(found["mae"].to_dict())
     unknown = found["component"].str.startswith("n") & (found["determined"] == "no")
     for name in known:
@@ -133,7 +133,7 @@ def _told(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
 
 
 def errors(results: Results, of: str) -> Body:
-    """Every estimate against the sensor less bias and tool weight: in contact, free, whole run."""
+    """Return all errors against the compensated sensor: in contact, free, whole run."""
     rows = results.rows("force_mae", recording=of, kind="compensated")
     parts = [(label, rows[rows["during"] == during]) for during, label in DURING.items()]
     bodies = [(label, _errors(part, "mae")) for label, part in parts if len(part)]
@@ -144,12 +144,12 @@ def errors(results: Results, of: str) -> Body:
 
 
 def errors_from_start(results: Results, of: str) -> Body:
-    """Every estimate against the sensor less its reading at the start, over the whole run."""
+    """Return all errors over the whole run against the sensor less its reading at the start."""
     return _errors(results.rows("force_mae", recording=of, kind="corrected", during="all"), "mae")
 
 
 def largest_errors(results: Results, of: str) -> Body:
-    """The largest error of every estimate against the sensor less bias and tool weight."""
+    """Return the largest error of every estimate against the compensated sensor."""
     return _errors(results.rows("force_mae", recording=of, kind="compensated", during="all"), "max")
 
 
@@ -166,12 +166,12 @@ def _errors(rows: pd.DataFrame, figure: str) -> Body:
 
 
 def printed_errors(results: Results, of: str) -> Body:
-    """Table 6.1: mean errors, printed, rebuilt, their difference."""
+    """Return Table 6.1: mean errors, printed, rebuilt, and their difference."""
     return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "mae")
 
 
 def printed_largest_errors(results: Results, of: str) -> Body:
-    """Table 6.2: largest errors, printed, rebuilt, their difference."""
+    """Return Table 6.2: largest errors, printed, rebuilt, and their difference."""
     return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "max")
 
 
@@ -197,7 +197,7 @@ def _printed(rows: pd.DataFrame, figure: str) -> Body:
 
 
 def bands(results: Results, of: str) -> Body:
-    """The new estimates in contact: skill, slope, correlation, and what their bands hold."""
+    """Return skill, slope, correlation and coverage of the new estimates in contact."""
     rows = results.rows("force_mae", recording=of, kind="compensated")
     rows = rows[rows["coverage95"].notna()]
     free = rows[rows["during"] == "free"].set_index(["estimate", "component"])["coverage95"]
@@ -220,7 +220,7 @@ def bands(results: Results, of: str) -> Body:
 
 
 def contact_errors(results: Results, of: str) -> Body:
-    """Peak, impulse and onset of each contact, and what the leading estimate misses of them."""
+    """Return peak, impulse and onset of each contact, with the leading estimate's errors."""
     rows = leading(results.rows("contact_errors", recording=of, component="norm"))
     body = [
         [
@@ -233,12 +233,12 @@ def contact_errors(results: Results, of: str) -> Body:
         ]
         for row in rows.itertuples()
     ]
-    header = ["contact [s]", "peak [N]", "its error [N]", "impulse [N s]", "its error [N s]"]
-    return Body([*header, "onset late by [s]"], body)
+    header = ["contact [s]", "peak [N]", "peak error [N]", "impulse [N s]", "impulse error [N s]"]
+    return Body([*header, "onset delay [s]"], body)
 
 
 def detections(results: Results) -> Body:
-    """Contacts found by the force they reach, false alarms, delay."""
+    """Return the contacts found, by the force they reach; false alarms and delay."""
     rows = results.tables["detection"]
     rows = rows[rows["force_class_n"].notna()]
     classes = [*rows["force_class_n"].unique()]
@@ -268,7 +268,7 @@ def _share(row: pd.Series) -> Cell:
 
 
 def contacts(results: Results, of: str) -> Body:
-    """When F̂ᵐᵃᵖ finds a contact on a recording, the largest force in each, and loads taken up."""
+    """Return the contacts that F̂ᵐᵃᵖ finds: time, largest force, and load if one is grasped."""
     rows = results.rows("contacts", recording=of, estimate="Fmap")
     body = [
         [
@@ -289,7 +289,7 @@ def contacts(results: Results, of: str) -> Body:
 
 
 def alarms(results: Results) -> Body:
-    """Alarms a minute by each estimate where no sensor tells of contacts."""
+    """Return the alarms per minute of each estimate on recordings without a sensor."""
     rows = results.tables["detection"]
     rows = rows[rows["force_class_n"].isna()]
     known, roles = _known(rows), results.roles()
@@ -306,7 +306,7 @@ def alarms(results: Results) -> Body:
 
 
 def smallest_pushes(results: Results) -> Body:
-    """The smallest push along an axis that is found on a motion without contact."""
+    """Return the smallest push along each axis that is detected on contact-free motions."""
     rows = pushes_found(results)
     body = [
         [Cell(name), *(number(force, 0) for force in forces)]
@@ -316,13 +316,13 @@ def smallest_pushes(results: Results) -> Body:
 
 
 def pushes_found(results: Results) -> pd.DataFrame:
-    """The smallest pushes by F̂ᵐᵃᵖ on motions that differ from the arm's model by no load."""
+    """Return the smallest pushes that F̂ᵐᵃᵖ detects on motions without an undeclared load."""
     rows = results.rows("detection", estimate="Fmap").dropna(subset=PUSHES, how="all")
     return rows[~rows["recording"].isin(loaded(results)["recording"])]
 
 
 def _known(rows: pd.DataFrame) -> list[str]:
-    """The estimates that were made, in the report's order."""
+    """Return the available estimates, in the report's order."""
     return [name for name in ESTIMATES if name in {*rows["estimate"]}]
 
 

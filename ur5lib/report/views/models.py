@@ -1,4 +1,4 @@
-"""Link models: rotors, the identified model, and their torques against the controller's."""
+"""Link models: rotors, the identified model, and their torques compared with the controller's."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from ur5lib.report.results import NOTHING, Body, Results, shown
 
 
 def compared(results: Results) -> list[str]:
-    """Recordings whose torques have a table: with printed errors, and those to validate on."""
+    """Return recordings with a table of torques: printed errors, and validate recordings."""
     torque = results.tables["torque_mae"]
     known = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
     others = [name for name in results.with_role("validate") if name in known]
@@ -18,7 +18,7 @@ def compared(results: Results) -> list[str]:
 
 
 def mean_errors(results: Results) -> Body:
-    """Mean over the recordings, a row a joint, each model at each motion."""
+    """Return the mean over recordings by joint (row), model and motion."""
     torque = results.tables["torque_mae"]
     torque = torque[torque["mae"].notna() & (torque["motion"] != "closed_loop")]
     if torque.empty:
@@ -30,7 +30,7 @@ def mean_errors(results: Results) -> Body:
 
 
 def errors(results: Results, of: str) -> Body:
-    """Every model on a recording, at the target and at the measured motion."""
+    """Return every model's error on a recording, at the target and at the measured motion."""
     rows = results.rows("torque_mae", recording=of)
     return _errors(rows[rows["mae"].notna() & (rows["motion"] != "closed_loop")])
 
@@ -51,10 +51,10 @@ def _errors(rows: pd.DataFrame) -> Body:
 
 
 def printed_errors(results: Results, of: str) -> Body:
-    """Table 5.6: printed, rebuilt, their difference."""
+    """Return Table 5.6: printed, rebuilt, and their difference."""
     rows = results.rows("torque_mae", recording=of)
     target = rows[(rows["motion"] == "closed_loop") & rows["mae"].notna() & rows["printed"].notna()]
-    others = rows[rows["mae"].isna()]  # printed, but not to be rebuilt
+    others = rows[rows["mae"].isna()]  # printed, but cannot be rebuilt
     models, older = target["model"].unique(), others["model"].unique()
     header = ["joint", *(f"{model} printed" for model in older)]
     header += [f"{model} {what}" for model in models for what in ("printed", "rebuilt", "diff.")]
@@ -74,7 +74,7 @@ def printed_errors(results: Results, of: str) -> Body:
 
 
 def rotors(results: Results) -> Body:
-    """The fitted rotor inertias, and the terms that should be zero."""
+    """Return the fitted rotor inertias, and the terms that should be zero."""
 
     def fitted(row: pd.Series, value: str, std: str) -> Cell:
         return with_error(row[value], row[std], 4)
@@ -89,7 +89,7 @@ def rotors(results: Results) -> Body:
 
 
 def excitation(results: Results) -> Body:
-    """How well the recordings excite what is identified, a row an arm."""
+    """Return how well the recordings excite the identified parameters, one row per arm."""
     groups = ["gravity", "inertia", "rotors", "all"]
     body = [
         [Cell(row["robot"]), Cell(str(row["combinations"])), Cell(str(row["undetermined"]))]
@@ -100,18 +100,18 @@ def excitation(results: Results) -> Body:
 
 
 def advice(results: Results) -> Iterator[str]:
-    """What to record so that more of an arm is determined."""
+    """Return advice on what to record to determine more of an arm."""
     for row in results.tables["excitation"].dropna(subset="advice").itertuples():
         yield f"To determine more of {row.robot}: {row.advice}."
 
 
 def identified(results: Results) -> Iterator[str]:
-    """How much of the arm the recordings determine."""
+    """Report how many parameters of an arm the recordings determine."""
     for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
         determined = (parameters["determined"] == "yes").sum()
         yield (
-            f"The model “identified” of {robot} was fitted to the controller's torques of the "
-            f"recordings for fitting: {determined} of its {len(parameters)} base parameters are "
-            f"determined by them. It lies, with every other model, in parameters/{robot}/arm.yaml "
-            "and as URDF beside it."
+            f"The model “identified” of {robot} was fitted to the controller's torques of the fit "
+            f"recordings, which determine {determined} of its {len(parameters)} base parameters. "
+            f"parameters/{robot}/arm.yaml contains it and every other model; arm.urdf beside it is "
+            "the same as URDF."
         )

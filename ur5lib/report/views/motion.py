@@ -1,4 +1,4 @@
-"""Accelerations of the end effector against the IMU, its calibration, the smoother's tests."""
+"""End effector's accelerations compared with the IMU, its calibration, tests of the smoother."""
 
 from collections.abc import Iterator
 
@@ -10,17 +10,17 @@ COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "
 
 
 def drawn(results: Results) -> list[str]:
-    """Recordings with an IMU whose acceleration is drawn: with printed errors, or the first."""
+    """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
     return shown(printed(results) or [*results.tables["acceleration_mae"]["recording"]][:1])
 
 
 def printed(results: Results) -> list[str]:
-    """Recordings with printed errors."""
+    """Return the recordings with printed errors."""
     return results.printed("acceleration_mae")
 
 
 def errors(results: Results) -> Body:
-    """Every recording with a valid IMU: ours, with and without it, beside zero."""
+    """Return the errors with and without IMU, and of zero, for recordings with a valid IMU."""
     rows = results.tables["acceleration_mae"]
     body = []
     for recording, part in rows[~rows["estimate"].str.startswith("euler")].groupby(
@@ -35,7 +35,7 @@ def errors(results: Results) -> Body:
 
 
 def printed_errors(results: Results, of: str) -> Body:
-    """Table 5.7: printed, rebuilt, their difference."""
+    """Return Table 5.7: printed, rebuilt, and their difference."""
     rows = results.rows("acceleration_mae", recording=of)
     body = [
         [
@@ -50,7 +50,7 @@ def printed_errors(results: Results, of: str) -> Body:
 
 
 def calibration(results: Results) -> Body:
-    """The IMU's mounting, the base's tilt and the gyroscope's bias."""
+    """Return the IMU's mounting, the base's tilt and the gyroscope's bias."""
     body = [
         [
             Cell(row.robot),
@@ -65,20 +65,20 @@ def calibration(results: Results) -> Body:
 
 
 def innovations(results: Results) -> Iterator[str]:
-    """How many channels pass the tests: the smoother's bands hold no better than its noise."""
+    """Report how many channels pass the tests that the smoother's bands rely on."""
     table = results.tables["innovations"]
     parts = []
     for estimate, rows in table.groupby("estimate", sort=False):
         consistent, white = (int((rows[test] == "yes").sum()) for test in ("consistent", "white"))
         parts.append(
-            f"{estimate}: {consistent} of {len(rows)} channels have innovations of the stated "
-            f"variance, {white} have white ones"
+            f"{estimate}: of {len(rows)} channels, {consistent} have innovations of the stated "
+            f"variance, {white} have white innovations"
         )
     verdict = (
-        "Innovations that are not white mean that encoders err in ways that repeat; then the "
-        "stated standard deviations are too small."
+        "Innovations that are not white show that the encoders' errors are correlated in time; "
+        "the stated standard deviations are then too small."
         if (table["white"] == "no").any()
-        else "The noise found explains the innovations."
+        else "The estimated noise explains the innovations."
     )
     if parts:
-        yield f"Normalised innovations were tested (95 %). {'; '.join(parts)}. {verdict}"
+        yield f"Tests of the normalised innovations (95 %): {'; '.join(parts)}. {verdict}"

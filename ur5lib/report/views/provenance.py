@@ -1,4 +1,4 @@
-"""Where the results come from: code, versions, files, times, configuration."""
+"""Provenance of the results: code, versions, files, times, configuration."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -10,22 +10,22 @@ from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
 from ur5lib.report.results import MOST_ROWS, Body, Results
 
-CODE_WIDTH = 110  # characters of a line of the PDF
+CODE_WIDTH = 110  # characters per line in the PDF
 
 
 def commit(results: Results) -> Iterator[str]:
-    """Which code made the results."""
+    """Return the commit that made the results."""
     yield f"Made by commit {results.commit}."
 
 
 def versions(results: Results) -> Body:
-    """Versions of what the numbers depend on."""
+    """Return the versions of the software that the numbers depend on."""
     rows = [[Cell(name), Cell(version)] for name, version in results.versions.items()]
     return Body(["package", "version"], rows)
 
 
 def files(results: Results) -> Body:
-    """What each recording was read from."""
+    """Return the files of each recording."""
     rows = [
         [Cell(file.recording), Cell(file.file), Cell(file.sha256[:16])]
         for file in results.tables["files"].itertuples()
@@ -34,7 +34,7 @@ def files(results: Results) -> Body:
 
 
 def run_times(results: Results) -> Body:
-    """How long each step took, and how much of that was start-up."""
+    """Return how long each step took, and how much of that was start-up."""
     times = results.tables["run_times"]
     rows = [
         [
@@ -48,30 +48,30 @@ def run_times(results: Results) -> Body:
         ]
         for step in times.itertuples()
     ]
-    header = ["step", "jobs", "wall [s]", "processor [s]", "of it start-up [s]"]
+    header = ["step", "jobs", "wall [s]", "processor [s]", "start-up [s]"]
     return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
 
 
 def total_time(results: Results) -> Iterator[str]:
-    """All jobs together."""
+    """Report the time of all jobs together."""
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
         whole, start_up = times["cpu_s"].sum(), times["start_up_s"].sum()
         yield (
-            f"The {times['jobs'].sum()} jobs took {whole:.0f} s of processor time, "
-            f"{start_up:.0f} s of them for start-up: Python, its packages and, where dynamics is "
-            "computed, torch. Snakemake's own time and this report's come on top."
+            f"The {times['jobs'].sum()} jobs took {whole:.0f} s of processor time, including "
+            f"{start_up:.0f} s of start-up: Python, its packages and, for dynamics, torch. The "
+            "time of Snakemake itself and of this report is not included."
         )
 
 
 def configuration_heading(results: Results) -> Iterator[str]:
-    """Opens the configuration."""
-    first = f", of the first {MOST_ROWS} recordings" if _recordings(results)[MOST_ROWS:] else ""
-    yield f"The configuration, with every default filled in{first}; configuration.yaml has all:"
+    """Return the sentence above the configuration."""
+    first = f" (first {MOST_ROWS} recordings)" if _recordings(results)[MOST_ROWS:] else ""
+    yield f"Configuration with every default filled in{first}; complete in configuration.yaml:"
 
 
 def configuration(results: Results) -> str:
-    """The study, with every default filled in."""
+    """Return the study with every default filled in."""
     lines = [_Line(recording) for recording in _recordings(results)[:MOST_ROWS]]
     return yaml.safe_dump(
         {**results.study, "recordings": lines},
@@ -88,7 +88,7 @@ def _recordings(results: Results) -> Sequence[Mapping[str, Any]]:
 
 
 class _Line(dict[str, Any]):
-    """A mapping that is written in braces."""
+    """A mapping that is written in braces, on one line."""
 
 
 yaml.SafeDumper.add_representer(

@@ -8,11 +8,11 @@ from ur5lib.report.findings import group_findings
 from ur5lib.report.results import Body, Results
 
 MOST_NAMED = 4  # recordings of one finding
-LONGEST = 120  # characters of the places of one finding
+LONGEST = 120  # characters for the places of one finding
 
 
 def files(results: Results) -> Body:
-    """A row a recording: role, length, frames, steps, devices."""
+    """Return role, length, frames, steps and devices, one row per recording."""
     roles = results.roles()
     rows = [
         [
@@ -32,7 +32,7 @@ def files(results: Results) -> Body:
 
 
 def findings(results: Results) -> Body:
-    """What is wrong with the files: a row for each finding and what it means, once."""
+    """Return the defects of the files, one row per finding and meaning."""
     grouped = group_findings(results.tables["quality"])
     kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
     rows = [
@@ -47,7 +47,7 @@ def findings(results: Results) -> Body:
         for (severity, device, finding, detail), part in kinds
     ]
     rows.sort(key=lambda row: ("error", "warning", "note").index(row[0].text))
-    return Body(["severity", "device", "finding", "recordings", "count", "what it means"], rows)
+    return Body(["severity", "device", "finding", "recordings", "count", "meaning"], rows)
 
 
 def _named(recordings: pd.Series) -> str:
@@ -57,18 +57,14 @@ def _named(recordings: pd.Series) -> str:
 
 
 def _short(detail: str) -> str:
-    """What it means, without a list of places that goes on for ever."""
+    """Return the meaning of a finding, with its list of places shortened."""
     places, _, meaning = detail.rpartition(": ")
     several = len(places) > LONGEST
-    return (
-        f"{places[:LONGEST].rpartition(';')[0]} and further places: {meaning}"
-        if several
-        else detail
-    )
+    return f"{places[:LONGEST].rpartition(';')[0]} and others: {meaning}" if several else detail
 
 
 def clocks(results: Results) -> Body:
-    """A row a device: its clock's offset and drift against the robot's, its error at the end."""
+    """Return each clock's offset and drift relative to the robot's, and its error at the end."""
     rows = [
         [
             Cell(clock.recording),
@@ -80,7 +76,7 @@ def clocks(results: Results) -> Body:
         ]
         for clock in results.tables["clocks"].itertuples()
     ]
-    heads = ["recording", "device", "offset [s]", "drift [ppm]", "at the end [s]", "method"]
+    heads = ["recording", "device", "offset [s]", "drift [ppm]", "error at end [s]", "method"]
     return Body(heads, rows)
 
 
@@ -89,5 +85,5 @@ def _drift(drift: float, std: float) -> Cell:
 
 
 def arms(results: Results) -> list[str]:
-    """The arms of the study."""
+    """Return the arms of the study."""
     return results.robots()

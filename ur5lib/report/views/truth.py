@@ -1,4 +1,4 @@
-"""Estimates beside the truth, which simulated recordings have."""
+"""Estimates compared with the truth of simulated recordings."""
 
 from collections.abc import Iterator
 
@@ -29,7 +29,7 @@ QUANTITIES = {
 
 
 def summary(results: Results) -> Body:
-    """How many stated intervals hold the truth, quantity by quantity."""
+    """Return how many stated intervals contain the truth, by quantity."""
     truth = _truth(results)
     stated = truth[truth["within95"].notna()]
     rows = [
@@ -40,14 +40,14 @@ def summary(results: Results) -> Body:
 
 
 def fitted(results: Results) -> Body:
-    """What was fitted to several recordings."""
+    """Return the values fitted to several recordings."""
     single = _truth(results, *QUANTITIES)
     arms = single["recording"].isna() & (single["quantity"] != "base_parameter")
     return _values(single[arms], "robot")
 
 
 def clocks(results: Results) -> Body:
-    """The devices' clocks."""
+    """Return the devices' clocks."""
     single = _truth(results, *QUANTITIES)
     return _values(single[single["recording"].notna()], "recording")
 
@@ -71,43 +71,43 @@ def _values(rows: pd.DataFrame, of: str) -> Body:
 
 
 def joint_accelerations(results: Results) -> Body:
-    """RMSE of joint accelerations."""
+    """Return the RMSE of joint accelerations."""
     return _series(results, "joint_acceleration_rmse", "joint")
 
 
 def joint_acceleration_bands(results: Results) -> Body:
-    """Share of joint accelerations inside two stated standard deviations."""
+    """Return the share of joint accelerations within two stated standard deviations."""
     return _series(results, "joint_acceleration_inside_2_std", "joint")
 
 
 def end_effector_accelerations(results: Results) -> Body:
-    """RMSE of the end effector's acceleration."""
+    """Return the RMSE of the end effector's acceleration."""
     return _series(results, "end_effector_acceleration_rmse")
 
 
 def torques(results: Results) -> Body:
-    """RMSE of each model's torque at the true motion."""
+    """Return the RMSE of each model's torque at the true motion."""
     return _series(results, "torque_rmse", "joint")
 
 
 def wrenches(results: Results) -> Body:
-    """Mean absolute error of the contact wrench."""
+    """Return the mean absolute error of the contact wrench."""
     return _series(results, "wrench_mae")
 
 
 def wrench_bands(results: Results) -> Body:
-    """Share of the contact wrench inside the stated band."""
+    """Return the share of the contact wrench inside the stated band."""
     return _series(results, "wrench_coverage95")
 
 
 def _truth(results: Results, *quantities: str) -> pd.DataFrame:
-    """The table of truth; an empty one where no recording was simulated."""
+    """Return the table of the truth, empty where no recording was simulated."""
     truth = results.tables.get("truth", pd.DataFrame(columns=COLUMNS))
     return truth[truth["quantity"].isin(quantities)] if quantities else truth
 
 
 def _series(results: Results, quantity: str, name: str = "") -> Body:
-    """A line for each recording and estimate."""
+    """Return one line for each recording and estimate."""
     rows = _truth(results, quantity)
     if rows.empty:
         return NOTHING
@@ -125,7 +125,7 @@ def _lines(recording: str, rows: pd.DataFrame) -> Iterator[list[Cell]]:
 
 
 def _figure(value: float, digits: int = 3) -> Cell:
-    """A number of any size to some digits, or a dash where there is none."""
+    """Return a number with some significant digits, or a dash where there is none."""
     if pd.isna(value):
         return Cell("–")
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
