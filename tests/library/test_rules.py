@@ -1,5 +1,6 @@
 """What a script reads is what its rule declares: then a result follows from what it depends on."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,8 @@ from tests.synthetic import write_recording
 
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 DEVICES = ("force", "imu")
+TABLES = PROJECT / "ur5lib" / "report" / "tables"
+KINDS_READ = re.compile(r"""results\.(?:each|all|paths_of)\("(\w+)"\)""")
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -26,7 +29,6 @@ recordings:
 NOT_BY_NAME = {
     # The files of the devices, by the names that a table of clocks has for them.
     "align_signals": [f"does not read input.{name}, which its rule declares" for name in DEVICES],
-    "estimate_clocks": [f"does not read input.{name}, which its rule declares" for name in DEVICES],
     "simulate_recording": [
         "does not read input.way_points, which its rule declares",  # its plan names the file
         "does not read output.summary, which its rule declares",  # lies beside the truth
@@ -78,10 +80,19 @@ def test_every_script_has_a_rule(declared: dict[str, Declared]) -> None:
     assert set(declared) == set(SCRIPTS)
 
 
-@pytest.mark.parametrize("step", sorted(SCRIPTS))
+@pytest.mark.parametrize("step", sorted(SCRIPTS.keys() - {"make_tables"}))
 def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, Declared]) -> None:
     found = differences(read_names(SCRIPTS[step], PROJECT), declared[step])
     assert found == NOT_BY_NAME.get(step, [])
+
+
+def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared]) -> None:
+    """make_tables passes its inputs on, by kind, to the module of each table."""
+    modules = {path.stem: path for path in TABLES.glob("[!_]*.py")}
+    kinds = {kind for path in modules.values() for kind in KINDS_READ.findall(path.read_text())}
+    names = declared["make_tables"].names
+    assert names["input"] - {"reference", "modules"} == kinds
+    assert names["output"] == modules.keys()
 
 
 def test_a_script_that_reads_something_else_is_found(tmp_path: Path) -> None:

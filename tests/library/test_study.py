@@ -1,15 +1,17 @@
 """A study: all its errors at once, each with a remedy."""
 
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from pydantic import BaseModel
 
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
-from ur5lib.study.model import Study, arms_without_fit, schema_text
-from ur5lib.study.reading import parse_study
+from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
+from ur5lib.study.reading import RENAMED, parse_study
 from ur5lib.study.settings_table import settings_text
 
 
@@ -20,7 +22,7 @@ def raw(tmp_path: Path) -> dict[str, Any]:
         "study": "mine",
         "title": "Mine",
         "recordings": [recording | {"folder": str(tmp_path)}],
-        "settings": {"filter_signals": {"cutoff_hz": 5.0}},
+        "settings": {"lowpass": {"motion": {"cutoff_hz": 5.0}}},
     }
 
 
@@ -32,8 +34,8 @@ def complaints(raw: dict[str, Any]) -> list[str]:
 
 def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
     study = parse_study(raw, "config.yaml")
-    assert study.settings.filter_signals.cutoff_hz == 5.0
-    assert study.settings.filter_signals.order == 4
+    assert study.settings.lowpass.motion.cutoff_hz == 5.0
+    assert study.settings.lowpass.motion.order == 4
     assert study.reference is None
 
 
@@ -41,21 +43,21 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
     ("change", "sentence"),
     [
         (
-            lambda raw: raw["settings"]["filter_signals"].update(cutof_hz=3),
-            "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?); "
+            lambda raw: raw["settings"]["lowpass"]["motion"].update(cutof_hz=3),
+            "unknown key `settings.lowpass.motion.cutof_hz` (did you mean `cutoff_hz`?); "
             "known keys: order, cutoff_hz",
         ),
         (
-            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz=-3),
-            "`settings.filter_signals.cutoff_hz` is -3; give a number above 0 and below 62.5",
+            lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=-3),
+            "`settings.lowpass.motion.cutoff_hz` is -3; give a number above 0 and below 62.5",
         ),
         (
-            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz="fast"),
-            "`settings.filter_signals.cutoff_hz` is 'fast'; give a number above 0 and below 62.5",
+            lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz="fast"),
+            "`settings.lowpass.motion.cutoff_hz` is 'fast'; give a number above 0 and below 62.5",
         ),
         (
-            lambda raw: raw["settings"]["filter_signals"].update(cutoff_hz=float("nan")),
-            "`settings.filter_signals.cutoff_hz` is nan; give a number above 0 and below 62.5",
+            lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=float("nan")),
+            "`settings.lowpass.motion.cutoff_hz` is nan; give a number above 0 and below 62.5",
         ),
         (
             lambda raw: raw["recordings"][0].update(role="contacts"),
@@ -212,7 +214,7 @@ def test_all_errors_are_told_at_once(raw: dict[str, Any]) -> None:
     raw["titel"] = raw.pop("title")
     raw["recordings"][0] |= {"role": "x", "name": "a b"}
     raw["recordings"] *= 2
-    raw["settings"]["repair_frames"] = {"max_gap_s": 9}
+    raw["settings"]["frames"] = {"max_gap_s": 9}
     assert len(complaints(raw)) == 9
 
 
@@ -245,12 +247,19 @@ def test_the_table_of_settings_has_every_key() -> None:
 
 
 def test_every_setting_is_documented_and_used() -> None:
-    """Each field of each step has a description, and a rule passes it."""
+    """Each field of each part has a description, and a rule passes it or its whole part."""
     rules = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
-    for step, field in Study.model_fields["settings"].annotation.model_fields.items():
-        for name, setting in field.annotation.model_fields.items():
-            assert setting.description
-            assert f"{name}=SETTINGS.{step}.{name}" in rules
+
+    def check(model: Any, place: str) -> None:
+        for name, field in model.model_fields.items():
+            if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+                check(field.annotation, f"{place}.{name}")
+            else:
+                assert field.description
+                used = rf"={place}\.{name}\b|\*\*{place}\.model_dump\(\)"
+                assert re.search(used, rules), f"{place}.{name}"
+
+    check(Settings, "SETTINGS")
 
 
 def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkeypatch: Any) -> None:
@@ -261,3 +270,34 @@ def test_the_shipped_studies_are_valid(thesis_data: Path, tmp_path: Path, monkey
     studies = [PROJECT / "config.yaml", *(PROJECT / "workflow" / "studies").glob("thesis.yaml")]
     for path in studies:
         parse_study(yaml.safe_load(path.read_text()), path.name)
+
+
+OLD_SETTINGS = {
+    "repair_frames": {"max_gap_s": 0.2},
+    "fit_friction": {"order": 4, "cutoff_hz": 2.0, "terms": []},
+    "rebuild_forces": {"min_singular_value": 0.02},
+    "estimate_forces": {"contact_force_n": 10},
+    "set_threshold": {"false_alarms_per_min": 2},
+}
+
+
+def test_each_setting_of_an_earlier_version_is_told_its_new_name(raw: dict[str, Any]) -> None:
+    sentences = complaints(raw | {"settings": OLD_SETTINGS})
+    assert len(sentences) == sum(len(keys) for keys in OLD_SETTINGS.values())
+    moved = "`settings.fit_friction.terms` is now `settings.friction.terms`; move the value there"
+    assert f"config.yaml: {moved}" in sentences
+
+
+def test_new_names_of_settings_exist() -> None:
+    """What a message suggests is a key of the model."""
+    for keys in RENAMED.values():
+        for new in keys.values():
+            setting: Any = Settings()
+            for part in new.split("."):
+                setting = getattr(setting, part)
+
+
+def test_an_unknown_key_beside_a_renamed_one_is_reported_too(raw: dict[str, Any]) -> None:
+    sentences = complaints(raw | {"settings": {"fit_friction": {"order": 4, "ordre": 4}}})
+    assert any("unknown key `settings.fit_friction`" in sentence for sentence in sentences)
+    assert any("`settings.lowpass.currents.order`" in sentence for sentence in sentences)

@@ -156,7 +156,10 @@ def test_touching_code_reruns_nothing(workflow: Workflow) -> None:
 
 
 def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {rebuild_forces: {cutoff_hz: 2.0}}\n")
+    append(
+        workflow.folder / "config.yaml",
+        "settings: {lowpass: {published_forces: {cutoff_hz: 2.0}}}\n",
+    )
     changed = jobs("rebuild_forces", *FROM_SENSOR) | {"draw_filters": 1} | REPORT
     assert workflow.plan() == changed
     workflow.build()
@@ -174,7 +177,7 @@ def test_naming_a_host_aligns_again(workflow: Workflow) -> None:
 
 
 def test_spelling_out_a_default_recomputes_nothing(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {rebuild_forces: {order: 5}}\n")
+    append(workflow.folder / "config.yaml", "settings: {lowpass: {published_forces: {order: 5}}}\n")
     assert workflow.plan() == {}
 
 
@@ -263,7 +266,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
 
 
 def test_another_study_inherits_nothing(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {filter_signals: {cutoff_hz: 33.0}}\n")
+    append(workflow.folder / "config.yaml", "settings: {lowpass: {motion: {cutoff_hz: 33.0}}}\n")
     other = STUDY.replace("study: small", "study: other").splitlines()[:-1]
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
@@ -290,17 +293,17 @@ def fails_with(workflow: Workflow, sentence: str, *arguments: str) -> None:
 
 
 def test_a_misspelt_key(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", "settings: {filter_signals: {cutof_hz: 3}}\n")
+    append(workflow.folder / "config.yaml", "settings: {lowpass: {motion: {cutof_hz: 3}}}\n")
     fails_with(
-        workflow, "unknown key `settings.filter_signals.cutof_hz` (did you mean `cutoff_hz`?)"
+        workflow, "unknown key `settings.lowpass.motion.cutof_hz` (did you mean `cutoff_hz`?)"
     )
     assert len(results(workflow)) == len(results(workflow))
 
 
 def test_a_setting_that_no_longer_is(workflow: Workflow) -> None:
     """The lever of a contact is learnt, as its size is."""
-    append(workflow.folder / "config.yaml", "settings: {estimate_forces: {contact_lever_m: 0.1}}\n")
-    fails_with(workflow, "unknown key `settings.estimate_forces.contact_lever_m`")
+    append(workflow.folder / "config.yaml", "settings: {contact: {lever_m: 0.1}}\n")
+    fails_with(workflow, "unknown key `settings.contact.lever_m`")
 
 
 def test_a_missing_folder(workflow: Workflow) -> None:

@@ -1,9 +1,9 @@
-"""The flange: pose of frame 6 and its Jacobian, from joint positions as an array."""
+"""Poses and motion of the links and the flange: arrays in, arrays out."""
 
 import torch
 
+from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -12,5 +12,23 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
     """R_6 (N, 3, 3), o_6 (N, 3) [m] and J_g (N, 6, 6), base frame. q: (N, 6) [rad]."""
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
     positions = torch.from_numpy(q)
-    rotation, origin = link_frames(arm, positions)
-    return rotation[:, 6].numpy(), origin[:, 6].numpy(), jacobian(arm, positions).numpy()
+    rotation, origin = kinematics.link_frames(arm, positions)
+    return rotation[:, 6].numpy(), origin[:, 6].numpy(), kinematics.jacobian(arm, positions).numpy()
+
+
+def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
+    """Return rotations (N, 7, 3, 3) and origins (N, 7, 3) [m] of frames 0 to 6; q: (N, 6) [rad]."""
+    arm = build_arm(robot, robot.chosen_model)
+    rotation, origin = kinematics.link_frames(arm, torch.from_numpy(q))
+    return rotation.numpy(), origin.numpy()
+
+
+def point_acceleration(robot: Robot, q: Array, qd: Array, qdd: Array, point: Array) -> Array:
+    """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point that
+    frame 6 carries.
+
+    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]; point: (3,) [m], in frame 6.
+    """
+    position, velocity, acceleration = map(torch.from_numpy, (q, qd, qdd))
+    arm, place = build_arm(robot, robot.chosen_model), torch.from_numpy(point)
+    return kinematics.acceleration(arm, position, velocity, acceleration, 6, place).numpy()

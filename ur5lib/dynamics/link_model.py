@@ -2,7 +2,7 @@
 
 import torch
 
-from ur5lib.dynamics import kinematics, regressor, rigid_body
+from ur5lib.dynamics import regressor, rigid_body
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -45,17 +45,3 @@ class LinkModel:
     def gravity_torque(self, q: Array) -> Array:
         """Return g(q)."""
         return rigid_body.gravity_torque(self.arm, torch.from_numpy(q)).numpy()
-
-    def link_frames(self, q: Array) -> tuple[Array, Array]:
-        """Return rotations (N, 7, 3, 3) and origins (N, 7, 3) [m] of frames 0 to 6."""
-        rotation, origin = kinematics.link_frames(self.arm, torch.from_numpy(q))
-        return rotation.numpy(), origin.numpy()
-
-    def acceleration(self, q: Array, qd: Array, qdd: Array, point: Array) -> Array:
-        """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point that
-        frame 6 carries; point: (3,) [m], in frame 6.
-        """
-        position, velocity, acceleration = map(torch.from_numpy, (q, qd, qdd))
-        return kinematics.acceleration(
-            self.arm, position, velocity, acceleration, point=torch.from_numpy(point)
-        ).numpy()

@@ -82,6 +82,32 @@ def as_published(
     return smooth(felt), {name: smooth(values) for name, values in angles.items()}
 
 
+def compared(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    motions: Mapping[str, Motion],
+    calibration: ImuCalibration,
+    design: Butterworth,
+    by_stamps: Array,
+) -> tuple[Accelerations, Array]:
+    """Return the accelerations by both routes, and the accelerometer's bias (3,) [m/s²].
+
+    Arguments as of `as_calibrated` and `as_published`.
+    """
+    felt, ours, bias = as_calibrated(robot, signals, kinematics, motions, calibration, design)
+    published_felt, published = as_published(robot, signals, kinematics, by_stamps)
+    accelerations = Accelerations(
+        time=signals.time,
+        segment=signals.segment,
+        felt=felt,
+        acceleration=ours,
+        published_felt=published_felt,
+        published=published,
+    )
+    return accelerations, bias
+
+
 def derivative(signals: Signals, values: Array) -> Array:
     """Return the time derivative of values (N, M) within the segments."""
     return by_segment(partial(differentiate, period=signals.period), values, signals.segment)

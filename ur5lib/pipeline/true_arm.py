@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.robots.description import Payload, Robot
@@ -49,8 +50,8 @@ def true_parameters(robot: Robot, truth: Mapping[str, Any]) -> Array:
 
 def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butterworth) -> Array:
     """Return the end effector's at the IMU's place (N, 6), low-passed as its estimates are."""
-    model, point = LinkModel(robot, robot.chosen_model), np.array(robot.mounting.imu)
-    exact = model.acceleration(true.q, true.qd, true.qdd, point)
+    point = np.array(robot.mounting.imu)
+    exact = point_acceleration(robot, true.q, true.qd, true.qdd, point)
     rate = 1 / period(true.time)
     return by_segment(lambda x: inner_lowpass(x, rate, *design), exact, segment)
 

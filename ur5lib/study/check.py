@@ -98,9 +98,7 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     """A recording's quality.json and own_clocks.json; of an unusable one, the error is all."""
     arm = load_robot(robot_path(recording.robot))
     try:
-        intake = read_and_repair(
-            recording.model_dump(), arm, study.settings.repair_frames.max_gap_s
-        )
+        intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
     return intake.quality, _clocks_of(intake, arm)

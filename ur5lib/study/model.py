@@ -172,7 +172,7 @@ ORDER = "order of the Butterworth filter, which runs forwards and backwards"
 CUTOFF = "frequency at which a signal loses half its amplitude (-6 dB)"
 
 
-class RepairFrames(Strict):
+class Frames(Strict):
     """Repair of frames on the controller's time grid."""
 
     max_gap_s: float = Field(
@@ -183,30 +183,53 @@ class RepairFrames(Strict):
     )
 
 
-class FilterSignals(Strict):
-    """Zero-phase Butterworth low-pass of the measured signals."""
+class MotionLowpass(Strict):
+    """Of the controller's torque and the measured motion that it is identified from."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(10.0, gt=0, lt=62.5, description=CUTOFF)
 
 
-class CompareAccelerations(Strict):
-    """Zero-phase Butterworth low-pass for the comparison of joints and IMU."""
-
-    order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
-
-
-FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric"]
-
-
-class FitFriction(Strict):
-    """Fit of torque constants and friction to currents and motion, low-passed without delay."""
+class CurrentLowpass(Strict):
+    """Of currents, of the motion that explains them, and of external torques."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
         2.0, gt=0, lt=62.5, description="above this frequency, measured currents are mostly noise"
     )
+
+
+class AccelerationLowpass(Strict):
+    """Of accelerations by joints and IMU where they are compared."""
+
+    order: int = Field(4, ge=1, le=12, description=ORDER)
+    cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
+
+
+class PublishedLowpass(Strict):
+    """Of the external torque in the thesis's estimates of a contact force."""
+
+    order: int = Field(5, ge=1, le=12, description=ORDER)
+    cutoff_hz: float = Field(
+        1.454, gt=0, lt=62.5, description="cut-off frequency in the thesis (erratum 4)"
+    )
+
+
+class Lowpass(Strict):
+    """Butterworth low-pass filters, by what passes them; without delay."""
+
+    motion: MotionLowpass = MotionLowpass()
+    currents: CurrentLowpass = CurrentLowpass()
+    accelerations: AccelerationLowpass = AccelerationLowpass()
+    published_forces: PublishedLowpass = PublishedLowpass()
+
+
+FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric"]
+
+
+class Friction(Strict):
+    """The friction model that currents are fitted with."""
+
     terms: list[FrictionTerm] = Field(
         [*get_args(FrictionTerm)],
         description="candidate friction terms besides Coulomb, viscous, load-dependent and "
@@ -214,25 +237,10 @@ class FitFriction(Strict):
     )
 
 
-class RebuildForces(Strict):
-    """The thesis's estimates of a contact force."""
-
-    order: int = Field(5, ge=1, le=12, description="order of the low-pass on the external torque")
-    cutoff_hz: float = Field(
-        1.454, gt=0, lt=62.5, description="cut-off frequency in the thesis (erratum 4)"
-    )
-    min_singular_value: float = Field(
-        0.01,
-        gt=0,
-        le=1,
-        description="smallest singular value of the Jacobian; below it, torques determine no force",
-    )
-
-
-class EstimateForces(Strict):
+class Contact(Strict):
     """Prior knowledge about contacts."""
 
-    contact_force_n: float = Field(
+    force_n: float = Field(
         15.0,
         gt=0,
         le=1000,
@@ -240,8 +248,16 @@ class EstimateForces(Strict):
     )
 
 
-class CompareForces(Strict):
-    """Comparison of the estimates with the force sensor."""
+class Alarms(Strict):
+    """Alarms that report a contact."""
+
+    false_per_min: float = Field(
+        1.0, ge=0, le=60, description="highest rate allowed on the `fit` recordings"
+    )
+
+
+class ForceSensorSettings(Strict):
+    """The force sensor that estimates are compared with."""
 
     bias_window_s: float = Field(
         1.0,
@@ -251,25 +267,24 @@ class CompareForces(Strict):
     )
 
 
-class SetThreshold(Strict):
-    """Threshold on the odds of contact for an alarm."""
+class Singularities(Strict):
+    """Poses in which torques do not determine a force."""
 
-    false_alarms_per_min: float = Field(
-        1.0, ge=0, le=60, description="highest rate allowed on the `fit` recordings"
+    min_singular_value: float = Field(
+        0.01, gt=0, le=1, description="smallest singular value of a usable Jacobian"
     )
 
 
 class Settings(Strict):
-    """Settings of the steps, named after their rules."""
+    """Settings of the analysis, by concept."""
 
-    repair_frames: RepairFrames = RepairFrames()
-    filter_signals: FilterSignals = FilterSignals()
-    compare_accelerations: CompareAccelerations = CompareAccelerations()
-    fit_friction: FitFriction = FitFriction()
-    rebuild_forces: RebuildForces = RebuildForces()
-    estimate_forces: EstimateForces = EstimateForces()
-    compare_forces: CompareForces = CompareForces()
-    set_threshold: SetThreshold = SetThreshold()
+    frames: Frames = Frames()
+    lowpass: Lowpass = Lowpass()
+    friction: Friction = Friction()
+    contact: Contact = Contact()
+    alarms: Alarms = Alarms()
+    sensor: ForceSensorSettings = ForceSensorSettings()
+    singularities: Singularities = Singularities()
 
 
 class Study(Strict):
@@ -286,7 +301,7 @@ class Study(Strict):
         description="computers, under names of your choice, each with the devices whose samples it "
         "timestamps; devices of one host share its clock drift",
     )
-    settings: Settings = Field(Settings(), description="settings of the steps")
+    settings: Settings = Field(Settings(), description="settings of the analysis")
 
     def devices_of_hosts(self) -> dict[str, list[str]]:
         """Return each host's devices, by their names in results."""

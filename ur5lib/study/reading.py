@@ -13,6 +13,30 @@ from ur5lib.study.explanation import explain, shown
 from ur5lib.study.model import Study
 
 FILE_KEYS = {"folder", "file", "force_sensor", "imu"}
+RENAMED = {  # settings of earlier versions, by step and key
+    "repair_frames": {"max_gap_s": "frames.max_gap_s"},
+    "filter_signals": {
+        "order": "lowpass.motion.order",
+        "cutoff_hz": "lowpass.motion.cutoff_hz",
+    },
+    "compare_accelerations": {
+        "order": "lowpass.accelerations.order",
+        "cutoff_hz": "lowpass.accelerations.cutoff_hz",
+    },
+    "fit_friction": {
+        "order": "lowpass.currents.order",
+        "cutoff_hz": "lowpass.currents.cutoff_hz",
+        "terms": "friction.terms",
+    },
+    "rebuild_forces": {
+        "order": "lowpass.published_forces.order",
+        "cutoff_hz": "lowpass.published_forces.cutoff_hz",
+        "min_singular_value": "singularities.min_singular_value",
+    },
+    "estimate_forces": {"contact_force_n": "contact.force_n"},
+    "compare_forces": {"bias_window_s": "sensor.bias_window_s"},
+    "set_threshold": {"false_alarms_per_min": "alarms.false_per_min"},
+}
 
 
 def parse_study(raw: Mapping[str, Any], source: str) -> Study:
@@ -28,12 +52,14 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
         *_repeated_names(raw),
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
+        *_renamed_settings(raw),
     ]
     try:
         study = Study.model_validate(_with_simulated_files(raw))
     except ValidationError as error:
         schema = Study.model_json_schema()
-        problems = [explain(detail, schema) for detail in error.errors()] + problems
+        unknown = [detail for detail in error.errors() if not _is_renamed(raw, detail["loc"])]
+        problems = [explain(detail, schema) for detail in unknown] + problems
     if problems:
         raise InputError("\n".join(f"{source}: {problem}" for problem in problems))
     return study
@@ -104,3 +130,21 @@ def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
     named = [device for devices in lists if isinstance(devices, list) for device in devices]
     for device in sorted({str(device) for device in named if named.count(device) > 1}):
         yield f"hosts: {device} is listed twice; list it under the host that timestamps its samples"
+
+
+def _renamed_settings(raw: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a sentence for each setting of an earlier version: what it is called now."""
+    settings = raw.get("settings")
+    for step, keys in RENAMED.items():
+        given = settings.get(step) if isinstance(settings, dict) else None
+        given = given if isinstance(given, dict) else {}
+        for key in (key for key in given if key in keys):
+            yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
+
+
+def _is_renamed(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+    """Return whether an unknown key is an earlier step of which all keys have a new name."""
+    if len(location) != 2 or location[0] != "settings":
+        return False
+    keys, given = RENAMED.get(str(location[1])), raw["settings"].get(location[1])
+    return keys is not None and isinstance(given, dict) and given.keys() <= keys.keys()

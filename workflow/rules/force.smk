@@ -13,9 +13,8 @@ rule rebuild_forces:
     benchmark:
         f"{RESULTS}/benchmarks/rebuild_forces/{{recording}}.tsv"
     params:
-        order=SETTINGS.rebuild_forces.order,
-        cutoff_hz=SETTINGS.rebuild_forces.cutoff_hz,
-        min_singular_value=SETTINGS.rebuild_forces.min_singular_value,
+        **SETTINGS.lowpass.published_forces.model_dump(),
+        min_singular_value=SETTINGS.singularities.min_singular_value,
     script:
         "../scripts/rebuild_forces.py"
 
@@ -33,7 +32,7 @@ rule fit_residuals:
     benchmark:
         f"{RESULTS}/benchmarks/fit_residuals/{{robot}}.tsv"
     params:
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     script:
         "../scripts/fit_residuals.py"
 
@@ -56,8 +55,8 @@ rule estimate_forces:
     benchmark:
         f"{RESULTS}/benchmarks/estimate_forces/{{recording}}.tsv"
     params:
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
-        contact_force_n=SETTINGS.estimate_forces.contact_force_n,
+        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+        contact_force_n=SETTINGS.contact.force_n,
     script:
         "../scripts/estimate_forces.py"
 
@@ -81,8 +80,8 @@ rule compare_forces:
         f"{RESULTS}/benchmarks/compare_forces/{{recording}}.tsv"
     params:
         gravity=gravity_of,
-        bias_window_s=SETTINGS.compare_forces.bias_window_s,
-        min_singular_value=SETTINGS.rebuild_forces.min_singular_value,
+        bias_window_s=SETTINGS.sensor.bias_window_s,
+        min_singular_value=SETTINGS.singularities.min_singular_value,
     script:
         "../scripts/compare_forces.py"
 
@@ -98,7 +97,7 @@ rule set_threshold:
     benchmark:
         f"{RESULTS}/benchmarks/set_threshold/{{robot}}.tsv"
     params:
-        false_alarms_per_min=SETTINGS.set_threshold.false_alarms_per_min,
+        false_alarms_per_min=SETTINGS.alarms.false_per_min,
     script:
         "../scripts/set_threshold.py"
 
@@ -122,7 +121,7 @@ rule detect_contacts:
         f"{RESULTS}/benchmarks/detect_contacts/{{recording}}.tsv"
     params:
         role=lambda wildcards: recording_of(wildcards).role,
-        contact_force_n=SETTINGS.estimate_forces.contact_force_n,
+        contact_force_n=SETTINGS.contact.force_n,
     script:
         "../scripts/detect_contacts.py"
 
@@ -143,6 +142,6 @@ rule ablate_forces:
     benchmark:
         f"{RESULTS}/benchmarks/ablate_forces/{{recording}}.tsv"
     params:
-        contact_force_n=SETTINGS.estimate_forces.contact_force_n,
+        contact_force_n=SETTINGS.contact.force_n,
     script:
         "../scripts/ablate_forces.py"

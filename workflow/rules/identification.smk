@@ -31,8 +31,7 @@ rule fit_rotor_inertia:
     params:
         recordings=fitted_on,
         gravities=fitted_gravities,
-        order=SETTINGS.filter_signals.order,
-        cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
+        **SETTINGS.lowpass.motion.model_dump(),
     script:
         "../scripts/fit_rotor_inertia.py"
 
@@ -55,8 +54,7 @@ rule identify_model:
     params:
         recordings=fitted_on,
         gravities=fitted_gravities,
-        order=SETTINGS.filter_signals.order,
-        cutoff_hz=SETTINGS.filter_signals.cutoff_hz,
+        **SETTINGS.lowpass.motion.model_dump(),
     script:
         "../scripts/identify_model.py"
 
@@ -76,9 +74,8 @@ rule fit_friction:
         f"{RESULTS}/benchmarks/fit_friction/{{robot}}.tsv"
     params:
         recordings=fitted_on,
-        order=SETTINGS.fit_friction.order,
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
-        terms=SETTINGS.fit_friction.terms,
+        **SETTINGS.lowpass.currents.model_dump(),
+        terms=SETTINGS.friction.terms,
     script:
         "../scripts/fit_friction.py"
 
@@ -101,8 +98,7 @@ rule estimate_payload:
     params:
         recording="{recording}",
         gravity=gravity_of,
-        order=SETTINGS.fit_friction.order,
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+        **SETTINGS.lowpass.currents.model_dump(),
     script:
         "../scripts/estimate_payload.py"
 
@@ -129,7 +125,6 @@ rule predict_currents:
     params:
         recording="{recording}",
         role=lambda wildcards: recording_of(wildcards).role,
-        order=SETTINGS.fit_friction.order,
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+        **SETTINGS.lowpass.currents.model_dump(),
     script:
         "../scripts/predict_currents.py"

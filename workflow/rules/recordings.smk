@@ -14,6 +14,6 @@ rule repair_frames:
         f"{RESULTS}/benchmarks/repair_frames/{{recording}}.tsv"
     params:
         recording=what_was_recorded,
-        max_gap_s=SETTINGS.repair_frames.max_gap_s,
+        max_gap_s=SETTINGS.frames.max_gap_s,
     script:
         "../scripts/repair_frames.py"

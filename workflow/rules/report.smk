@@ -35,7 +35,7 @@ rule draw_figures:
     benchmark:
         f"{RESULTS}/benchmarks/draw_figures/{{recording}}.tsv"
     params:
-        min_singular_value=SETTINGS.rebuild_forces.min_singular_value,
+        min_singular_value=SETTINGS.singularities.min_singular_value,
     script:
         "../scripts/draw_figures.py"
 
@@ -90,8 +90,7 @@ rule draw_friction:
         f"{RESULTS}/benchmarks/draw_friction/{{robot}}.tsv"
     params:
         recordings=fitted_on,
-        order=SETTINGS.fit_friction.order,
-        cutoff_hz=SETTINGS.fit_friction.cutoff_hz,
+        **SETTINGS.lowpass.currents.model_dump(),
     script:
         "../scripts/draw_friction.py"
 
@@ -106,13 +105,7 @@ rule draw_filters:
     benchmark:
         f"{RESULTS}/benchmarks/draw_filters.tsv"
     params:
-        filter_signals=[SETTINGS.filter_signals.order, SETTINGS.filter_signals.cutoff_hz],
-        compare_accelerations=[
-            SETTINGS.compare_accelerations.order,
-            SETTINGS.compare_accelerations.cutoff_hz,
-        ],
-        rebuild_forces=[SETTINGS.rebuild_forces.order, SETTINGS.rebuild_forces.cutoff_hz],
-        fit_friction=[SETTINGS.fit_friction.order, SETTINGS.fit_friction.cutoff_hz],
+        lowpass=SETTINGS.lowpass.model_dump(),
     script:
         "../scripts/draw_filters.py"
 

@@ -68,8 +68,7 @@ rule calibrate_imu:
     params:
         recordings=fitted_on,
         gravities=fitted_gravities,
-        order=SETTINGS.compare_accelerations.order,
-        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+        **SETTINGS.lowpass.accelerations.model_dump(),
     script:
         "../scripts/calibrate_imu.py"
 
@@ -136,7 +135,6 @@ rule compare_accelerations:
         gravity=gravity_of,
         others=other_contact_free,
         other_gravities=lambda wildcards: gravities(other_contact_free(wildcards)),
-        order=SETTINGS.compare_accelerations.order,
-        cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+        **SETTINGS.lowpass.accelerations.model_dump(),
     script:
         "../scripts/compare_accelerations.py"

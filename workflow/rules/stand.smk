@@ -51,8 +51,7 @@ if SIMULATED:
         params:
             recordings=SIMULATED,
             robots=ROBOTS,
-            order=SETTINGS.compare_accelerations.order,
-            cutoff_hz=SETTINGS.compare_accelerations.cutoff_hz,
+            **SETTINGS.lowpass.accelerations.model_dump(),
         script:
             "../scripts/compare_with_truth.py"
 

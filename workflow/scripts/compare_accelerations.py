@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.pipeline.end_effector import acceleration_errors, as_calibrated, as_published
+from ur5lib.pipeline.end_effector import acceleration_errors, compared
 from ur5lib.pipeline.imu_samples import all_imu_samples, has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -21,10 +21,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     accelerations = Accelerations(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"errors": {}}
     if has_valid_imu(read_json(input.clocks)):
-        kinematics, design = (
-            Kinematics.read(input.kinematics),
-            Butterworth(params.order, params.cutoff_hz),
-        )
+        design = Butterworth(params.order, params.cutoff_hz)
         recordings = zip(
             params.others,
             params.other_gravities,
@@ -35,23 +32,12 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         )
         others = all_imu_samples(robot, recordings, design)
         calibration = calibrate([*others.values()]) if others else AS_DRAWN
-        own = robot.mounted(params.gravity), signals, kinematics
-        motions = {
-            "encoders": Motion.read(input.motion),
-            "encoders+imu": FusedMotion.read(input.fused),
-        }
-        felt, acceleration, bias = as_calibrated(*own, motions, calibration, design)
+        motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)
+        motions = {"encoders": motion, "encoders+imu": fused}
         start = read_json(input.quality)["starts"]["imu"]
         placed = by_stamps(read_table(input.imu), start, signals.time, "imu")
-        published_felt, published = as_published(*own, placed)
-        accelerations = Accelerations(
-            time=signals.time,
-            segment=signals.segment,
-            felt=felt,
-            acceleration=acceleration,
-            published_felt=published_felt,
-            published=published,
-        )
+        own = robot.mounted(params.gravity), signals, Kinematics.read(input.kinematics)
+        accelerations, bias = compared(*own, motions, calibration, design, placed)
         errors = acceleration_errors(accelerations)
         summary = {"calibrated_on": [*others], "accelerometer_bias": bias, "errors": errors}
     accelerations.write(output.accelerations)

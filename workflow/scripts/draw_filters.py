@@ -10,11 +10,11 @@ from ur5lib.steps import run_step
 from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 
 RATE = 125.0  # Hz, of the thesis's controller
-STEPS = {
-    "filter_signals": "measured signals",
-    "compare_accelerations": "accelerations compared",
-    "fit_friction": "currents",
-    "rebuild_forces": "the thesis's external torques",
+FILTERED = {
+    "motion": "measured motion",
+    "accelerations": "accelerations compared",
+    "currents": "currents",
+    "published_forces": "the thesis's external torques",
 }
 
 
@@ -25,8 +25,8 @@ def draw_filters(input: Any, output: Any, params: Any) -> None:
             frequency, RATE, order, cutoff
         )
         ** 2
-        for step, name in STEPS.items()
-        for order, cutoff in [params[step]]
+        for key, name in FILTERED.items()
+        for order, cutoff in [params.lowpass[key].values()]
     }
     gains |= {
         f"thesis: order {order}, {cutoff:g} Hz, one way": frequency_response(

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.dynamics.flange import link_frames
 from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import Robot, load_robot
@@ -16,8 +16,7 @@ BENT = [0.0, -1.3, 1.1, -1.3, -1.5, 0.0]  # rad: no link hides another
 
 def draw_models(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    frames = LinkModel(robot, robot.chosen_model).link_frames(np.array([BENT]))
-    rotation, origin = (part[0] for part in frames)
+    rotation, origin = (part[0] for part in link_frames(robot, np.array([BENT])))
     models = {}
     for names in alike(robot):
         bodies = rigid_bodies(robot, names[0])
