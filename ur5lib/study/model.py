@@ -125,7 +125,7 @@ class Simulable(Part):
 
     def known_payload(self) -> Payload | None:
         """Return the declared payload, or the plan's where the format cannot record it."""
-        if self.payload or self.simulate is None or self.format in layout.TELLING:
+        if self.payload or self.simulate is None or self.format in layout.FORMATS_WITH_PAYLOAD:
             return self.payload
         return self.simulate.payload
 
