@@ -124,7 +124,8 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     rows += [{"recording": "a"} | row for row in joint_acceleration_rows(motion, true)]
     table = pd.DataFrame(rows, columns=COLUMNS)
     assert [*beside_truth(table)] == [
-        "Of 2 values with a stated 95 % interval, 1 intervals hold the truth of the simulation."
+        "Of 2 values with a stated 95 % interval, 1 have the truth of the simulation inside this "
+        "interval."
     ]
     results = Results({"recordings": []}, {"truth": table}, Path())
     views = [truth.summary, truth.clocks, truth.joint_accelerations, truth.joint_acceleration_bands]
