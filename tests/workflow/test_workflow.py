@@ -18,7 +18,8 @@ FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures", "ablate_forc
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_TORQUES = ["compute_torques", "rebuild_forces", *FROM_CURRENTS]
 FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
-FROM_SIGNALS = ["filter_signals", "estimate_gains", *FROM_MOTION]
+FROM_SIGNALS = ["fuse_imu", "estimate_gains", *FROM_MOTION]
+FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures"]
 FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
 FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
 EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
@@ -117,15 +118,23 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/signals/host_drifts.py",
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
-        ("ur5lib/signals/smoothing.py", jobs(*FROM_MOTION) | MODELS | FRICTION | REPORT),
+        ("ur5lib/timeseries/kalman.py",
+         jobs("fuse_imu", *FROM_MOTION) | ARM | REPORT),
+        ("ur5lib/signals/smoothing.py",
+         jobs("fuse_imu", *FROM_MOTION) | ARM | REPORT),
+        # Side branches: no force estimate runs again.
+        ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
+        ("ur5lib/signals/imu_model.py", jobs(*FROM_IMU) | {"calibrate_imu": 1} | REPORT),
+        ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | {"calibrate_imu": 1} | REPORT),
         ("ur5lib/signals/euler_route.py",
          jobs("compare_accelerations", "draw_figures") | REPORT),
         ("ur5lib/identification/closed_loop.py",
-         jobs("estimate_gains", *FROM_TORQUES) | FRICTION | REPORT),
+         jobs("estimate_gains", "draw_figures") | REPORT),
         ("ur5lib/identification/rotor_inertia.py",
          jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/identification/friction.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
-        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+        ("ur5lib/dynamics/rigid_body.py",
+         jobs("estimate_gains", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
@@ -140,6 +149,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/report/views/found.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
         ("workflow/scripts/make_tables.py", REPORT),
+        ("ur5lib/report/tables/payload.py", REPORT),
     ],
 )  # fmt: skip
 def test_editing_code_reruns_its_users(
@@ -208,7 +218,8 @@ def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) ->
         workflow.folder / "config.yaml",
         "  - {name: new, robot: ur5, format: thesis-csv, folder: raw/new, role: fit}\n",
     )
-    again = jobs(*FROM_MOTION, recordings=RECORDINGS + 1)
+    others = ("fuse_imu", "compare_accelerations", *FROM_TORQUES)
+    again = jobs(*others, recordings=RECORDINGS + 1)
     assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | again | DRIFTS | ARM | REPORT
 
 
@@ -249,7 +260,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    while not [*folder.rglob("filtered.parquet")]:
+    while not [*folder.rglob("motion.parquet")]:
         assert run.poll() is None, "the run ended before it could be killed"
         time.sleep(0.05)
     os.killpg(run.pid, signal.SIGKILL)
