@@ -20,10 +20,12 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
+from ur5lib.signals.imu_fusion import add_imu
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
-from ur5lib.signals.smoothing import LinearSystem, add_imu, encoder_system, smooth
+from ur5lib.signals.smoothing import encoder_system
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.kalman import LinearSystem, smooth
 
 SAMPLES, PERIOD, ROUNDS = 10_000, 0.008, 3
 IMU_NOISE = np.repeat([0.1, 0.01], 3)  # m/s², rad/s

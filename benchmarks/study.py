@@ -8,6 +8,7 @@ its jobs load Python and its packages.
 import argparse
 import resource
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -53,8 +54,11 @@ def main() -> None:
 def snakemake(study: str, *options: str) -> tuple[float, float]:
     """Wall and processor time of a run [s]."""
     start, before = time.perf_counter(), processor_time()
-    command = ["snakemake", "--quiet", "all", "--cores", "2", "--configfile", study, *options]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    command = ["snakemake", "--cores", "2", "--configfile", study, *options]
+    pipe, both = subprocess.PIPE, subprocess.STDOUT
+    done = subprocess.run(command, text=True, stdout=pipe, stderr=both, check=False)
+    if done.returncode:
+        sys.exit(f"{done.stdout}\nthis run failed (status {done.returncode})")
     return time.perf_counter() - start, processor_time() - before
 
 

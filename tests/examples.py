@@ -92,7 +92,7 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What an example is: shell, python, yaml, a listing of files, or unknown."""
+    """What an example is: shell, python, yaml, a listing of files, equations, or unknown."""
     first = block.splitlines()[0]
     if CODE.match(first):
         return "python"
@@ -101,7 +101,24 @@ def kind_of(block: str) -> str:
     words = [line.split()[0] for line in block.splitlines() if line.strip()]
     if all(word.removeprefix(".venv/bin/") in COMMANDS for word in words):
         return "shell"
-    return "listing" if LISTED.match(first) else "unknown"
+    if LISTED.match(first):
+        return "listing"
+    return "equation" if is_equation(block) else "unknown"
+
+
+def is_equation(block: str) -> bool:
+    """Whether each line says that something equals something, and is no Python."""
+    equal = all(" = " in line for line in block.splitlines() if line.strip())
+    return equal and not (block.isascii() and is_python(block))
+
+
+def is_python(block: str) -> bool:
+    """Whether Python can read a block."""
+    try:
+        ast.parse(block)
+    except SyntaxError:
+        return False
+    return True
 
 
 # Shell
@@ -237,7 +254,20 @@ def make_files(entry: dict[str, Any], folder: Path) -> None:
         (folder / way_points).write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
 
 
-# Listings
+# Equations and listings
+
+
+def equation_faults(text: str) -> list[str]:
+    """Brackets of equations that do not match; the tests of the library are about the rest."""
+    return [line for line in text.splitlines() if not is_balanced(line)]
+
+
+def is_balanced(line: str) -> bool:
+    """Whether each bracket is closed by its own kind."""
+    brackets = "".join(letter for letter in line if letter in "()[]{}")
+    while (rest := re.sub(r"\(\)|\[\]|\{\}", "", brackets)) != brackets:
+        brackets = rest
+    return not brackets
 
 
 def listing_faults(text: str) -> list[str]:

@@ -1,6 +1,9 @@
 """The documents: their links lead somewhere."""
 
+import ast
+import functools
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -35,3 +38,49 @@ def test_the_readme_leads_to_every_document() -> None:
 
 def test_the_readme_is_short() -> None:
     assert len((PROJECT / "README.md").read_text().splitlines()) <= 80
+
+
+FOREIGN = (  # messages of the shell, make and Snakemake
+    "bad interpreter",
+    "snakemake: command not found",
+    "ur5",
+    "No Snakefile found",
+    "no makefile found",
+    "Config file is not valid JSON or YAML",
+    "FileNotFoundError",
+)
+
+
+@functools.cache
+def everything() -> str:
+    """All that the program can say."""
+    return "\n".join(texts())
+
+
+def texts() -> Iterator[str]:
+    """The strings of the program, with a mark for each value that they insert."""
+    for path in [*(PROJECT / "ur5lib").rglob("*.py"), *(PROJECT / "workflow").rglob("*.py")]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.JoinedStr):
+                parts = (v.value if isinstance(v, ast.Constant) else "\0" for v in node.values)
+                yield "".join(map(str, parts))
+            elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+                yield node.value
+    for path in [PROJECT / "Makefile", PROJECT / "Snakefile", *PROJECT.rglob("workflow/*/*.smk")]:
+        yield re.sub(r'"\s*f?"', "", path.read_text())
+
+
+def messages() -> list[str]:
+    """What stands in the first column of the tables of messages."""
+    page = (PROJECT / "docs" / "troubleshooting.md").read_text()
+    cells = re.findall(r"^\| (.*?) \| ", page, re.MULTILINE)
+    quoted = [text for cell in cells for text in re.findall(r"``(.*?) ?``|`([^`]+)`", cell)]
+    return [double or single for double, single in quoted]
+
+
+@pytest.mark.parametrize("message", sorted({*messages()} - {*FOREIGN}))
+def test_messages_of_the_document_are_those_of_the_program(message: str) -> None:
+    """But for the values in them: numbers, and what … stands for."""
+    parts = [part.strip() for part in re.split(r"…|\d[\d.]*", message)]
+    whole = [part for part in parts if len(part.split()) > 1] or [max(parts, key=len)]
+    assert all(part in everything() for part in whole)

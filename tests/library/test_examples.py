@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from tests.conftest import PROJECT
 from tests.examples import (
     Example,
+    equation_faults,
     examples,
     kind_of,
     listing_faults,
@@ -37,7 +38,7 @@ def of_kind(kind: str) -> pytest.MarkDecorator:
 
 
 def test_documents_have_examples_of_all_kinds() -> None:
-    assert {example.kind for example in EXAMPLES} == {"shell", "yaml", "python", "listing"}
+    assert {example.kind for example in EXAMPLES} >= {"shell", "yaml", "python", "listing"}
     assert len([example for example in EXAMPLES if "\n" in example.text]) >= 18
 
 
@@ -77,6 +78,11 @@ def test_studies_are_valid(
 @of_kind("listing")
 def test_listed_files_exist(example: Example) -> None:
     assert listing_faults(example.text) == []
+
+
+@of_kind("equation")
+def test_equations_are_whole(example: Example) -> None:
+    assert equation_faults(example.text) == []
 
 
 # Code, each as its page says that it is used
@@ -177,6 +183,11 @@ def test_a_study_that_is_wrong_is_found(
 @pytest.mark.parametrize("block", ["brew --tea", "#include <tea.h>", "SELECT * FROM tea"])
 def test_an_example_of_another_kind_is_unknown(block: str) -> None:
     assert kind_of(block) == "unknown"
+
+
+def test_an_equation_that_is_torn_is_found() -> None:
+    assert kind_of("τ = D (q̈ + g)\ni = [τ]") == "equation"
+    assert equation_faults("τ = D (q̈ + g)\ni = (τ]") == ["i = (τ]"]
 
 
 def test_a_listed_file_that_does_not_exist_is_found() -> None:

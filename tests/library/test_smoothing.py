@@ -17,17 +17,11 @@ from ur5lib.dynamics.kinematics import (
     velocity_product_acceleration,
 )
 from ur5lib.robots.description import Robot
+from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
 from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
-from ur5lib.signals.noise import encoder_noise, imu_noise, innovation_test, jerk_covariance
-from ur5lib.signals.smoothing import (
-    LinearSystem,
-    SmoothedMotion,
-    add_imu,
-    encoder_system,
-    smooth,
-    smooth_encoders,
-    smooth_with_imu,
-)
+from ur5lib.signals.noise import encoder_noise, innovation_test, jerk_covariance
+from ur5lib.signals.smoothing import SmoothedMotion, encoder_system, smooth_encoders
+from ur5lib.timeseries.kalman import LinearSystem, smooth
 
 PERIOD, SAMPLES = 0.008, 3000
 POINT = np.array([0.01735, 0.00605, 0.0095])

@@ -11,7 +11,7 @@ import pytest
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.truth import Truth
-from ur5lib.pipeline.smoothed_motion import no_fused_motion
+from ur5lib.pipeline.fused_motion import no_fused_motion
 from ur5lib.report.results import Results
 from ur5lib.report.truth_table import (
     COLUMNS,
@@ -148,8 +148,8 @@ def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     rows += [{"recording": "a"} | r for r in joint_acceleration_rows(motions(), made_truth())]
     table = pd.DataFrame(rows, columns=COLUMNS)
     assert [*beside_truth(table)] == [
-        "Of 2 values with a stated 95 % interval, 1 have the truth of the simulation "
-        "inside this interval."
+        "Of 2 values with a stated 95 % interval, 1 have the truth of the simulation inside this "
+        "interval."
     ]
     results = Results({"recordings": []}, {"truth": table}, Path())
     views = [truth.summary, truth.clocks, truth.joint_accelerations, truth.joint_acceleration_bands]

@@ -308,7 +308,7 @@ def test_a_setting_that_no_longer_is(workflow: Workflow) -> None:
 
 def test_a_missing_folder(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "raw" / "still")
-    fails_with(workflow, "`recordings[0].folder` is 'raw/still', which is not in ")
+    fails_with(workflow, "`recordings[0].folder` is 'raw/still', which does not exist in ")
 
 
 def test_a_missing_file(workflow: Workflow) -> None:
@@ -316,13 +316,17 @@ def test_a_missing_file(workflow: Workflow) -> None:
     fails_with(workflow, "repair_frames: raw/still/csv_files/log_m_target.csv is missing")
 
 
-@pytest.mark.parametrize("content", ["", "This is a letter, not a recording.\n", "0.0, 1.0, 2.0"])
-def test_a_recording_without_a_row(workflow: Workflow, content: str) -> None:
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("", "no complete row of 7 numbers"),
+        ("This is a letter, not a recording.\n", "expected 7 numbers (it has 2 cells)"),
+        ("0.0, 1.0, 2.0", "no complete row of 7 numbers"),
+    ],
+)
+def test_a_recording_without_a_row(workflow: Workflow, content: str, fault: str) -> None:
     (workflow.folder / "raw/still/csv_files/log_i_actual.csv").write_text(content)
-    fails_with(
-        workflow,
-        "raw/still/csv_files/log_i_actual.csv, line 1: holds no complete row of 7 numbers",
-    )
+    fails_with(workflow, f"raw/still/csv_files/log_i_actual.csv, line 1: {fault}")
 
 
 def test_a_study_that_is_no_study(workflow: Workflow) -> None:

@@ -7,6 +7,7 @@ from scipy.linalg.lapack import dposv
 
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.rts import rts_pass
 
 
 class Smoothed(NamedTuple):
@@ -25,12 +26,7 @@ def smooth(measured: Array, noise: Array, spread: Array, decay: Array) -> Smooth
     """
     before, after = _filter(measured, noise, spread, decay)
     cross = decay[1:, :, None] * after.covariance[:-1]
-    gain = np.linalg.solve(before.covariance[1:], cross).mT
-    mean, covariance = after.mean.copy(), after.covariance.copy()
-    for t in range(len(measured) - 2, -1, -1):
-        mean[t] += gain[t] @ (mean[t + 1] - before.mean[t + 1])
-        covariance[t] += gain[t] @ (covariance[t + 1] - before.covariance[t + 1]) @ gain[t].T
-    return Smoothed(mean, covariance)
+    return Smoothed(*rts_pass(cross, before, after))
 
 
 def _filter(

@@ -1,4 +1,4 @@
-"""Joint motion by the Kalman smoother, as motion.parquet and fused_motion.parquet."""
+"""Joint motion by the Kalman smoother, as motion.parquet."""
 
 from dataclasses import asdict
 from functools import partial
@@ -6,19 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.records.kinematics import Kinematics
-from ur5lib.pipeline.records.motion import FusedMotion, Motion
+from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.robots.description import Robot
-from ur5lib.signals.imu_calibration import ImuCalibration
-from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.smoothing import SmoothedMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 STATES = {"q": slice(0, 6), "qd": slice(6, 12), "qdd": slice(12, 18)}
-BIASES = {"accelerometer_bias": slice(18, 21), "gyroscope_bias": slice(21, 24)}
 
 
 def measured(signals: Signals) -> tuple[Array, Array]:
@@ -34,45 +29,13 @@ def measured(signals: Signals) -> tuple[Array, Array]:
     return q, qd
 
 
-def imu_model(
-    robot: Robot, kinematics: Kinematics, calibration: ImuCalibration, qd: Array
-) -> LinearImu:
-    """Return the IMU's equation about a motion, as other recordings calibrated it.
-
-    robot: under the recording's gravity; qd: (N, 6) [rad/s].
-    """
-    gravity = np.array(robot.gravity)
-    return linearise_imu(
-        kinematics.rotation,
-        kinematics.jacobian,
-        qd,
-        np.array(robot.mounting.imu),
-        calibration.axes(),
-        calibration.up(gravity),
-    )
-
-
 def motion_record(signals: Signals, motion: SmoothedMotion) -> Motion:
     """Return positions, velocities and accelerations with their standard deviations."""
-    return Motion(time=signals.time, segment=signals.segment, **_parts(motion, STATES))
+    return Motion(time=signals.time, segment=signals.segment, **state_parts(motion, STATES))
 
 
-def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:
-    """Return the same, and the IMU's biases."""
-    parts = _parts(motion, STATES | BIASES)
-    return FusedMotion(time=signals.time, segment=signals.segment, **parts)
-
-
-def no_fused_motion() -> FusedMotion:
-    """Return the record of a recording without a valid IMU: it has no samples."""
-    states = {name: np.zeros((0, 6)) for name in STATES}
-    biases = {name: np.zeros((0, 3)) for name in BIASES}
-    parts = states | biases
-    parts |= {f"{name}_std": values for name, values in parts.items()}
-    return FusedMotion(time=np.zeros(0), segment=np.zeros(0, np.int64), **parts)
-
-
-def _parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Array]:
+def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Array]:
+    """Return parts of the state and their standard deviations by name."""
     values = {name: motion.state[:, part] for name, part in parts.items()}
     return values | {f"{name}_std": motion.std[:, part] for name, part in parts.items()}
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from importlib import import_module
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -91,9 +92,13 @@ def compose(contents: Contents, results: Results) -> Document:
 
 
 def view(name: str) -> Callable[..., Any]:
-    """The view of a name, `module.function`. Raises KeyError, AttributeError."""
-    module, function = name.split(".")
-    found: Callable[..., Any] = getattr(VIEWS[module], function)
+    """Return the view of a name: `view.function`, `table.function`, or `table` for its `shown`.
+
+    Raises ModuleNotFoundError or AttributeError where there is none.
+    """
+    module, _, function = name.partition(".")
+    place = VIEWS[module] if module in VIEWS else import_module(f"ur5lib.report.tables.{module}")
+    found: Callable[..., Any] = getattr(place, function or "shown")
     return found
 
 

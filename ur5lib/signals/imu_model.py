@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.signals.smoothing import MOTION
 from ur5lib.timeseries.arrays import Array
 
-MOTION, BIASES = 18, 6  # entries of the state: q, q̇, q̈; accelerometer and gyroscope biases
+BIASES = 6  # entries of the state besides the motion: of accelerometer and gyroscope
 
 
 @dataclass(frozen=True)

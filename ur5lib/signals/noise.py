@@ -15,8 +15,7 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
-JERK_WINDOW, IMU_WINDOW = 0.13, 0.5  # s, over which an intensity is taken as constant
-QUIET = 0.05  # share of windows
+JERK_WINDOW = 0.13  # s, over which an intensity is taken as constant
 RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording; no noise is less
 NOTHING = 1e-20  # keeps perfect data from a likelihood without bound
 LAGS = 10  # of the portmanteau test
@@ -69,21 +68,6 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     joints = [_joint_noise(time, segment, *joint, period) for joint in zip(q.T, qd.T, strict=True)]
     jerk, position, velocity, lag = (np.stack(each, axis=-1) for each in zip(*joints, strict=True))
     return EncoderNoise(jerk, position, velocity, lag)
-
-
-def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -> Array:
-    """Standard deviation of a sensor's readings about each sample, (N, M).
-
-    residual: (N, M), readings minus what the encoders predict, NaN where missing; explained:
-    (N, M), variance of that prediction. An arm in motion shakes its sensor in ways its joints do
-    not tell, so the noise changes with time: mean square in a window, less what is explained, and
-    no less than in the quietest twentieth of all windows.
-    """
-    square = (residual - np.nanmedian(residual, axis=0)) ** 2
-    count = round(IMU_WINDOW / float(np.median(np.diff(time))))
-    square = _moving_mean(square, segment, count)
-    quietest = np.nanquantile(np.where(np.isfinite(residual), square, np.nan), QUIET, axis=0)
-    return np.sqrt(np.fmax(square - _moving_mean(explained, segment, count), quietest))
 
 
 def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
@@ -187,7 +171,7 @@ class _Record:
         deviances = [self.deviance(ratio, precision, lag) for ratio in ratios]
         surprise = np.stack([logdet + square / position**2 for logdet, square in deviances], axis=1)
         count = round(JERK_WINDOW / self.period)
-        surprise = _moving_mean(np.where(self.told[:, None], surprise, 0), self.segment, count)
+        surprise = moving_mean(np.where(self.told[:, None], surprise, 0), self.segment, count)
         weight = softmax(-count * surprise / 2, axis=1)
         return np.exp(weight @ np.log(JERKS))
 
@@ -201,7 +185,7 @@ def jerk_covariance(step: Array | float) -> Array:
     return gained[..., :, None] * gained[..., None, :]
 
 
-def _moving_mean(values: Array, segment: Labels, count: int) -> Array:
+def moving_mean(values: Array, segment: Labels, count: int) -> Array:
     """Mean of the finite values about each row within its segment, zero where there are none."""
     result = np.empty_like(values)
     for rows in unbroken(segment):

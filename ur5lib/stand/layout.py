@@ -20,7 +20,7 @@ ROBOT_FILES = {"realtime-stream": "capture.csv", "rtde-csv": "robot.csv"}
 COUNTS = {"realtime-stream": "epoch_s", "rtde-csv": "relative_s"}  # the sensors' time columns
 COLUMNS = {"force_sensor": ["time", "ft"], "imu": ["time", "imu_a", "imu_m", "imu_g"]}
 FORMATS = ["thesis-csv", *ROBOT_FILES]
-TELLING = ["rtde-csv"]  # formats that record the payload declared to the controller
+FORMATS_WITH_PAYLOAD = ["rtde-csv"]  # formats that record the payload declared to the controller
 
 
 def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:

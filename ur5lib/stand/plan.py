@@ -46,9 +46,11 @@ class Movej(Planned):
     ] = Field(
         description="joint angles [rad], or a text file with one movej([six angles]) per line"
     )
-    speed_rad_s: float = Field(1.05, gt=0, le=6.3, description="of the joint with the longest way")
+    speed_rad_s: float = Field(
+        1.05, gt=0, le=6.3, description="speed of the joint with the longest way"
+    )
     acceleration_rad_s2: float = Field(
-        1.4, gt=0, le=40, description="of the joint with the longest way"
+        1.4, gt=0, le=40, description="acceleration of the joint with the longest way"
     )
     pause_s: float = Field(0.0, ge=0, description="pause at each way-point")
 
@@ -199,7 +201,7 @@ class Faults(Planned):
 class SimulatedRecording(Planned):
     """One recording of the virtual test stand."""
 
-    trajectory: Trajectory
+    trajectory: Trajectory = Field(description="motion of the arm")
     seconds: float = Field(20.0, gt=1, le=600, description="duration")
     seed: int = Field(0, ge=0, description="seed of the noise and of the choice of faulty frames")
     model: str | None = Field(
@@ -216,6 +218,6 @@ class SimulatedRecording(Planned):
     friction: bool = Field(True, description="whether the joints have friction")
     noise: bool = Field(True, description="whether measurements have noise")
     contacts: list[Contact] = Field(default=[], description="contacts with the arm")
-    force_sensor: ForceSensor | None = None
-    imu: Imu | None = None
-    faults: Faults = Faults()
+    force_sensor: ForceSensor | None = Field(None, description="force sensor, if any")
+    imu: Imu | None = Field(None, description="IMU, if any")
+    faults: Faults = Field(Faults(), description="faults of the recording")

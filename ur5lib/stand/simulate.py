@@ -11,7 +11,7 @@ from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import Motion, perform
 from ur5lib.stand.faults import choose_hit, spoil
 from ur5lib.stand.files import WRITERS, write_files
-from ur5lib.stand.layout import TELLING
+from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.sensors import force_readings, imu_readings
 from ur5lib.stand.truth import write_truth
@@ -32,7 +32,7 @@ def simulate(
     The same plan gives the same bytes. Raises InputError when the arm cannot execute the plan.
     """
     random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))
-    experiment = perform(robot, plan, random["arm"], tell=format in TELLING)
+    experiment = perform(robot, plan, random["arm"], tell=format in FORMATS_WITH_PAYLOAD)
     cycle = CYCLES[format]
     sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
     hit = choose_hit(plan.faults, len(sent), random["faults"])

@@ -107,5 +107,5 @@ def allowed(node: dict[str, Any]) -> str:
     type_ = "object" if "discriminator" in node else node.get("type", "value")
     kind = {"array": "a list", "object": "a mapping"}.get(type_, f"a {type_}")
     if "pattern" in node:
-        limits.append(f"of {node['description']}")
+        limits.append(f"of {node['characters']}")
     return f"{kind.replace('a integer', 'an integer')} {' and '.join(limits)}".strip()

@@ -19,7 +19,10 @@ Name = Annotated[  # becomes the name of a folder
     str,
     Field(
         pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
-        description="letters, digits, `_`, `-`; dots too, except as the first character",
+        description="name, also of its folder in results",
+        json_schema_extra={
+            "characters": "letters, digits, `_`, `-`; dots too, except as the first character"
+        },
     ),
 ]
 
@@ -41,8 +44,8 @@ class Part(Strict):
     )
     folder: str = Field(description="the folder that holds the device files")
     role: Literal["fit", "validate", "contact"] = Field(
-        description="fit: contact-free, for fitting; validate: contact-free, never fitted on; "
-        "contact: something touches the arm"
+        description="fit: contact-free, used for fitting; validate: contact-free, never used for "
+        "fitting; contact: something touches the arm"
     )
     gravity: Gravity | None = Field(
         None,
@@ -54,7 +57,7 @@ class Part(Strict):
         description="load on the flange that the arm's description lacks, whether the controller "
         "knows it or not; default: the recorded `payload` channels of RTDE, otherwise none",
     )
-    format: str
+    format: str = Field(description="format of the files")
 
     def known_payload(self) -> Payload | None:
         """Return the payload that the study declares."""
@@ -125,7 +128,7 @@ class Simulable(Part):
 
     def known_payload(self) -> Payload | None:
         """Return the declared payload, or the plan's where the format cannot record it."""
-        if self.payload or self.simulate is None or self.format in layout.TELLING:
+        if self.payload or self.simulate is None or self.format in layout.FORMATS_WITH_PAYLOAD:
             return self.payload
         return self.simulate.payload
 
@@ -139,27 +142,27 @@ class Simulable(Part):
 class ThesisRecording(Simulable):
     """A folder `csv_files` with one CSV per channel, as recorded for the thesis."""
 
-    format: Literal["thesis-csv"]
+    format: Literal["thesis-csv"] = Field(description="format of the files")
 
 
 class StreamRecording(Simulable, Sensors):
     """A capture of the controller's realtime port, with lines received_s,payload_hex."""
 
-    format: Literal["realtime-stream"]
+    format: Literal["realtime-stream"] = Field(description="format of the files")
     file: str = Field(description="path within the recording's folder")
 
 
 class RtdeRecording(Simulable, Sensors):
     """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
-    format: Literal["rtde-csv"]
+    format: Literal["rtde-csv"] = Field(description="format of the files")
     file: str = Field(description="path within the recording's folder")
 
 
 class TableRecording(Part, DeviceTable, Sensors):
     """Any delimited table whose columns the study declares."""
 
-    format: Literal["table-csv"]
+    format: Literal["table-csv"] = Field(description="format of the files")
 
 
 Recording = Annotated[

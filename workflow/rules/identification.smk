@@ -29,9 +29,9 @@ rule fit_rotor_inertia:
     benchmark:
         f"{RESULTS}/benchmarks/fit_rotor_inertia/{{robot}}.tsv"
     params:
+        **SETTINGS.lowpass.motion.model_dump(),
         recordings=fitted_on,
         gravities=fitted_gravities,
-        **SETTINGS.lowpass.motion.model_dump(),
     script:
         "../scripts/fit_rotor_inertia.py"
 
@@ -52,9 +52,9 @@ rule identify_model:
     benchmark:
         f"{RESULTS}/benchmarks/identify_model/{{robot}}.tsv"
     params:
+        **SETTINGS.lowpass.motion.model_dump(),
         recordings=fitted_on,
         gravities=fitted_gravities,
-        **SETTINGS.lowpass.motion.model_dump(),
     script:
         "../scripts/identify_model.py"
 
@@ -73,8 +73,8 @@ rule fit_friction:
     benchmark:
         f"{RESULTS}/benchmarks/fit_friction/{{robot}}.tsv"
     params:
-        recordings=fitted_on,
         **SETTINGS.lowpass.currents.model_dump(),
+        recordings=fitted_on,
         terms=SETTINGS.friction.terms,
     script:
         "../scripts/fit_friction.py"
@@ -96,9 +96,9 @@ rule estimate_payload:
     benchmark:
         f"{RESULTS}/benchmarks/estimate_payload/{{recording}}.tsv"
     params:
+        **SETTINGS.lowpass.currents.model_dump(),
         recording="{recording}",
         gravity=gravity_of,
-        **SETTINGS.lowpass.currents.model_dump(),
     script:
         "../scripts/estimate_payload.py"
 
@@ -123,8 +123,8 @@ rule predict_currents:
     benchmark:
         f"{RESULTS}/benchmarks/predict_currents/{{recording}}.tsv"
     params:
+        **SETTINGS.lowpass.currents.model_dump(),
         recording="{recording}",
         role=lambda wildcards: recording_of(wildcards).role,
-        **SETTINGS.lowpass.currents.model_dump(),
     script:
         "../scripts/predict_currents.py"

@@ -89,8 +89,8 @@ rule draw_friction:
     benchmark:
         f"{RESULTS}/benchmarks/draw_friction/{{robot}}.tsv"
     params:
-        recordings=fitted_on,
         **SETTINGS.lowpass.currents.model_dump(),
+        recordings=fitted_on,
     script:
         "../scripts/draw_friction.py"
 
@@ -157,9 +157,8 @@ rule write_report:
     input:
         **REFERENCE,
         tables=[*rules.make_tables.output, *rules.time_steps.output, *TRUTH],
-        figures=[*rules.draw_filters.output, *rules.draw_calibration.output]
-        + expand([*rules.draw_friction.output, *rules.draw_models.output], robot=ROBOTS)
-        + expand(rules.draw_figures.output, recording=RECORDINGS),
+        figures=[path for path in of_every_job("output") if path.startswith(f"{RESULTS}/figures/")],
+        modules=rules.make_tables.input.modules,
         contents="ur5lib/report/contents.yaml",
         templates=[
             "ur5lib/report/templates/report.html.jinja",

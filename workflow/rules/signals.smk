@@ -66,9 +66,9 @@ rule calibrate_imu:
     benchmark:
         f"{RESULTS}/benchmarks/calibrate_imu/{{robot}}.tsv"
     params:
+        **SETTINGS.lowpass.accelerations.model_dump(),
         recordings=fitted_on,
         gravities=fitted_gravities,
-        **SETTINGS.lowpass.accelerations.model_dump(),
     script:
         "../scripts/calibrate_imu.py"
 
@@ -132,9 +132,9 @@ rule compare_accelerations:
     benchmark:
         f"{RESULTS}/benchmarks/compare_accelerations/{{recording}}.tsv"
     params:
+        **SETTINGS.lowpass.accelerations.model_dump(),
         gravity=gravity_of,
         others=other_contact_free,
         other_gravities=lambda wildcards: gravities(other_contact_free(wildcards)),
-        **SETTINGS.lowpass.accelerations.model_dump(),
     script:
         "../scripts/compare_accelerations.py"

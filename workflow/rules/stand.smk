@@ -49,9 +49,9 @@ if SIMULATED:
         benchmark:
             f"{RESULTS}/benchmarks/compare_with_truth.tsv"
         params:
+            **SETTINGS.lowpass.accelerations.model_dump(),
             recordings=SIMULATED,
             robots=ROBOTS,
-            **SETTINGS.lowpass.accelerations.model_dump(),
         script:
             "../scripts/compare_with_truth.py"
 

@@ -2,19 +2,15 @@
 
 from typing import Any
 
+from ur5lib.pipeline.fused_motion import fused_record, imu_model, no_fused_motion
 from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.smoothed_motion import (
-    fused_record,
-    imu_model,
-    measured,
-    motion_account,
-    no_fused_motion,
-)
+from ur5lib.pipeline.smoothed_motion import measured, motion_account
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
-from ur5lib.signals.smoothing import smooth_encoders, smooth_with_imu
+from ur5lib.signals.imu_fusion import smooth_with_imu
+from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 

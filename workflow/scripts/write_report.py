@@ -1,8 +1,6 @@
 """The study's report, as HTML and as PDF, and the study that it is of."""
 
-import platform
-import subprocess
-from importlib import metadata
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +11,9 @@ from ur5lib.report.contents import contents
 from ur5lib.report.reference import read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
+from ur5lib.report.versions import commit, versions
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv, write_text
-
-PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
-PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 
 def write_report(input: Any, output: Any, params: Any) -> None:
@@ -25,7 +21,7 @@ def write_report(input: Any, output: Any, params: Any) -> None:
     results = Results(
         study=study,
         tables={Path(path).stem: read_csv(path) for path in input.tables},
-        figures=Path(input.figures[0]).parent,
+        figures=Path(os.path.commonpath(input.figures)),
         errata=read_reference(input.get("reference")).errata,
         commit=commit(),
         versions=versions(),
@@ -34,26 +30,6 @@ def write_report(input: Any, output: Any, params: Any) -> None:
     write_html(document, output.html)
     write_pdf(document, output.pdf)
     write_text(params.study, output.study)
-
-
-def versions() -> dict[str, str]:
-    """Versions of what the numbers depend on."""
-    return {"Python": platform.python_version()} | {
-        name: metadata.version(name) for name in PACKAGES
-    }
-
-
-def commit() -> str:
-    """The commit of the code, with "+ changes" when the files differ from it."""
-    try:
-        name = subprocess.check_output(
-            ["git", "describe", "--always", "--abbrev=12", "--dirty= + changes"],
-            text=True,
-            stderr=subprocess.DEVNULL,
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return "(unknown)"
-    return name.strip()
 
 
 if __name__ == "__main__":

@@ -1,0 +1,48 @@
+"""Joint motion from encoders and IMU, as fused_motion.parquet."""
+
+import numpy as np
+
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import FusedMotion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.smoothed_motion import STATES, state_parts
+from ur5lib.robots.description import Robot
+from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.signals.imu_model import LinearImu, linearise_imu
+from ur5lib.signals.smoothing import SmoothedMotion
+from ur5lib.timeseries.arrays import Array
+
+BIASES = {"accelerometer_bias": slice(18, 21), "gyroscope_bias": slice(21, 24)}
+
+
+def imu_model(
+    robot: Robot, kinematics: Kinematics, calibration: ImuCalibration, qd: Array
+) -> LinearImu:
+    """Return the IMU's equation about a motion, as other recordings calibrated it.
+
+    robot: under the recording's gravity; qd: (N, 6) [rad/s].
+    """
+    gravity = np.array(robot.gravity)
+    return linearise_imu(
+        kinematics.rotation,
+        kinematics.jacobian,
+        qd,
+        np.array(robot.mounting.imu),
+        calibration.axes(),
+        calibration.up(gravity),
+    )
+
+
+def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:
+    """Return the same, and the IMU's biases."""
+    parts = state_parts(motion, STATES | BIASES)
+    return FusedMotion(time=signals.time, segment=signals.segment, **parts)
+
+
+def no_fused_motion() -> FusedMotion:
+    """Return the record of a recording without a valid IMU: it has no samples."""
+    states = {name: np.zeros((0, 6)) for name in STATES}
+    biases = {name: np.zeros((0, 3)) for name in BIASES}
+    parts = states | biases
+    parts |= {f"{name}_std": values for name, values in parts.items()}
+    return FusedMotion(time=np.zeros(0), segment=np.zeros(0, np.int64), **parts)
