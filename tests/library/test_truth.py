@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.pipeline.fused_motion import no_fused_motion
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.truth import Truth
-from ur5lib.pipeline.fused_motion import no_fused_motion
 from ur5lib.report.results import Results
 from ur5lib.report.truth_table import (
     COLUMNS,
