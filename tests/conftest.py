@@ -5,11 +5,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
 from tests.synthetic import write_recording
 from ur5lib.robots.description import Robot, load_robot, robot_path
+
+if TYPE_CHECKING:
+    from tests.real_arms import RealStudy
 
 PROJECT = Path(__file__).parents[1]
 COPIED = ["Snakefile", "config.yaml", "profiles", "workflow", "ur5lib", "pyproject.toml"]
@@ -43,6 +47,27 @@ def thesis_data() -> Path:
 @pytest.fixture(scope="session")
 def ur10e_data() -> Path:
     return recordings("ur10e", "workflow/studies/ur10e.yaml says where they are")
+
+
+@pytest.fixture(scope="session")
+def kept_motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where smoothed motion of real recordings is kept, for all processes of this session."""
+    folder = tmp_path_factory.getbasetemp()
+    return (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "motion"
+
+
+@pytest.fixture(scope="session")
+def real_ur5(thesis_data: Path, kept_motion: Path) -> "RealStudy":
+    from tests.real_arms import RealStudy
+
+    return RealStudy("thesis", thesis_data, kept_motion)
+
+
+@pytest.fixture(scope="session")
+def real_ur10e(ur10e_data: Path, kept_motion: Path) -> "RealStudy":
+    from tests.real_arms import RealStudy
+
+    return RealStudy("ur10e", ur10e_data, kept_motion)
 
 
 def copy_project(target: Path) -> Path:

@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
-from ur5lib.report.result_tables import group_findings, quality_table
 
 from tests.synthetic import write_recording
 from ur5lib import cli
+from ur5lib.report.findings import group_findings
+from ur5lib.report.tables.quality import finding_rows
 
 
 @pytest.fixture
@@ -116,7 +118,8 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     forces["two"]["offset_doubt"] = "a push"
-    table = group_findings(quality_table({"one": quality, "two": stale}, clocks, forces))
+    rows = finding_rows({"one": quality, "two": stale}, clocks, forces)
+    table = group_findings(pd.DataFrame(rows))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
     assert told["one", "same file"] == "byte for byte that of two; used here"

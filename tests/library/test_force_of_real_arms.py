@@ -6,27 +6,15 @@ those in contact, where the sensor reads more than 5 N.
 """
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.library.force_study import (
-    PRIOR,
-    Fitted,
-    Taken,
-    fitted,
-    sensor_clocks,
-    take,
-    thesis_study,
-)
+from tests.real_arms import PRIOR, Fitted, RealRecording, RealStudy
 from ur5lib.force.contact_figures import figures_by_contact
 from ur5lib.force.detection import alarm_threshold, alarms, compare
 from ur5lib.force.sensed_contacts import contacts
 from ur5lib.force.wrench_estimate import WrenchEstimate
-from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clocks import Clock
-from ur5lib.study.model import Study, TableRecording
 from ur5lib.timeseries.metrics import correlation
 
 FREE = ["Movement_No8_Singularity_Free_1", "Movement_No9_Singularity_Free_NoDist"]
@@ -35,9 +23,6 @@ STANDSTILL = ["Movement_No10_Standstill_ForceSensor_All", "Movement_No10_Standst
 SENSED = [PUSHED, *STANDSTILL]
 UR10E_FITTED = ["ur-20_01_17-p2", "ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_PUSHED = "ur-20_01_22-push_pose_1"
-UR10E_COLUMNS = [
-    *("time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment")
-]
 CONTACT = 15.0  # N
 WORSE = 1.05  # times the error of least squares on the same intervals; TENTH [N] is no difference
 TENTH = 0.1
@@ -45,54 +30,43 @@ Figures = dict[str, dict[str, np.ndarray]]
 
 
 @pytest.fixture(scope="module")
-def study(thesis_data: Path) -> Study:
-    return thesis_study(thesis_data)
+def thesis(real_ur5: RealStudy) -> dict[str, RealRecording]:
+    names = [*real_ur5.names("fit", "validate"), *SENSED]
+    return {name: real_ur5.recording(name) for name in names}
 
 
 @pytest.fixture(scope="module")
-def clocks(study: Study) -> dict[str, Clock]:
-    return sensor_clocks(study)
+def fit_names(real_ur5: RealStudy) -> list[str]:
+    return real_ur5.names("fit")
 
 
 @pytest.fixture(scope="module")
-def thesis(study: Study, clocks: dict[str, Clock], ur5: Robot) -> dict[str, Taken]:
-    return {
-        recording.name: take(recording, ur5, "C+rotors", clocks.get(recording.name))
-        for recording in study.recordings
-        if recording.role != "contact" or recording.name in SENSED
-    }
+def known(real_ur5: RealStudy, fit_names: list[str]) -> Fitted:
+    return real_ur5.fitted(fit_names)
 
 
 @pytest.fixture(scope="module")
-def fit_names(study: Study) -> list[str]:
-    return [recording.name for recording in study.recordings if recording.role == "fit"]
-
-
-@pytest.fixture(scope="module")
-def known(thesis: dict[str, Taken], fit_names: list[str], ur5: Robot) -> Fitted:
-    return fitted([thesis[name] for name in fit_names], ur5)
-
-
-@pytest.fixture(scope="module")
-def estimates(thesis: dict[str, Taken], known: Fitted) -> dict[str, WrenchEstimate]:
+def estimates(thesis: dict[str, RealRecording], known: Fitted) -> dict[str, WrenchEstimate]:
     return {name: known.estimate(taken) for name, taken in thesis.items()}
 
 
 @pytest.fixture(scope="module")
-def sensor(thesis: dict[str, Taken], ur5: Robot) -> dict[str, np.ndarray]:
-    return {name: thesis[name].sensor(ur5)[0] for name in SENSED}
+def sensor(thesis: dict[str, RealRecording]) -> dict[str, np.ndarray]:
+    return {name: thesis[name].sensor[0] for name in SENSED}
 
 
-def figures(taken: Taken, wrench: np.ndarray, std: np.ndarray, sensor: np.ndarray) -> Figures:
+def figures(
+    taken: RealRecording, wrench: np.ndarray, std: np.ndarray, sensor: np.ndarray
+) -> Figures:
     """Of forces along x, y, z: in contact, free, over all."""
     force = np.linalg.norm(sensor[:, :3], axis=1)
-    step = taken.record.period
+    step = taken.motion.period
     return figures_by_contact(wrench[:, :3], std[:, :3], sensor[:, :3], force, step)
 
 
 @pytest.fixture(scope="module")
 def judged(
-    thesis: dict[str, Taken],
+    thesis: dict[str, RealRecording],
     estimates: dict[str, WrenchEstimate],
     sensor: dict[str, np.ndarray],
 ) -> dict[str, Figures]:
@@ -105,28 +79,30 @@ def judged(
 # The sign and the clock
 
 
-def test_the_sensor_feels_its_tool_pull_downwards(thesis: dict[str, Taken], ur5: Robot) -> None:
+def test_the_sensor_feels_its_tool_pull_downwards(thesis: dict[str, RealRecording]) -> None:
     """As R_6 turns, the free reading follows the weight of a tool of about 0.1 kg, not its lift."""
-    offset = thesis[PUSHED].sensor(ur5)[1]
+    offset = thesis[PUSHED].sensor[1]
     assert 0.05 < offset.mass < 0.15
     assert offset.mass > 10 * offset.mass_std
     assert 0.4 < offset.free.mean() < 0.8
 
 
 def test_motors_work_against_what_the_sensor_reads(
-    thesis: dict[str, Taken], known: Fitted, sensor: dict[str, np.ndarray]
+    thesis: dict[str, RealRecording], known: Fitted, sensor: dict[str, np.ndarray]
 ) -> None:
     """k (i_modelled - i) = J^T F with F as read, not its opposite; F^u is the opposite."""
     taken = thesis[PUSHED]
-    seen = (taken.jacobian.mT @ sensor[PUSHED][..., None])[..., 0]
+    seen = (taken.kinematics.jacobian.mT @ sensor[PUSHED][..., None])[..., 0]
     assert (correlation(known.torque(taken), seen)[:5] > 0.5).all()
     assert (correlation(known.torque(taken), seen)[:4] > 0.8).all()
-    assert taken.controller is not None
-    assert (correlation(taken.controller, sensor[PUSHED])[:3] < -0.3).all()
+    controllers = taken.signals.actual_TCP_force
+    assert controllers is not None
+    assert (correlation(controllers, sensor[PUSHED])[:3] < -0.3).all()
 
 
-def test_the_sensors_clock_is_its_hosts(clocks: dict[str, Clock]) -> None:
+def test_the_sensors_clock_is_its_hosts(real_ur5: RealStudy) -> None:
     """A tenth of a second after half a minute, which stamps alone do not tell."""
+    clocks = real_ur5.sensor_clocks
     assert {*clocks} == {*SENSED}
     assert all(clock.drift == pytest.approx(-0.0033, abs=2e-4) for clock in clocks.values())
 
@@ -136,7 +112,7 @@ def test_the_sensors_clock_is_its_hosts(clocks: dict[str, Clock]) -> None:
 
 @pytest.mark.parametrize("name", SENSED)
 def test_in_contact_a_prior_costs_nothing(
-    thesis: dict[str, Taken],
+    thesis: dict[str, RealRecording],
     estimates: dict[str, WrenchEstimate],
     sensor: dict[str, np.ndarray],
     judged: dict[str, Figures],
@@ -181,21 +157,22 @@ def test_where_nothing_touches_no_force_is_told(judged: dict[str, Figures], name
 
 @pytest.mark.parametrize("name", STANDSTILL)
 def test_at_standstill_better_than_the_controller(
-    thesis: dict[str, Taken],
+    thesis: dict[str, RealRecording],
     sensor: dict[str, np.ndarray],
     judged: dict[str, Figures],
     name: str,
 ) -> None:
     """F^u less its mean of the first second, which is free of contact."""
     taken = thesis[name]
-    assert taken.controller is not None
-    unbiased = -(taken.controller - taken.controller[: round(1 / taken.record.period)].mean(axis=0))
+    controllers = taken.signals.actual_TCP_force
+    assert controllers is not None
+    unbiased = -(controllers - controllers[: round(1 / taken.motion.period)].mean(axis=0))
     controller = figures(taken, unbiased, np.ones_like(unbiased), sensor[name])
     assert (judged[name]["contact"]["mae"] < controller["contact"]["mae"]).all()
 
 
 def test_the_repeat_aware_estimate(
-    thesis: dict[str, Taken], known: Fitted, sensor: dict[str, np.ndarray]
+    thesis: dict[str, RealRecording], known: Fitted, sensor: dict[str, np.ndarray]
 ) -> None:
     """Printed F̂* has 6.16, 8.66, 5.64 N over the whole recording."""
     free = [taken for name, taken in thesis.items() if name not in SENSED]
@@ -208,7 +185,7 @@ def test_the_repeat_aware_estimate(
     assert found["free"]["coverage95"].min() >= 0.97
 
 
-def is_the_arms_own(known: Fitted, taken: Taken, usual: WrenchEstimate) -> None:
+def is_the_arms_own(known: Fitted, taken: RealRecording, usual: WrenchEstimate) -> None:
     """The prior's force times or divided by five moves no force in contact beyond its band."""
     for factor in (0.2, 5.0):
         prior = replace(PRIOR, force=factor * PRIOR.force)
@@ -219,7 +196,7 @@ def is_the_arms_own(known: Fitted, taken: Taken, usual: WrenchEstimate) -> None:
 
 @pytest.mark.parametrize("name", SENSED)
 def test_the_answer_is_not_the_priors(
-    thesis: dict[str, Taken], known: Fitted, estimates: dict[str, WrenchEstimate], name: str
+    thesis: dict[str, RealRecording], known: Fitted, estimates: dict[str, WrenchEstimate], name: str
 ) -> None:
     is_the_arms_own(known, thesis[name], estimates[name])
 
@@ -229,17 +206,17 @@ def test_the_answer_is_not_the_priors(
 
 @pytest.mark.parametrize("name", FREE)
 def test_a_sustained_push_is_told_at_any_size(
-    thesis: dict[str, Taken], known: Fitted, name: str
+    thesis: dict[str, RealRecording], known: Fitted, name: str
 ) -> None:
     """From 5 s on for 15 s, along x, y, z; what the gears lose is as the prior says."""
     taken = thesis[name]
-    time = taken.record.period * np.arange(len(taken.jacobian))
+    time = taken.motion.period * np.arange(len(taken.kinematics.jacobian))
     on = (time >= 5) & (time < 20)
     sizes, told, held = np.array([5.0, 30.0, 80.0]), np.zeros((3, 3)), np.zeros((3, 3, 3))
     for i, size in enumerate(sizes):
         for axis in range(3):
             wrench = np.where(on[:, None], size * np.eye(6)[axis], 0.0)
-            lost = PRIOR.efficiency * (taken.jacobian.mT @ wrench[..., None])[..., 0]
+            lost = PRIOR.efficiency * (taken.kinematics.jacobian.mT @ wrench[..., None])[..., 0]
             estimate = known.estimate(taken, extra=lost)
             told[i, axis] = estimate.wrench[on, axis].mean()
             inside = np.abs(estimate.wrench - wrench) <= 1.96 * estimate.std
@@ -253,14 +230,14 @@ def test_a_sustained_push_is_told_at_any_size(
 
 
 def test_contacts_are_found_in_time_and_few_are_made_up(
-    thesis: dict[str, Taken],
+    thesis: dict[str, RealRecording],
     estimates: dict[str, WrenchEstimate],
     fit_names: list[str],
     sensor: dict[str, np.ndarray],
 ) -> None:
-    periods = [thesis[name].record.period for name in fit_names]
+    periods = [thesis[name].motion.period for name in fit_names]
     threshold = alarm_threshold([estimates[name].log_odds for name in fit_names], periods, 1.0)
-    step = thesis[PUSHED].record.period
+    step = thesis[PUSHED].motion.period
     force = np.linalg.norm(sensor[PUSHED][:, :3], axis=1)
     raised = alarms(estimates[PUSHED].log_odds, threshold)
     detection = compare(raised, contacts(force, CONTACT), step)
@@ -277,25 +254,11 @@ def test_contacts_are_found_in_time_and_few_are_made_up(
 
 
 @pytest.fixture(scope="module")
-def ur10e_pushed(ur10e_data: Path) -> tuple[Fitted, Taken]:
-    robot = load_robot(robot_path("ur10e"))
-
-    def read(name: str) -> Taken:
-        recording = TableRecording(
-            name=name,
-            robot="ur10e",
-            format="table-csv",
-            folder=str(ur10e_data),
-            file=f"{name}.csv",
-            columns=UR10E_COLUMNS,
-            role="fit",
-        )
-        return take(recording, robot, "maker+rotors")
-
-    return fitted([read(name) for name in UR10E_FITTED], robot), read(UR10E_PUSHED)
+def ur10e_pushed(real_ur10e: RealStudy) -> tuple[Fitted, RealRecording]:
+    return real_ur10e.fitted(UR10E_FITTED), real_ur10e.recording(UR10E_PUSHED)
 
 
-def test_pushes_of_a_ur10e(ur10e_pushed: tuple[Fitted, Taken]) -> None:
+def test_pushes_of_a_ur10e(ur10e_pushed: tuple[Fitted, RealRecording]) -> None:
     known, pushed = ur10e_pushed
     estimate = known.estimate(pushed)
     found = alarms(estimate.log_odds, 0.0)
@@ -304,5 +267,5 @@ def test_pushes_of_a_ur10e(ur10e_pushed: tuple[Fitted, Taken]) -> None:
     assert np.isfinite(estimate.wrench).all()
     assert np.isfinite(estimate.std).all()
     assert np.abs(estimate.wrench[:, :3]).max() < 150
-    assert pushed.reading is None
+    assert pushed.signals.force_sensor is None
     is_the_arms_own(known, pushed, estimate)

@@ -109,4 +109,4 @@ def test_the_command_maps_joint_ranges() -> None:
 def test_a_wrong_range_is_told(entry: str) -> None:
     done = CliRunner().invoke(app, ["singularities", "--robot", "ur5", "--within", entry])
     assert isinstance(done.exception, InputError)
-    assert "give joint=low:high" in str(done.exception)
+    assert "write joint=low:high" in str(done.exception)

@@ -57,6 +57,7 @@ def test_the_cycle_is_found_where_it_is_not_told(cycle: float) -> None:
 lost_slots = st.sets(st.integers(1, COUNT - 2), max_size=70)
 
 
+@settings(deadline=None)
 @given(lost_slots)
 def test_short_gaps_are_filled_and_flagged(lost: set[int]) -> None:
     kept = [slot for slot in range(COUNT) if slot not in lost]
@@ -71,6 +72,7 @@ def test_short_gaps_are_filled_and_flagged(lost: set[int]) -> None:
     assert (repaired["actual_q_0"].diff()[1:] > 0).all()  # and a rise is
 
 
+@settings(deadline=None)
 @given(lost_slots)
 def test_long_gaps_split_and_hold_no_data(lost: set[int]) -> None:
     kept = [slot for slot in range(COUNT) if slot not in lost]

@@ -8,16 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from ur5lib.report.current_tables import (
-    ablation_rows,
-    contact_rows,
-    detection_rows,
-    payload_rows,
-    remark_rows,
-)
-from ur5lib.report.result_tables import force_errors, torque_errors
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report.cells import extremes, number, signed, significant
 from ur5lib.report.document import (
     Cell,
@@ -36,6 +30,13 @@ from ur5lib.report.house_style import save
 from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import MOST_ROWS, Results
+from ur5lib.report.tables.ablation import ablation_rows
+from ur5lib.report.tables.contacts import contact_rows
+from ur5lib.report.tables.detection import detection_rows
+from ur5lib.report.tables.force_mae import force_errors
+from ur5lib.report.tables.payload import payload_rows
+from ur5lib.report.tables.remarks import remark_rows
+from ur5lib.report.tables.torque_mae import torque_errors
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.currents import payloads as payload_table
@@ -59,7 +60,6 @@ from ur5lib.report.views.found import (
     undetermined_moments,
 )
 from ur5lib.report.views.provenance import configuration, configuration_heading
-from ur5lib.tables import named
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
 
@@ -173,21 +173,20 @@ def test_columns_of_numbers_stand_right() -> None:
 # Tables of results
 
 
-def torque_tables() -> tuple[pd.DataFrame, pd.DataFrame]:
+def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
     """Target moments of 1 Nm; Model A is right, Model B 0.5 Nm too high; one invented frame."""
     ones = np.ones((10, 6))
     off = {"A": ones, "B": ones + 0.5}
-    torques = {
-        name: column
-        for motion in ("target", "measured")
-        for model, values in off.items()
-        for name, column in named(values, f"tau_{motion}_{model}").items()
-    }
     moment = ones.copy()
     moment[3] = 99.0
-    signals = pd.DataFrame(named(moment, "target_moment"))
-    signals["interpolated"] = np.arange(10) == 3
-    return pd.DataFrame(torques), signals
+    grid = {"time": 0.008 * np.arange(10), "segment": np.zeros(10, np.int64)}
+    flags = grid | {"interpolated": np.arange(10) == 3}
+    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
+    return (
+        Signals(**flags, actual_q=ones, target_moment=moment),
+        Torques(**flags, target=off, measured=off, **dict.fromkeys(terms, 0 * ones)),
+        ClosedLoop(**grid),
+    )
 
 
 def test_torque_errors_leave_out_invented_frames() -> None:

@@ -13,12 +13,13 @@ from pydantic import ValidationError
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.own_clocks import own_clocks
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.device_clock import device_clock
 from ur5lib.stand.faults import LATE, SPLIT, split_late
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import Format, simulate
@@ -143,7 +144,7 @@ def test_a_controller_knows_the_payload_that_its_files_name(
     )
     robot = loaded.repaired().robot
     more = channel(robot, "target_moment") - channel(bare.repaired().robot, "target_moment")
-    found = told_payload(robot)
+    found = told_payload(Signals.from_table(robot))
     if format == "rtde-csv":
         assert found == loaded.plan.payload
         assert np.abs(more).max() > 10
@@ -230,12 +231,12 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     clock = {"offset_s": 0.05, "drift_ppm": -2500, "jitter_s": 1e-4, "stamp_error_s": -0.06}
     recorded = record(format, imu={"clock": clock}, seconds=12)
     intake = recorded.repaired()
-    rotation, _, jacobian = flange_kinematics(recorded.arm, channel(intake.robot, "actual_q"))
-    start = intake.quality["starts"]["imu"]
-    found, reason = device_clock(intake.sensors["imu"], start, intake.robot, rotation, jacobian)
-    assert reason is None
-    assert found.offset == pytest.approx(0.05, abs=0.005)
-    assert found.drift == pytest.approx(-2500e-6, abs=5e-4)
+    robot = Signals.from_table(intake.robot)
+    rotation, _, jacobian = flange_kinematics(recorded.arm, robot.actual_q)
+    found = own_clocks(intake.quality["starts"], intake.sensors, robot, rotation, jacobian)["imu"]
+    assert found["warning"] is None
+    assert found["offset"] == pytest.approx(0.05, abs=0.005)
+    assert found["drift"] == pytest.approx(-2500e-6, abs=5e-4)
 
 
 def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:

@@ -1,5 +1,6 @@
 """Estimates beside the truth: what a row says, and what there is no truth of."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.pipeline.fused_motion import no_fused_motion
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.motion import FusedMotion, Motion
+from ur5lib.pipeline.records.truth import Truth
 from ur5lib.report.results import Results
 from ur5lib.report.truth_table import (
     COLUMNS,
@@ -21,7 +26,7 @@ from ur5lib.report.truth_table import (
 )
 from ur5lib.report.views import truth
 from ur5lib.report.views.found import beside_truth
-from ur5lib.tables import named
+from ur5lib.timeseries.arrays import Array
 
 TRUTH: dict[str, Any] = {
     "clocks": {"imu": {"offset_s": 0.02, "drift_ppm": -3000}},
@@ -33,8 +38,30 @@ TRUTH: dict[str, Any] = {
 }  # fmt: skip
 
 
-def series(name: str, value: float, count: int = 100) -> dict[str, Any]:
-    return named(np.full((count, 6), value), name)
+COUNT = 100
+
+
+def series(value: float) -> Array:
+    return np.full((COUNT, 6), value)
+
+
+def made_motion() -> Motion:
+    """Accelerations of 1 rad/s², with a deviation of 0.4 rad/s²."""
+    names = ("q", "qd", "q_std", "qd_std")
+    states = dict.fromkeys(names, series(0.0)) | {"qdd": series(1.0), "qdd_std": series(0.4)}
+    return Motion(time=0.008 * np.arange(COUNT), segment=np.zeros(COUNT, np.int64), **states)
+
+
+def made_truth() -> Truth:
+    """Accelerations of 0.5 rad/s², and a wrench of 10 N and Nm."""
+    names = ("q", "qd", "motor_torque", "friction_torque", "contact_torque")
+    told = {"qdd": series(0.5), "wrench": series(10.0)} | dict.fromkeys(names, series(0.0))
+    return Truth(time=0.008 * np.arange(COUNT), **told)
+
+
+def motions() -> dict[str, Motion]:
+    fused: FusedMotion = no_fused_motion()  # of a recording without a valid IMU
+    return {"encoders": made_motion(), "encoders+imu": fused}
 
 
 def test_an_interval_holds_the_truth_or_not() -> None:
@@ -95,8 +122,7 @@ def test_an_imu_s_mounting_is_told_in_radians() -> None:
 
 
 def test_accelerations_are_held_against_their_bands() -> None:
-    motion = pd.DataFrame(series("qdd", 1.0) | series("qdd_std", 0.4))
-    rows = pd.DataFrame(joint_acceleration_rows(motion, pd.DataFrame(series("qdd", 0.5))))
+    rows = pd.DataFrame(joint_acceleration_rows(motions(), made_truth()))
     rmse = rows[rows["quantity"] == "joint_acceleration_rmse"]
     assert rmse["estimate"].tolist() == rmse["zero"].tolist() == [0.5] * 6
     inside = rows[rows["quantity"] == "joint_acceleration_inside_2_std"]
@@ -105,11 +131,11 @@ def test_accelerations_are_held_against_their_bands() -> None:
 
 
 def test_wrenches_are_compared_where_they_state_a_band() -> None:
-    names = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
-    truth = pd.DataFrame(series("wrench", 10.0))
-    forces = pd.DataFrame({f"Fmap_{name}": [8.0] * 100 for name in names})
+    grid = {"time": 0.008 * np.arange(COUNT), "segment": np.zeros(COUNT, np.int64)}
+    truth = made_truth()
+    forces = Forces(**grid, wrench={"Fmap": series(8.0)})
     assert list(wrench_rows(forces, truth)) == []
-    band = forces.assign(**{f"Fmap_std_{name}": 1.5 for name in names})
+    band = replace(forces, std={"Fmap": series(1.5)})
     rows = pd.DataFrame(wrench_rows(band, truth)).set_index(["quantity", "index"])
     assert rows.loc[("wrench_rmse", "Fz"), "estimate"] == pytest.approx(2.0)
     assert rows.loc[("wrench_mae", "nz"), "zero"] == pytest.approx(10.0)
@@ -119,9 +145,7 @@ def test_wrenches_are_compared_where_they_state_a_band() -> None:
 def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     clock = {"offset": 0.03, "offset_std": 0.01, "drift": -0.0029, "drift_std": 2e-5}
     rows = [{"recording": "a"} | r for r in clock_rows({"imu": clock | {"method": "m"}}, TRUTH)]
-    motion = pd.DataFrame(series("qdd", 1.0) | series("qdd_std", 0.4))
-    true = pd.DataFrame(series("qdd", 0.5))
-    rows += [{"recording": "a"} | row for row in joint_acceleration_rows(motion, true)]
+    rows += [{"recording": "a"} | r for r in joint_acceleration_rows(motions(), made_truth())]
     table = pd.DataFrame(rows, columns=COLUMNS)
     assert [*beside_truth(table)] == [
         "Of 2 values with a stated 95 % interval, 1 have the truth of the simulation inside this "

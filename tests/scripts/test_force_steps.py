@@ -1,29 +1,35 @@
 """The steps of the force estimates, on made-up torques: loads, templates, rates, alarms."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-import torch
 
-from tests.library.current_study import make_record, prior, smooth, with_noise
+from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.regressor import regressor
-from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.residual_model import ResidualModel, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
-from ur5lib.robots.description import Payload, Robot
-from ur5lib.tables import WRENCH, channel, named, read_json, read_table, write_json, write_table
+from ur5lib.identification.payload import LEFT
+from ur5lib.identification.payload import Payload as FoundLoad
+from ur5lib.identification.validation import least_squares_coefficients
+from ur5lib.pipeline.force_estimates import carry_alike
+from ur5lib.pipeline.payload_estimate import LINK_6, judged_load
+from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.forces import Forces, SensorWrenches
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import Payload, Robot, robot_path
+from ur5lib.tables import read_json, write_json
 
 PERIOD = 0.016
-LINK_6 = slice(50, 54)
 BARE = {"carried": 0.0, "std_error": 0.05}
 LOADED = {"carried": 2.7, "std_error": 0.05}
 SETTINGS = SimpleNamespace(cutoff_hz=2.0, contact_force_n=15.0, role="contact")
@@ -42,22 +48,25 @@ class Recording:
     def write(self, run: Free, load: dict[str, float] | None = None) -> "Recording":
         """What estimate_forces reads of it."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        base = {"time": run.time, "segment": np.zeros(len(run.time), int)}
-        tables = {
-            "motion": named(run.q, "q") | named(run.qd, "qd"),
-            "currents": named(run.torque, "tau_ext")
-            | named(run.torque, "tau_observer")
-            | named(np.zeros_like(run.torque), "load_doubt"),
-            "kinematics": named(run.jacobian.reshape(-1, 36), "J"),
-            "sensor": {},
-        }
-        for name, columns in tables.items():
-            write_table(pd.DataFrame(base | columns), getattr(self, name))
+        grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
+        nothing = 0 * run.q
+        deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
+        Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, **deviations).write(self.motion)
+        torques = dict.fromkeys(("external_torque", "observed_torque"), run.torque)
+        Currents(**grid, load_doubt=nothing, **torques).write(self.currents)
+        SensorWrenches(**grid).write(self.sensor)
+        Kinematics(
+            time=run.time,
+            origin=nothing[:, :3],
+            rotation=run.rotation,
+            jacobian=run.jacobian,
+            smallest_singular_value=nothing[:, 0],
+        ).write(self.kinematics)
         write_json({"load": load}, self.load)
         write_json({name: MODEL.to_dict() for name in ("tau_ext", "tau_observer")}, self.residuals)
         return self
 
-    def estimate(self, *others: "Recording") -> pd.DataFrame:
+    def estimate(self, *others: "Recording") -> Forces:
         """What estimate_forces makes of it, beside other contact-free recordings."""
         input = SimpleNamespace(
             motion=self.motion,
@@ -70,11 +79,11 @@ class Recording:
             free_loads=[other.load for other in others],
         )
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
-        return read_table(self.forces)
+        return Forces.read(self.forces)
 
 
-def estimates(forces: pd.DataFrame) -> set[str]:
-    return {name.removesuffix("_Fx") for name in forces.filter(regex="^[^_]*_Fx$")}
+def estimates(forces: Forces) -> set[str]:
+    return {*forces.wrench} - {"least_squares"}
 
 
 # Which runs may be the template of which
@@ -92,20 +101,14 @@ def estimates(forces: pd.DataFrame) -> set[str]:
         ({"carried": 0.0, "std_error": 0.0}, {"carried": 0.0, "std_error": 0.0}, True),
     ],
 )
-def test_runs_are_alike_that_may_carry_the_same(
-    tmp_path: Path, own: Any, other: Any, alike: bool
-) -> None:
-    paths = [str(tmp_path / "own.json"), str(tmp_path / "other.json")]
-    for path, load in zip(paths, (own, other), strict=True):
-        write_json({"load": load}, path)
-    same_load = script("estimate_forces").same_load
-    assert same_load(*paths) == same_load(*paths[::-1]) == alike
+def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: bool) -> None:
+    loads = {"load": own}, {"load": other}
+    assert carry_alike(loads[0], [loads[1]]) == carry_alike(loads[1], [loads[0]]) == [alike]
 
 
-def test_a_recording_without_currents_tells_no_load(tmp_path: Path) -> None:
-    for name in ("own", "other"):
-        write_json({"fitted": False, "scores": {}}, tmp_path / name)
-    assert not script("estimate_forces").same_load(tmp_path / "own", tmp_path / "other")
+def test_a_recording_without_currents_tells_no_load() -> None:
+    without: dict[str, Any] = {"fitted": False, "scores": {}}
+    assert carry_alike(without, [without, {"load": BARE}]) == [False, False]
 
 
 @pytest.fixture(scope="module")
@@ -120,9 +123,8 @@ def load_torque(ur5: Robot, run: Free, mass: float) -> np.ndarray:
     """What a load takes of the motors' torque, by inverse dynamics with it and without."""
     payload = Payload(mass=mass, center_of_mass=(0.0, 0.0, 0.08))
     qdd = np.gradient(run.qd, run.time, axis=0)
-    states = [torch.from_numpy(state.copy()) for state in (run.q, run.qd, qdd)]
-    arms = [build_arm(ur5.carrying(carried), "C") for carried in (payload, None)]
-    loaded, bare = (inverse_dynamics(arm, *states).numpy() for arm in arms)
+    models = [LinkModel(ur5.carrying(carried), "C") for carried in (payload, None)]
+    loaded, bare = (model.inverse_dynamics(run.q, run.qd, qdd) for model in models)
     return bare - loaded
 
 
@@ -135,12 +137,12 @@ def test_a_template_is_of_the_same_payload(weighty: tuple[Free, Free], tmp_path:
     forces = own.estimate(heavy)
     assert estimates(forces) == {"Fmap", "observer"}
     for name in ("Fmap", "observer"):
-        assert forces[f"log_odds_{name}"].max() < 0
-        assert np.abs(forces[[f"{name}_{c}" for c in WRENCH[:3]]].to_numpy()).max() < 0.5
+        assert forces.log_odds[name].max() < 0
+        assert np.abs(forces.wrench[name][:, :3]).max() < 0.5
     assert estimates(own.estimate(alike)) == {"Fmap", "observer", "repeat"}
     both = own.estimate(heavy, alike)
     alone = own.estimate(alike)
-    pd.testing.assert_frame_equal(both, alone)  # the loaded one has no part in it
+    np.testing.assert_equal(vars(both), vars(alone))  # the loaded one has no part in it
     assert estimates(heavy.estimate(own)) == {"Fmap", "observer"}
 
 
@@ -149,52 +151,116 @@ def test_every_estimate_has_its_band_and_its_odds(
 ) -> None:
     bare, _ = weighty
     forces = Recording(tmp_path).write(bare, BARE).estimate()
-    for name in ("Fmap", "observer"):
-        wanted = [*WRENCH, *(f"std_{component}" for component in WRENCH)]
-        assert {f"{name}_{part}" for part in wanted} <= {*forces}
-        assert {f"log_odds_{name}", f"causal_log_odds_{name}"} <= {*forces}
-    assert {f"least_squares_{c}" for c in WRENCH} <= {*forces}
-    assert channel(forces, "tau_background").shape == (len(bare.time), 6)
-    assert np.isfinite(forces.to_numpy()).all()
+    count = len(bare.time)
+    assert forces.wrench.keys() == forces.std.keys() == {"Fmap", "observer", "least_squares"}
+    assert forces.log_odds.keys() == forces.causal_log_odds.keys() == {"Fmap", "observer"}
+    shapes = [
+        (forces.wrench, (count, 6)),
+        (forces.std, (count, 6)),
+        (forces.log_odds, (count,)),
+        (forces.causal_log_odds, (count,)),
+        ({"background": forces.background}, (count, 6)),
+    ]
+    for arrays, shape in shapes:
+        for values in arrays.values():
+            assert values is not None
+            assert values.shape == shape
+            assert np.isfinite(values).all()
 
 
 # What the arm carries
 
 
-def carried_load(tmp_path: Path, **given: Any) -> tuple[dict[str, Any] | None, np.ndarray]:
-    """What predict_currents makes of payload.json; Y is that of a weight on joint 2."""
+LOAD_2 = 14.0  # Nm on joint 2, of 2 kg
+
+
+@pytest.fixture(scope="module")
+def friction() -> dict[str, Any]:
+    records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
+    fit = asdict(fit_currents(records, smooth, prior(), ()))
+    plain = least_squares_coefficients(records)
+    return {"from": ["a", "b"], "left_out": [], "fit": fit, "least_squares": plain}
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """What predict_currents says of a load, and its table."""
+
+    load: dict[str, Any] | None
+    currents: Currents
+
+    @property
+    def taken_torque(self) -> np.ndarray:
+        """Of the load that the prediction contains, (N, 6) [Nm], times how each motor feels it."""
+        assert self.currents.load_doubt is not None
+        return self.currents.load_doubt / LEFT
+
+    def left_on_joint_2(self) -> float:
+        """Median external torque [Nm]."""
+        assert self.currents.external_torque is not None
+        return float(np.nanmedian(np.abs(self.currents.external_torque[:, 1])))
+
+
+def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted:
+    """What predict_currents makes of payload.json, where 14 Nm more than known load joint 2."""
+    bare = with_noise(make_record(7, seconds=10.0), 7)
+    count, names = len(bare.q), ("signals", "motion", "torques", "regressor")
+    record = replace(bare, current=bare.current + LOAD_2 * np.eye(6)[1] / CONSTANT)
     found = {"parameters": [2.0, 0.1, 0.0, 0.0], "std_error": [0.05] * 4, "parts": [2.0] * 3}
     found = given.get("found", found)
     known = {"source": "none", "payload": None, "told": None} | given.get("known", {})
     unloaded = given.get("unloaded", [{"parameters": [0.05] * 4, "std_error": [0.05] * 4}])
+    per_load = np.zeros((count, 6, 4))
+    per_load[:, 1, 0] = LOAD_2 / 2.0
+    files: dict[str, Any] = {name: str(folder / f"{name}.parquet") for name in names}
+    grid: dict[str, Any] = {"time": record.period * np.arange(count), "segment": record.segment}
+    flags, nothing = grid | {"interpolated": np.zeros(count, bool)}, 0 * record.q
+    Signals(**flags, actual_q=record.q, actual_current=record.current).write(files["signals"])
+    rest = dict.fromkeys(("qdd", "q_std", "qd_std", "qdd_std"), nothing)
+    Motion(**grid, q=record.q, qd=record.qd, **rest).write(files["motion"])
+    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
+    modelled = {"C+rotors": record.torque}
+    torques = Torques(**flags, measured=modelled, **dict.fromkeys(terms, nothing))
+    torques.write(files["torques"])
+    LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
+    friction = friction | {"paths": given.get("paths", 5)}
+    for name, summary in (("payload", found), ("load", known), ("friction", friction)):
+        files[name] = str(folder / f"{name}.json")
+        write_json(summary, files[name])
+    files["unloaded"] = [str(folder / f"unloaded_{i}.json") for i in range(len(unloaded))]
+    for path, own in zip(files["unloaded"], unloaded, strict=True):
+        write_json(own, path)
+    input = SimpleNamespace(arm=robot_path("ur5"), **files)
+    output = SimpleNamespace(currents=folder / "currents.parquet", summary=folder / "currents.json")
+    lowpass = {"order": 4, "cutoff_hz": 2.0}
+    params = SimpleNamespace(role=given.get("role", "validate"), recording="made", **lowpass)
+    script("predict_currents").predict_currents(input, output, params)
+    return Predicted(read_json(output.summary)["load"], Currents.read(output.currents))
+
+
+def test_a_load_is_the_torque_of_its_mass() -> None:
     columns = np.zeros((5, 6, 4))
     columns[:, 1, 0] = 7.0
-    table = pd.DataFrame({"time": np.arange(5)} | named(columns.reshape(5, 24), "load_regressor"))
-    write_table(table, tmp_path / "regressor.parquet")
-    names = [str(tmp_path / f"unloaded_{i}.json") for i in range(len(unloaded))]
-    for name, own in zip(names, unloaded, strict=True):
-        write_json(own, name)
-    write_json(found, tmp_path / "payload.json")
-    write_json(known, tmp_path / "load.json")
-    input = SimpleNamespace(
-        regressor=str(tmp_path / "regressor.parquet"),
-        payload=str(tmp_path / "payload.json"),
-        load=str(tmp_path / "load.json"),
-        unloaded=names,
+    regressor = LoadRegressor(
+        time=np.arange(5.0), segment=np.zeros(5, np.int64), load_regressor=columns
     )
-    params = SimpleNamespace(role=given.get("role", "validate"))
-    result: tuple[dict[str, Any] | None, np.ndarray] = script("predict_currents").carried_load(
-        input, params, {"paths": given.get("paths", 5)}
-    )
-    return result
+    torque = regressor.torque(np.array([2.0, 0.1, 0.0, 0.0]))
+    np.testing.assert_allclose(torque, np.tile([0, 14.0, 0, 0, 0, 0], (5, 1)))
+    with pytest.raises(ValueError, match="no load"):
+        replace(regressor, load_regressor=None).torque(np.zeros(4))
 
 
-def test_a_load_that_is_certain_is_taken_into_the_prediction(tmp_path: Path) -> None:
-    load, torque = carried_load(tmp_path)
+def test_a_load_that_is_certain_is_taken_into_the_prediction(
+    friction: dict[str, Any], tmp_path: Path
+) -> None:
+    made = predicted(tmp_path, friction)
+    load = made.load
     assert load is not None
     assert load["taken"]
     assert load["carried"] == load["mass"] == 2.0
-    np.testing.assert_allclose(torque, np.tile([0, 14.0, 0, 0, 0, 0], (5, 1)))
+    assert np.median(made.taken_torque[:, 1]) == pytest.approx(LOAD_2, rel=0.2)
+    assert (made.taken_torque[:, [0, 2, 3, 4, 5]] == 0).all()
+    assert made.left_on_joint_2() < 0.1 * LOAD_2
     np.testing.assert_allclose(load["center_of_mass"], [0.05, 0, 0])
 
 
@@ -216,44 +282,41 @@ def test_a_load_that_is_certain_is_taken_into_the_prediction(tmp_path: Path) -> 
     ],
 )
 def test_a_load_is_not_taken_where_it_is_told_or_uncertain(
-    tmp_path: Path, given: dict[str, Any]
+    friction: dict[str, Any], tmp_path: Path, given: dict[str, Any]
 ) -> None:
-    load, torque = carried_load(tmp_path, **given)
-    assert load is not None
-    assert not load["taken"]
-    assert (torque == 0).all()
+    made = predicted(tmp_path, friction, **given)
+    assert made.load is not None
+    assert not made.load["taken"]
+    assert (made.taken_torque == 0).all()
+    assert made.left_on_joint_2() > 0.8 * LOAD_2
 
 
-def test_what_the_controller_was_told_counts_as_carried(tmp_path: Path) -> None:
+def test_what_the_controller_was_told_counts_as_carried(
+    friction: dict[str, Any], tmp_path: Path
+) -> None:
     """RTDE says 1 kg, 2 kg hang there beside it."""
     told = {"source": "rtde", "payload": {"mass": 1.0}, "told": {"mass": 1.0}}
-    load, torque = carried_load(tmp_path, known=told)
-    assert load is not None
-    assert (load["configured"], load["carried"], load["taken"]) == (1.0, 3.0, True)
-    assert np.abs(torque).max() == pytest.approx(14.0)
+    made = predicted(tmp_path, friction, known=told)
+    assert made.load is not None
+    assert [made.load[name] for name in ("configured", "carried", "taken")] == [1.0, 3.0, True]
+    assert np.median(made.taken_torque[:, 1]) == pytest.approx(LOAD_2, rel=0.2)
 
 
-def test_at_rest_no_load_is_told(tmp_path: Path) -> None:
-    load, torque = carried_load(tmp_path, found={})
-    assert load is None
-    assert torque.shape == (5, 6)
-    assert (torque == 0).all()
+def test_at_rest_no_load_is_told(friction: dict[str, Any], tmp_path: Path) -> None:
+    made = predicted(tmp_path, friction, found={})
+    assert made.load is None
+    assert (made.taken_torque == 0).all()
 
 
-def test_without_unloaded_runs_the_mass_stands_alone(tmp_path: Path) -> None:
+def test_without_unloaded_runs_the_mass_stands_alone() -> None:
     """No recording to fit on moves: nothing tells how far runs differ."""
-    load, _ = carried_load(tmp_path, unloaded=[{}])
-    assert load is not None
+    found = FoundLoad(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
+    known = {"source": "none", "payload": None}
+    load = judged_load(found, [{}], paths=5, known=known, role="validate")
     assert np.isfinite(load["std_error"])
 
 
 # What is left without contact
-
-
-@pytest.fixture(scope="module")
-def friction() -> dict[str, Any]:
-    records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
-    return {"from": ["a", "b"], "fit": asdict(fit_currents(records, smooth, prior(), ()))}
 
 
 def fit_residuals(
@@ -339,12 +402,10 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
     for period, peaks in ((0.002, [2.0, 4.0, 6.0]), (0.01, [3.0, 5.0, 7.0])):
         odds = np.full(round(60 / period), -5.0)
         odds[[round(second / period) for second in (10, 30, 50)]] = peaks
-        columns = {"log_odds_Fmap": odds, "causal_log_odds_Fmap": odds + 90}
-        if not paths:
-            columns["log_odds_observer"] = odds + 1
-        table = pd.DataFrame({"time": period * np.arange(len(odds))} | columns)
+        known = {"Fmap": odds} if paths else {"Fmap": odds, "observer": odds + 1}
+        grid = {"time": period * np.arange(len(odds)), "segment": np.zeros(len(odds), np.int64)}
         paths.append(str(tmp_path / f"{len(paths)}.parquet"))
-        write_table(table, paths[-1])
+        Forces(**grid, log_odds=known, causal_log_odds={"Fmap": odds + 90}).write(paths[-1])
     input = SimpleNamespace(forces=paths)
     output = SimpleNamespace(threshold=tmp_path / "threshold.json")
     params = SimpleNamespace(false_alarms_per_min=1)
@@ -358,12 +419,11 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
 def detect(recording: Recording, run: Free, ur5: Robot) -> list[dict[str, Any]]:
     """What detect_contacts raises of F̂ᵐᵃᵖ."""
     qdd = np.gradient(run.qd, run.time, axis=0)
-    states = [torch.from_numpy(state.copy()) for state in (run.q, run.qd, qdd)]
-    per_load = regressor(build_arm(ur5, "C"), *states).numpy()[:, :, LINK_6]
-    columns = named(per_load.reshape(len(per_load), -1), "load_regressor")
-    write_table(pd.DataFrame({"time": run.time} | columns), recording.regressor)
+    per_load = LinkModel(ur5, "C").regressor(run.q, run.qd, qdd)[:, :, LINK_6]
+    forces = recording.write(run, BARE).estimate()
+    regressor = LoadRegressor(time=run.time, segment=forces.segment, load_regressor=per_load)
+    regressor.write(recording.regressor)
     write_json({"Fmap": 0.0}, recording.threshold)
-    recording.write(run, BARE).estimate()
     script("detect_contacts").detect_contacts(recording, recording, SETTINGS)
     raised: list[dict[str, Any]] = read_json(recording.detection)["Fmap"]["raised"]
     return raised

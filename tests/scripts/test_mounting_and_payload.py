@@ -5,19 +5,19 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-import torch
-from ur5lib.pipeline.current_record import current_record
 
 from tests.scripts.conftest import script
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import gravity_torque, inertia_matrix
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.pipeline.current_samples import current_record
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import Experiment, perform
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.tables import channel, named, read_json, read_table, write_table
+from ur5lib.tables import read_json, write_table
 
 CYCLE, EVERY = 0.008, 8
 WALL, TILTED = [0.0, -9.81, 0.0], [4.905, 0.0, -8.4957]
@@ -37,18 +37,21 @@ class Made:
         self.done: Experiment = perform(arm, plan_of, random)
         self.gravity, motion = gravity, self.done.motion
         sent = frames(self.done, CYCLE, None)
-        flags = {"segment": 0, "interpolated": False}
-        truth = {"time": sent["time"]} | {"segment": 0}
-        for name in ("q", "qd", "qdd"):
-            truth |= named(getattr(motion, name)[::EVERY], name)
-        tables = {
-            "signals": sent.drop(columns=["sent", "kept"], errors="ignore").assign(**flags),
-            "motion": pd.DataFrame(truth),
-            "closed_loop": sent[["time"]].assign(segment=0),
-        }
-        self.files = {name: f"{folder}/{name}.parquet" for name in tables}
-        for name, table in tables.items():
-            write_table(table, self.files[name])
+        told = sent.drop(columns=["sent", "kept"], errors="ignore")
+        self.files = {name: f"{folder}/{name}.parquet" for name in ("signals", "motion")}
+        write_table(told.assign(segment=0, interpolated=False), self.files["signals"])
+        states = {name: getattr(motion, name)[::EVERY] for name in ("q", "qd", "qdd")}
+        exact = {f"{name}_std": np.zeros_like(values) for name, values in states.items()}
+        time, segment = sent["time"].to_numpy(), np.zeros(len(sent), np.int64)
+        Motion(time=time, segment=segment, **states, **exact).write(self.files["motion"])
+
+    @property
+    def signals(self) -> Signals:
+        return Signals.read(self.files["signals"])
+
+    @property
+    def motion(self) -> Motion:
+        return Motion.read(self.files["motion"])
 
 
 @pytest.fixture
@@ -58,14 +61,14 @@ def hidden_load(ur5: Robot, tmp_path: Path) -> Made:
     return Made(ur5, tmp_path, WALL, **payloads)
 
 
-def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[pd.DataFrame, Any]:
+def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[Torques, Any]:
     """What compute_torques makes where the study declares a payload."""
     input = SimpleNamespace(arm=robot_path("ur5"), **made.files)
     output = SimpleNamespace(torques=f"{folder}/torques.parquet", summary=f"{folder}/torques.json")
     declared = payload.model_dump_json() if payload else ""
     params = SimpleNamespace(gravity=made.gravity, payload=declared)
     script("compute_torques").compute_torques(input, output, params)
-    return read_table(output.torques), read_json(output.summary)
+    return Torques.read(output.torques), read_json(output.summary)
 
 
 def test_targets_are_compared_as_told_and_currents_as_carried(
@@ -73,14 +76,13 @@ def test_targets_are_compared_as_told_and_currents_as_carried(
 ) -> None:
     physical = TOLD.joined(HIDDEN)
     torques, summary = torques_of(hidden_load, tmp_path, physical)
-    signals, motion = (read_table(hidden_load.files[name]) for name in ("signals", "motion"))
-    moment = channel(signals, "target_moment")
-    np.testing.assert_allclose(channel(torques, f"tau_target_{MODEL}"), moment, atol=1e-4)
-    record = current_record("", signals, motion, torques, MODEL)
+    signals = hidden_load.signals
+    np.testing.assert_allclose(torques.target[MODEL], signals.target_moment, atol=1e-4)
+    record = current_record("", signals, hidden_load.motion, torques, MODEL)
     assert record is not None
     given = hidden_load.done.motion.motor_torque[::EVERY]
     np.testing.assert_allclose(record.torque, given, atol=1e-6)
-    assert np.abs(channel(torques, "payload_torque")).max() > 3
+    assert np.abs(torques.payload_torque).max() > 3
     assert summary["source"] == "study"
     assert Payload(**summary["payload"]) == physical
     assert Payload(**summary["told"]) == TOLD
@@ -90,12 +92,10 @@ def test_the_observer_s_terms_are_those_of_what_is_carried(
     hidden_load: Made, tmp_path: Path
 ) -> None:
     torques, _ = torques_of(hidden_load, tmp_path, TOLD.joined(HIDDEN))
-    motion, done = read_table(hidden_load.files["motion"]), hidden_load.done
-    arm = build_arm(done.robot, MODEL)
-    q, qd = (torch.from_numpy(channel(motion, name)) for name in ("q", "qd"))
-    weight, momentum = gravity_torque(arm, q), (inertia_matrix(arm, q) @ qd[..., None])[..., 0]
-    np.testing.assert_allclose(channel(torques, "gravity_torque"), weight, atol=1e-9)
-    np.testing.assert_allclose(channel(torques, "momentum"), momentum, atol=1e-9)
+    motion, model = hidden_load.motion, LinkModel(hidden_load.done.robot, MODEL)
+    momentum = model.momentum(motion.q, motion.qd)
+    np.testing.assert_allclose(torques.gravity_torque, model.gravity_torque(motion.q), atol=1e-9)
+    np.testing.assert_allclose(torques.momentum, momentum, atol=1e-9)
 
 
 @pytest.mark.parametrize(("told", "source"), [(TOLD, "rtde"), (None, "none")])
@@ -106,9 +106,9 @@ def test_what_the_channels_say_is_carried_where_the_study_is_silent(
     torques, summary = torques_of(made, tmp_path, None)
     assert summary["source"] == source
     assert summary["payload"] == summary["told"] == read_back(told)
-    np.testing.assert_array_equal(channel(torques, "payload_torque"), 0)
+    np.testing.assert_array_equal(torques.payload_torque, 0)
     given = made.done.motion.motor_torque[::EVERY]
-    np.testing.assert_allclose(channel(torques, f"tau_measured_{MODEL}"), given, atol=1e-4)
+    np.testing.assert_allclose(torques.measured[MODEL], given, atol=1e-4)
 
 
 def read_back(payload: Payload | None) -> Any:
@@ -152,13 +152,12 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
     assert fitted.gravity == ur5.gravity
     for own, told in zip(made, (TOLD, None), strict=True):
         arm = own.files | {"arm": output.arm}
-        moment = channel(read_table(own.files["signals"]), "target_moment")
         result = f"{tmp_path}/torques"
         script("compute_torques").compute_torques(
             SimpleNamespace(**arm),
             SimpleNamespace(torques=f"{result}.parquet", summary=f"{result}.json"),
             SimpleNamespace(gravity=own.gravity, payload=""),
         )
-        torque = channel(read_table(f"{result}.parquet"), "tau_target_identified")
-        assert np.abs(torque - moment).mean() < 0.02
+        torque = Torques.read(f"{result}.parquet").target["identified"]
+        assert np.abs(torque - own.signals.target_moment).mean() < 0.02
         assert (read_json(f"{result}.json")["told"] is None) == (told is None)

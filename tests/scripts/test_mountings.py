@@ -8,14 +8,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from ur5lib.pipeline.current_record import current_record
 
 from tests.scripts.conftest import script
 from ur5lib.force.current_based import wrench_from_torque
+from ur5lib.pipeline.current_samples import current_record
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import FusedMotion, Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.pipeline.records.truth import Truth
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import ForceSensor, Imu
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import channel, labelled_channel, read_json, read_table, write_table
+from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array
 
 MOUNTINGS = {  # gravity in the base frame [m/s²]
@@ -41,7 +47,10 @@ PLAN: dict[str, Any] = {
     "imu": {},
 }
 ARM = robot_path("ur5")
-TABLES = "robot force imu kinematics signals motion accelerations torques sensor truth nothing"
+TABLES = (
+    "robot force imu kinematics signals motion fused accelerations torques "
+    "forces published sensor truth"
+)
 SUMMARIES = "quality clocks calibration"
 SETTINGS: dict[str, Any] = {
     "order": 4,
@@ -90,32 +99,36 @@ class Mounted:
         self.run("align_signals")
         own = {name: [self.files[name]] for name in ("signals", "kinematics", "clocks")}
         others = {f"other_{name}": files for name, files in own.items()}
-        gravity, nothing = [self.params["gravity"]], self.files["nothing"]
-        write_table(self.table("signals")[["time", "segment"]], nothing)
+        gravity = [self.params["gravity"]]
         self.run("calibrate_imu", own, recordings=["other"], gravities=gravity)
-        self.run("smooth_motion", recording="made")
+        self.run("smooth_motion")
+        self.run("fuse_imu", {"motion": self.files["fused"]}, recording="made")
         self.run("compare_accelerations", others, others=["other"], other_gravities=gravity)
-        self.run("compute_torques", {"closed_loop": nothing})
-        self.run("compare_forces", {"published": nothing, "forces": nothing})
+        self.run("compute_torques")
+        grid = {"time": self.signals.time, "segment": self.signals.segment}
+        Forces(**grid).write(self.files["forces"])
+        PublishedForces(**grid).write(self.files["published"])
+        self.run("compare_forces")
 
-    def table(self, name: str) -> Any:
-        return read_table(self.files[name])
+    @property
+    def signals(self) -> Signals:
+        return Signals.read(self.files["signals"])
 
     def summary(self, step: str) -> Any:
         return read_json(f"{self.folder}/{step}.json")
 
     def by_sensor(self) -> Array:
         """Contact force (N, 3) [N], less bias and the tool's weight."""
-        return labelled_channel(self.table("sensor"), "compensated", ["Fx", "Fy", "Fz"])
+        return SensorWrenches.read(self.files["sensor"]).wrench["compensated"][:, :3]
 
     def by_currents(self) -> Array:
         """Contact force (N, 3) [N] by what currents, link model and known payload leave."""
-        signals, motion, torques = map(self.table, ("signals", "motion", "torques"))
+        motion, torques = Motion.read(self.files["motion"]), Torques.read(self.files["torques"])
         model = load_robot(ARM).fullest_model()
-        record = current_record("made", signals, motion, torques, model)
+        record = current_record("made", self.signals, motion, torques, model)
         assert record is not None
         constant = np.array(self.summary("truth")["drive"]["torque_constant"])
-        jacobian = channel(self.table("kinematics"), "J", 36).reshape(-1, 6, 6)
+        jacobian = Kinematics.read(self.files["kinematics"]).jacobian
         external, least = record.torque - constant * record.current, SETTINGS["min_singular_value"]
         return wrench_from_torque(jacobian, external, least)[:, :3]
 
@@ -158,7 +171,7 @@ def test_the_imu_tells_its_mounting_and_no_tilt(mounted: Mounted) -> None:
 
 
 def test_joints_and_imu_tell_one_motion(mounted: Mounted) -> None:
-    bias = channel(mounted.table("motion"), "fused_accelerometer_bias", 3)
+    bias = FusedMotion.read(mounted.files["fused"]).accelerometer_bias
     np.testing.assert_allclose(bias[-1], Imu().accelerometer_bias, atol=0.02)
     errors = mounted.summary("compare_accelerations")["errors"]
     for estimate in ("encoders", "encoders+imu"):
@@ -169,8 +182,8 @@ def test_sensor_and_currents_tell_the_pushes(
     mounted: Mounted, arm: Callable[[str], Mounted]
 ) -> None:
     """The currents' ripple moves what they tell by newtons, but under any gravity alike."""
-    floor, time = arm("floor"), mounted.table("signals")["time"]
-    true = channel(mounted.table("truth"), "wrench")[:, :3]
+    floor, time = arm("floor"), mounted.signals.time
+    true = Truth.read(mounted.files["truth"]).wrench[:, :3]
     for peak, force in PUSHES.items():
         during = np.abs(time - peak) < 0.2
         mean = true[during].mean(axis=0)

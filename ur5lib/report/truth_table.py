@@ -114,7 +114,7 @@ def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Ro
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """RMSE, MAE and share inside the 95 % band of each estimate that states a band."""
     true, index = truth.wrench, WRENCH
-    for method in (name for name in COMPARED if name in forces.wrench):
+    for method in (name for name in COMPARED if name in forces.std):
         found, std = forces.wrench[method], forces.std[method]
         off, zero = (mean_absolute_error(array, true) for array in (found, np.zeros_like(true)))
         rows = [

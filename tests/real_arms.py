@@ -1,0 +1,249 @@
+"""Recordings of the real arms, taken through the workflow's steps up to the contact force.
+
+Studies are the workflow's own, arms as they are described: no link model is identified anew. What
+takes seconds, the smoother, is kept in a folder for all tests of a session.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import yaml
+
+from tests.conftest import PROJECT
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.sensor import SensorOffset
+from ur5lib.force.wrench_estimate import WrenchEstimate
+from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.samples import Record, Smooth
+from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.current_prediction import predicted_currents
+from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
+from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
+from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.sensor_reference import sensor_offset, sensor_wrenches
+from ur5lib.pipeline.smoothed_motion import measured, motion_record
+from ur5lib.pipeline.stamps import by_stamps
+from ur5lib.pipeline.torques import joint_torques
+from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.signals.clocks import Clock
+from ur5lib.signals.host_drifts import read_clock
+from ur5lib.signals.resampling import resample
+from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.study.check import look_through, settled
+from ur5lib.study.model import Recording, Settings, Study
+from ur5lib.study.reading import parse_study
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import Butterworth
+
+PRIOR = ContactPrior()
+
+
+@dataclass(frozen=True)
+class RealRecording:
+    """A recording as far as it has to do with no other: signals, motion, torques.
+
+    motion_file: where its smoothed motion is kept; sensor_clock: of its force sensor, if any.
+    """
+
+    entry: Recording
+    settings: Settings
+    motion_file: Path
+    sensor_clock: Clock | None = None
+
+    @property
+    def name(self) -> str:
+        return self.entry.name
+
+    @cached_property
+    def robot(self) -> Robot:
+        return load_robot(robot_path(self.entry.robot)).mounted(self.entry.gravity)
+
+    @cached_property
+    def intake(self) -> Intake:
+        max_gap = self.settings.frames.max_gap_s
+        return read_and_repair(self.entry.model_dump(), self.robot, max_gap)
+
+    @cached_property
+    def signals(self) -> Signals:
+        """With the force sensor, where its clock is known."""
+        table = self.intake.robot
+        if self.sensor_clock is not None:
+            time = table["time"].to_numpy()
+            sensor = resample(self.intake.sensors["force"], self.sensor_clock, time)
+            table = pd.concat([table, sensor], axis="columns")
+        return Signals.from_table(table)
+
+    @cached_property
+    def motion(self) -> Motion:
+        if not self.motion_file.exists():
+            signals = self.signals
+            motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
+            motion_record(signals, motion).write(self.motion_file)
+        return Motion.read(self.motion_file)
+
+    @cached_property
+    def torques(self) -> Torques:
+        load = carried(self.entry.known_payload(), self.signals)
+        return joint_torques(self.robot, load, self.signals, self.motion)
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        rotation, origin, J = flange_kinematics(self.robot, self.signals.actual_q)
+        return Kinematics(
+            time=self.signals.time,
+            origin=origin,
+            rotation=rotation,
+            jacobian=J,
+            smallest_singular_value=np.linalg.svd(J, compute_uv=False)[:, -1],
+        )
+
+    @cached_property
+    def record(self) -> Record:
+        """What its currents are fitted on."""
+        model = self.robot.fullest_model()
+        record = current_record(self.name, self.signals, self.motion, self.torques, model)
+        assert record is not None
+        return record
+
+    @cached_property
+    def sensor(self) -> tuple[Array, SensorOffset]:
+        """Contact wrench (N, 6) by the force sensor, and what was taken off its reading."""
+        signals, rotation = self.signals, self.kinematics.rotation
+        assert signals.force_sensor is not None
+        start = self.intake.quality["starts"]["force"]
+        placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
+        offset = sensor_offset(signals.force_sensor, signals, rotation, self.robot)
+        window = self.settings.sensor.bias_window_s
+        known = signals, placed, self.kinematics, self.robot, offset, window
+        return sensor_wrenches(*known).wrench["compensated"], offset
+
+
+class RealStudy:
+    """A study of the workflow, whose recordings lie in a folder of their own."""
+
+    def __init__(self, name: str, data: Path, kept: Path) -> None:
+        """data: of the recordings; kept: where smoothed motion is put."""
+        path, self.kept = PROJECT / "workflow" / "studies" / f"{name}.yaml", kept
+        raw = yaml.safe_load(path.read_text())
+        raw.pop("reference", None)
+        for recording in raw["recordings"]:
+            recording["folder"] = recording["folder"].replace(f"raw/{name}", str(data))
+        self.study: Study = parse_study(raw, str(path))
+        self.entries = {recording.name: recording for recording in self.study.recordings}
+        self.recording = cache(self._recording)
+
+    def names(self, *roles: str) -> list[str]:
+        """Of the recordings with these roles."""
+        return [name for name, entry in self.entries.items() if entry.role in roles]
+
+    def recordings(self, names: Sequence[str]) -> list[RealRecording]:
+        return [self.recording(name) for name in names]
+
+    def _recording(self, name: str) -> RealRecording:
+        file = self.kept / self.study.study / f"{name}.parquet"
+        clock = self.sensor_clocks.get(name)
+        return RealRecording(self.entries[name], self.study.settings, file, clock)
+
+    @cached_property
+    def sensor_clocks(self) -> dict[str, Clock]:
+        """How each force sensor's clock runs: by stamps and by its host."""
+        if not self.study.hosts:
+            return {}
+        looked = {name: look_through(entry, self.study) for name, entry in self.entries.items()}
+        parts = ({name: own[k] for name, own in looked.items()} for k in (0, 1))
+        found = settled(self.study, *parts)
+        return {name: read_clock(own["force"]) for name, own in found.items() if "force" in own}
+
+    @property
+    def currents_lowpass(self) -> Butterworth:
+        design = self.study.settings.lowpass.currents
+        return Butterworth(design.order, design.cutoff_hz)
+
+    @property
+    def smooth(self) -> Smooth:
+        return smoother(*self.currents_lowpass)
+
+    @property
+    def motion_lowpass(self) -> Butterworth:
+        design = self.study.settings.lowpass.motion
+        return Butterworth(design.order, design.cutoff_hz)
+
+    def prior(self, names: Sequence[str]) -> Prior:
+        """Of torque constants, by what the controller shows in some recordings."""
+        ones = self.recordings(names)
+        ratios = [controllers_ratio(one.signals, one.motion) for one in ones]
+        return prior_of(ones[0].robot, ratios)
+
+    def fitted(self, names: Sequence[str]) -> "Fitted":
+        """What is fitted to some recordings alone, none of which has a contact."""
+        ones = self.recordings(names)
+        terms, records = self.study.settings.friction.terms, [one.record for one in ones]
+        friction = friction_summary(records, self.prior(names), self.smooth, terms)
+        return Fitted(ones, friction, self.currents_lowpass)
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """Torque constants and friction of some recordings, and what they leave without contact.
+
+    friction: as friction.json has it. Who is judged by a fit is of no path that the fit has seen.
+    """
+
+    recordings: list[RealRecording]
+    friction: dict[str, Any]
+    lowpass: Butterworth
+
+    @cached_property
+    def whole(self) -> CurrentFit:
+        """The fit of all of them."""
+        return CurrentFit.from_plain(self.friction["fit"])
+
+    @cached_property
+    def residuals(self) -> dict[str, Any]:
+        """As residuals.json has it."""
+        known = [(self.currents(one), one.motion) for one in self.recordings]
+        paths, cutoff = self.friction["paths"], self.lowpass.cutoff
+        return residual_summary(known, breakaway_torque(self.whole), paths, cutoff)
+
+    def currents(self, one: RealRecording) -> Currents:
+        """Prediction and external torques; no load is looked for."""
+        fit, no_load = fit_for(one.name, self.friction), 0 * one.record.q
+        tables = one.signals, one.torques, smoother(*self.lowpass), self.lowpass.cutoff
+        return predicted_currents(one.record, fit, no_load, *tables)
+
+    def problem(self, one: RealRecording) -> Problem:
+        """Of Fmap."""
+        return direct_problems(one.motion, self.currents(one), self.residuals)["Fmap"]
+
+    def torque(self, one: RealRecording) -> Array:
+        """External torque (N, 6) [Nm]."""
+        return self.problem(one).input.torque
+
+    def estimate(
+        self, one: RealRecording, extra: Array | float = 0.0, prior: ContactPrior = PRIOR
+    ) -> WrenchEstimate:
+        """Fmap; extra: (N, 6) [Nm], put onto the external torque."""
+        known, model = self.problem(one)
+        pushed = Problem(known.with_torque(known.torque + extra, known.states), model)
+        return pushed.solve(one.kinematics.jacobian, prior)
+
+    def repeated(self, one: RealRecording, free: Sequence[RealRecording]) -> WrenchEstimate | None:
+        """The repeat-aware estimate; None where none of the others is of the same trajectory."""
+        alike = ((self.currents(other), other.motion) for other in free)
+        found = repeat_problem(self.problem(one), alike, self.lowpass.cutoff)
+        return found and found.solve(one.kinematics.jacobian, PRIOR)
