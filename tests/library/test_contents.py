@@ -2,12 +2,15 @@
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.report.compose import MENTION, SENTENCE_END, view
 from ur5lib.report.contents import Figure, Part, Repeated, Single, Tabular, Text, contents
+from ur5lib.report.results import Results
 
 TABLES_MADE = {path.stem for path in (PROJECT / "ur5lib/report/tables").glob("[!_]*.py")}
 RULES = (PROJECT / "workflow" / "rules" / "report.smk").read_text()
@@ -73,3 +76,10 @@ def test_a_sentence_ends_where_the_next_begins() -> None:
     assert SENTENCE_END.split(text) == [
         "Rows as in 5.6:", "@a shows.", "“Zero” is zero, e.g. 0.5.", "@b too.",
     ]  # fmt: skip
+
+
+def test_a_table_named_alone_is_shown_as_it_is() -> None:
+    table = pd.DataFrame({"recording": ["one"], "noise_a": [0.0123456]})
+    body = view("noise")(Results(study={}, tables={"noise": table}, figures=Path()))
+    assert body.header == ["recording", "noise a"]
+    assert [cell.text for cell in body.rows[0]] == ["one", "0.01235"]

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from importlib import import_module
+from functools import partial
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -92,13 +92,14 @@ def compose(contents: Contents, results: Results) -> Document:
 
 
 def view(name: str) -> Callable[..., Any]:
-    """Return the view of a name: `view.function`, `table.function`, or `table` for its `shown`.
+    """Return the view of a name, `module.function`; a name alone is that of a table, as it is.
 
-    Raises ModuleNotFoundError or AttributeError where there is none.
+    Raises KeyError or AttributeError where there is none.
     """
     module, _, function = name.partition(".")
-    place = VIEWS[module] if module in VIEWS else import_module(f"ur5lib.report.tables.{module}")
-    found: Callable[..., Any] = getattr(place, function or "shown")
+    if not function:
+        return partial(Results.whole, table=name)
+    found: Callable[..., Any] = getattr(VIEWS[module], function)
     return found
 
 

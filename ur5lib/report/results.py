@@ -57,6 +57,15 @@ class Results:
         """The arms of the study."""
         return sorted({recording["robot"] for recording in self.study["recordings"]})
 
+    def whole(self, table: str) -> Body:
+        """Return all columns and rows of a table, numbers to four digits."""
+        rows = self.tables[table]
+        cells = [
+            [Cell(f"{value:.4g}" if isinstance(value, float) else str(value)) for value in row]
+            for row in rows.itertuples(index=False)
+        ]
+        return Body([str(name).replace("_", " ") for name in rows], cells)
+
     def rows(self, table: str, **values: Any) -> pd.DataFrame:
         """The rows of a table that have these values."""
         rows = self.tables[table]

@@ -212,6 +212,11 @@ def imported_modules(path):
     return {str(file) for file in files if file.is_file()}
 
 
+def outputs_in(folder):
+    """Outputs of every job of the rules so far that lie in a folder of the results."""
+    return [path for path in of_every_job("output") if path.startswith(f"{RESULTS}/{folder}/")]
+
+
 def drawings(folder, names):
     """Figures of a folder, each with its numbers beside it."""
     figures = {

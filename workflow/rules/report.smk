@@ -156,9 +156,8 @@ rule time_steps:
 rule write_report:
     input:
         **REFERENCE,
-        tables=[*rules.make_tables.output, *rules.time_steps.output, *TRUTH],
-        figures=[path for path in of_every_job("output") if path.startswith(f"{RESULTS}/figures/")],
-        modules=rules.make_tables.input.modules,
+        tables=outputs_in("tables"),
+        figures=outputs_in("figures"),
         contents="ur5lib/report/contents.yaml",
         templates=[
             "ur5lib/report/templates/report.html.jinja",

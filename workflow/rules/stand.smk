@@ -54,6 +54,3 @@ if SIMULATED:
             robots=ROBOTS,
         script:
             "../scripts/compare_with_truth.py"
-
-
-TRUTH = rules.compare_with_truth.output if SIMULATED else []
