@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from ur5lib.pipeline.estimates import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.estimates import NEW
 from ur5lib.report.house_style import Drawing
 from ur5lib.report.traces import (
     ACCELERATION,
@@ -25,7 +25,7 @@ from ur5lib.timeseries.segments import starts
 Series = dict[str, tuple[Array, str]]  # values (N, M) and style, by label
 BAND = 1.96  # standard deviations that hold 95 %
 DRAWN = ("third", "first", "second", "fourth")  # styles of estimates; the first has the band's
-PUBLISHED = {
+PUBLISHED_STYLES = {
     "Fu": ("controller's estimate", "first"),
     "F": ("without friction", "second"),
     "F*": ("with friction", "third"),
@@ -117,7 +117,7 @@ def published_force_figure(
     for estimate in estimates:
         values = getattr(published, kind).get(estimate)
         if values is not None:
-            label, style = PUBLISHED[estimate]
+            label, style = PUBLISHED_STYLES[estimate]
             series[label] = unbroken(values, published.segment), style
     time = unbroken(sensor.time, sensor.segment)
     return draw_traces(Traces(time, series, errors(series, measured)), WRENCH)

@@ -4,8 +4,8 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.pipeline.estimates import NEW
 from ur5lib.report.charts import calibration_panels
-from ur5lib.report.estimates import NEW
 from ur5lib.report.house_style import save
 from ur5lib.steps import run_step
 from ur5lib.tables import read_csv

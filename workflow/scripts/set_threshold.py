@@ -3,7 +3,8 @@
 from typing import Any
 
 from ur5lib.force.detection import alarm_threshold
-from ur5lib.pipeline.records.forces import GATED, Forces
+from ur5lib.pipeline.estimates import GATED
+from ur5lib.pipeline.records.forces import Forces
 from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 

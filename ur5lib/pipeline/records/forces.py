@@ -2,12 +2,10 @@
 
 from dataclasses import dataclass
 
+from ur5lib.pipeline.estimates import GATED, NEW, PUBLISHED
 from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array
 
-ESTIMATES = ("Fmap", "least_squares", "observer", "repeat")
-GATED = ("Fmap", "observer", "repeat")  # estimates with a gate of their own
-PUBLISHED = ("Fu", "F", "F*")
 REFERENCES = ("printed", "corrected", "compensated")
 
 
@@ -21,10 +19,10 @@ class Forces(SegmentedTable):
     torque that is no contact.
     """
 
-    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, ESTIMATES)
-    std: dict[str, Array] = channels("{}_std", "N, Nm", WRENCH, ESTIMATES)
-    log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), GATED)
-    causal_log_odds: dict[str, Array] = channels("causal_log_odds_{}", "1", (), GATED)
+    wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, tuple(NEW))
+    std: dict[str, Array] = channels("{}_std", "N, Nm", WRENCH, tuple(NEW))
+    log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), tuple(GATED))
+    causal_log_odds: dict[str, Array] = channels("causal_log_odds_{}", "1", (), tuple(GATED))
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
 
 
@@ -34,8 +32,8 @@ class PublishedForces(SegmentedTable):
     equations put right; the environment acting on the arm, base axes.
     """
 
-    printed: dict[str, Array] = channels("printed_{}", "N, Nm", WRENCH, PUBLISHED)
-    corrected: dict[str, Array] = channels("corrected_{}", "N, Nm", WRENCH, PUBLISHED)
+    printed: dict[str, Array] = channels("printed_{}", "N, Nm", WRENCH, tuple(PUBLISHED))
+    corrected: dict[str, Array] = channels("corrected_{}", "N, Nm", WRENCH, tuple(PUBLISHED))
 
 
 @dataclass(frozen=True, kw_only=True)

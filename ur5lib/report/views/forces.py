@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
-from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.results import NOTHING, Body, Results, shown
 from ur5lib.report.views.currents import loaded
 

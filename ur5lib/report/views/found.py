@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
-from ur5lib.report.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, leading, pushes_found

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.document import Cell
-from ur5lib.report.estimates import ESTIMATES
 from ur5lib.report.results import NOTHING, Body, Results
 from ur5lib.report.truth_table import COLUMNS
 
