@@ -10,7 +10,7 @@ and while in contact.
 import argparse
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -18,46 +18,52 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import torch
-from ur5lib.pipeline.current_record import smoother
-from ur5lib.pipeline.left_over import left_over
 
-from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.flange import flange_kinematics
-from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import joint_states
-from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
-from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.identification.currents import (
-    CurrentFit,
-    breakaway_torque,
-    fit_currents,
-    fit_without_each_path,
-    parameters,
-    predict,
-    torque_constants,
-)
-from ur5lib.identification.prior import Prior
+from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
-from ur5lib.identification.samples import Record, record_paths
+from ur5lib.identification.samples import Record
+from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.controller_torque import rotor_samples
+from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.recordings.intake import read_and_repair
+from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.force_estimates import direct_problems, estimated_forces
+from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.imu_samples import imu_samples
+from ur5lib.pipeline.own_clocks import own_clocks
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.pipeline.records.truth import Truth
+from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.smoothed_motion import measured, motion_record
+from ur5lib.pipeline.torques import joint_torques
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.imu_calibration import calibrate
-from ur5lib.signals.imu_record import imu_record
+from ur5lib.signals.host_drifts import read_clock
+from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
-from ur5lib.tables import WRENCH, channel, labelled, named, read_json, read_table
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.segments import unbroken
+from ur5lib.study.model import Settings
+from ur5lib.tables import read_json
+from ur5lib.timeseries.arrays import Mask
+from ur5lib.timeseries.lowpass import Butterworth
 
+SETTINGS = Settings()
+CURRENTS, ACCELERATIONS, MOTIONS = (
+    Butterworth(own.order, own.cutoff_hz)
+    for own in (SETTINGS.lowpass.currents, SETTINGS.lowpass.accelerations, SETTINGS.lowpass.motion)
+)
 SEEDS, SECONDS = 20, 20.0
-ORDER, CUTOFF = 4, 2.0  # of low-passes, as in the settings' defaults
 MOTION = {"kind": "fourier", "period_s": 20, "harmonics": 10}  # as the default study's fast ones
 PUSHES = [
     {"kind": "push", "start_s": start, "seconds": 2, "force": force}
@@ -90,32 +96,66 @@ def main() -> None:
 
 @dataclass(frozen=True)
 class Taken:
-    """A simulated recording: signals, the IMU's readings and start, the truth's two files."""
+    """A simulated recording as it was read, and the truth's two files."""
 
     robot: Robot
-    signals: pd.DataFrame
-    imu: pd.DataFrame
-    start: Any
+    intake: Intake
     summary: dict[str, Any]
-    truth: pd.DataFrame
+    truth: Truth
 
     @cached_property
-    def kinematics(self) -> tuple[Array, Array, Array]:
-        """R_6, o_6 and J_g at the measured positions."""
-        return flange_kinematics(self.robot, channel(self.signals, "actual_q"))
+    def signals(self) -> Signals:
+        """On the robot's clock, with the IMU by its own."""
+        time = self.intake.robot["time"].to_numpy()
+        imu = resample(self.intake.sensors["imu"], read_clock(self.clock), time)
+        return Signals.from_table(pd.concat([self.intake.robot, imu], axis="columns"))
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """Pose and Jacobian at the measured positions."""
+        robot = Signals.from_table(self.intake.robot)
+        rotation, origin, J = flange_kinematics(self.robot, robot.actual_q)
+        smallest = np.linalg.svd(J, compute_uv=False)[:, -1]
+        return Kinematics(
+            time=robot.time,
+            origin=origin,
+            rotation=rotation,
+            jacobian=J,
+            smallest_singular_value=smallest,
+        )
+
+    @cached_property
+    def clock(self) -> dict[str, Any]:
+        """Of the IMU."""
+        robot, starts = Signals.from_table(self.intake.robot), self.intake.quality["starts"]
+        frames = self.kinematics.rotation, self.kinematics.jacobian
+        clock: dict[str, Any] = own_clocks(starts, self.intake.sensors, robot, *frames)["imu"]
+        return clock
+
+    @cached_property
+    def motion(self) -> Motion:
+        """By the smoother."""
+        signals = self.signals
+        motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
+        return motion_record(signals, motion)
+
+    @cached_property
+    def torques(self) -> Torques:
+        """Of all link models."""
+        return joint_torques(self.robot, carried(None, self.signals), self.signals, self.motion)
 
     @cached_property
     def record(self) -> Record:
         """Smoothed motion, its torque under the true model, the measured current."""
-        time, segment = (self.signals[name].to_numpy() for name in ("time", "segment"))
-        measured = (channel(self.signals, f"actual_{name}") for name in ("q", "qd", "current"))
-        q, qd, current = measured
-        motion = smooth_encoders(time, segment, q, qd)
-        states = motion.q, motion.qd, motion.qdd
-        torque = torque_of(self.robot, self.summary["model"], states)
-        step = float(np.median(np.diff(time)))
-        name = f"seed {self.summary['plan']['seed']}"
-        return Record(name, step, segment, motion.q, motion.qd, torque, current)
+        name, model = f"seed {self.summary['plan']['seed']}", self.summary["model"]
+        record = current_record(name, self.signals, self.motion, self.torques, model)
+        assert record is not None
+        return record
+
+    @cached_property
+    def imu(self) -> ImuRecord:
+        """What IMU and joints tell of its mounting."""
+        return imu_samples(self.robot, self.signals, self.kinematics, ACCELERATIONS)
 
 
 def taken(plan: dict[str, Any]) -> Taken:
@@ -123,13 +163,10 @@ def taken(plan: dict[str, Any]) -> Taken:
     robot = load_robot(robot_path("ur5"))
     wanted = SimulatedRecording.model_validate(plan | {"imu": {}})
     with tempfile.TemporaryDirectory() as folder:
-        truth = f"{folder}/truth"
+        truth, entry = f"{folder}/truth", {"format": "thesis-csv", "folder": folder}
         simulate(robot, wanted, "thesis-csv", Path(folder), Path(truth))
-        intake = read_and_repair({"format": "thesis-csv", "folder": folder}, robot, 0.1)
-        known = read_json(f"{truth}.json"), read_table(f"{truth}.parquet")
-    return Taken(
-        robot, intake.robot, intake.sensors["imu"], intake.quality["starts"]["imu"], *known
-    )
+        intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
+        return Taken(robot, intake, read_json(f"{truth}.json"), Truth.read(f"{truth}.parquet"))
 
 
 def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
@@ -146,106 +183,71 @@ def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
     """Rows of all estimates beside the truth, from the recordings of one seed."""
     *fitted, pushed = (taken(plan) for plan in plans(seed, seconds))
     yield from device_rows(fitted)
-    yield from map_rows(fit := fitted_map(fitted), fitted[0].summary)
-    yield from pushed_rows(fit, fitted, pushed)
+    yield from map_rows(friction := fitted_map(fitted), fitted[0].summary)
+    yield from pushed_rows(friction, fitted, pushed)
 
 
 def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     """Rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
-    clocks = [
-        device_clock(own.imu, own.start, own.signals, *own.kinematics[::2])[0] for own in fitted
-    ]
-    for clock, own in zip(clocks, fitted, strict=True):
-        yield from truth_table.clock_rows({"imu": asdict(clock)}, own.summary)
+    for own in fitted:
+        yield from truth_table.clock_rows({"imu": own.clock}, own.summary)
     true = robot.models[summary["model"]].rotor_inertias
-    yield from truth_table.rotor_rows(rotors(robot, fitted), true)
-    calibration = calibrate([*map(imu_of, fitted, clocks)])
-    yield from truth_table.imu_rows(asdict(calibration), summary["plan"]["imu"])
+    yield from truth_table.rotor_rows(rotors(fitted), true)
+    calibration = calibrate([own.imu for own in fitted])
+    yield from truth_table.imu_rows(vars(calibration), summary["plan"]["imu"])
 
 
-def map_rows(fit: CurrentFit, truth: dict[str, Any]) -> Iterator[Row]:
+def map_rows(friction: dict[str, Any], truth: dict[str, Any]) -> Iterator[Row]:
     """Rows of torque constants and friction."""
-    return truth_table.friction_rows({"parameters": [*map(asdict, parameters(fit))]}, truth)
+    return truth_table.friction_rows(friction, truth)
 
 
-def torque_of(robot: Robot, model: str, states: Any) -> Array:
-    """Torque (N, 6) [Nm] of a model at q, q̇, q̈ (N, 6)."""
-    arm = build_arm(robot, model)
-    return inverse_dynamics(arm, *(torch.from_numpy(state.copy()) for state in states)).numpy()
-
-
-def rotors(robot: Robot, recordings: list[Taken]) -> dict[str, Any]:
+def rotors(recordings: list[Taken]) -> dict[str, Any]:
     """Rotor inertias from what rigid links leave of the controller's torque at the targets."""
-    parts = []
-    for own in recordings:
-        states = [channel(own.signals, f"target_{name}") for name in ("q", "qd", "qdd")]
-        rigid = torque_of(robot, robot.chosen_model, states)
-        parts.append((channel(own.signals, "target_moment") - rigid, states[1], states[2]))
-    fit = fit_rotor_inertia(*zip(*parts, strict=True))
-    parts_of_fit = {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
-    return {"from": recordings} | parts_of_fit
+    samples = [rotor_samples(own.robot, own.signals, own.motion, MOTIONS) for own in recordings]
+    fit = fit_rotor_inertia(*zip(*(one for one in samples if one is not None), strict=True))
+    parts = {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
+    return {"from": recordings} | parts
 
 
-def imu_of(own: Taken, clock: Any) -> Any:
-    """What a recording's IMU and joints tell of its mounting."""
-    rotation, _, jacobian = own.kinematics
-    read = resample(own.imu, clock, own.signals["time"].to_numpy())
-    kinematics = pd.DataFrame(named(rotation, "R6") | named(jacobian, "J"))
-    signals = pd.concat([own.signals, read], axis="columns")
-    place = np.array(own.robot.mounting.imu), np.array(own.robot.gravity)
-    return imu_record(signals, kinematics, *place, ORDER, CUTOFF)
+def fitted_map(recordings: list[Taken]) -> dict[str, Any]:
+    """The map from motion to current, as in friction.json."""
+    ratios = [controllers_ratio(own.signals, own.motion) for own in recordings]
+    prior = prior_of(recordings[0].robot, ratios)
+    records, terms = [own.record for own in recordings], SETTINGS.friction.terms
+    return friction_summary(records, prior, smoother(*CURRENTS), terms)
 
 
-def fitted_map(recordings: list[Taken]) -> CurrentFit:
-    """The map from motion to current."""
-    records = [own.record for own in recordings]
-    return fit_currents(records, smoother(ORDER, CUTOFF), known(recordings))
+def currents(friction: dict[str, Any], own: Taken) -> Currents:
+    """External torques, by a fit that has not seen the path."""
+    fit, no_load = fit_for(own.record.name, friction), 0 * own.record.q
+    tables = own.signals, own.torques, smoother(*CURRENTS), CURRENTS.cutoff
+    return predicted_currents(own.record, fit, no_load, *tables)
 
 
-def known(recordings: list[Taken]) -> Prior:
-    """What is known of the torque constants beforehand."""
-    ratios = [controllers_ratio(own.signals, own.record.qd) for own in recordings]
-    return prior_of(recordings[0].robot, ratios)
-
-
-def residuals(fit: CurrentFit, free: list[Taken]) -> ResidualModel:
-    """What is left without contact, by fits that have not seen the path (`fit_residuals`)."""
-    records = [own.record for own in free]
-    unseen = fit_without_each_path(records, smoother(ORDER, CUTOFF), known(free))
-    fits = {name: own for names, own in unseen for name in names}
-    stretches = [
-        Stretch(torque[rows], states[rows], own.period)
-        for own in records
-        for torque, states, segment in [external(fits[own.name], own)]
-        for rows in unbroken(segment)
-    ]
-    model = fit_residual_model(stretches, CUTOFF, breakaway_torque(fit))
-    return model.wider(few_paths(int(record_paths(records).max()) + 1))
-
-
-def pushed_rows(fit: CurrentFit, free: list[Taken], pushed: Taken) -> Iterator[Row]:
+def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
-    step = pushed.record.period
-    torque, states, segment = external(fit, pushed.record)
-    given = torque, pushed.kinematics[2], states, segment, step
-    estimate = estimate_wrench(*given, residuals(fit, free), ContactPrior())
-    columns = labelled(estimate.wrench, "Fmap", WRENCH) | labelled(estimate.std, "Fmap_std", WRENCH)
-    forces, own = pd.DataFrame(columns), pushed.truth["time"].to_numpy()
-    true = pushed.truth.filter(like="wrench").apply(
-        lambda column: np.interp(pushed.signals["time"], own, column), result_type="expand"
-    )
-    touched = (true != 0).any(axis="columns")
+    breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
+    known = [(currents(friction, own), own.motion) for own in free]
+    residuals = residual_summary(known, breakaway, friction["paths"], CURRENTS.cutoff)
+    found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
+    whole, prior = {"Fmap": found["Fmap"]}, ContactPrior(force=SETTINGS.contact.force_n)
+    forces = estimated_forces(pushed.motion, pushed.kinematics.jacobian, whole, prior)
+    true = pushed.truth.at(pushed.signals.time)
+    touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):
-        for row in truth_table.wrench_rows(forces[rows], true[rows]):
-            yield row | {"quantity": f"{row['quantity']}{when}"}
+        for row in truth_table.wrench_rows(
+            part(forces, rows), replace(true, wrench=true.wrench[rows])
+        ):
+            if row["method"] == "Fmap":
+                yield row | {"quantity": f"{row['quantity']}{when}"}
 
 
-def external(fit: CurrentFit, record: Record) -> tuple[Array, Any, Any]:
-    """External torque [Nm], joint states and segments of a recording."""
-    smooth = smoother(ORDER, CUTOFF)
-    torque = left_over(record, predict(fit, record), torque_constants(fit), smooth, CUTOFF)
-    return torque, joint_states(record.qd, record.segment, record.period), record.segment
+def part(forces: Forces, rows: Mask) -> Forces:
+    """The wrenches at some samples."""
+    wrench = {name: values[rows] for name, values in forces.wrench.items()}
+    return replace(forces, wrench=wrench, std={k: v[rows] for k, v in forces.std.items()})
 
 
 if __name__ == "__main__":

@@ -189,11 +189,14 @@ class RealStudy:
         ratios = [controllers_ratio(one.signals, one.motion) for one in ones]
         return prior_of(ones[0].robot, ratios)
 
-    def fitted(self, names: Sequence[str]) -> "Fitted":
-        """What is fitted to some recordings alone, none of which has a contact."""
+    def fitted(self, names: Sequence[str], shown: Sequence[str] = ()) -> "Fitted":
+        """What is fitted to some recordings alone, none of which has a contact.
+
+        shown: those that show the controller's torque constants, by default the same.
+        """
         ones = self.recordings(names)
         terms, records = self.study.settings.friction.terms, [one.record for one in ones]
-        friction = friction_summary(records, self.prior(names), self.smooth, terms)
+        friction = friction_summary(records, self.prior(shown or names), self.smooth, terms)
         return Fitted(ones, friction, self.currents_lowpass)
 
 

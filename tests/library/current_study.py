@@ -1,7 +1,6 @@
 """Made-up contact-free recordings of an arm whose current-torque map is known."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from scipy import signal
@@ -10,9 +9,8 @@ from ur5lib.identification.friction import Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, design
+from ur5lib.pipeline.current_samples import smoother
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.segments import by_segment
 
 PERIOD = 0.02
 CONSTANT = np.array([8.5, 10.8, 10.2, 10.0, 11.0, 10.5])
@@ -25,10 +23,7 @@ OFFSET = np.array([0.1, 0.4, 0.0, 0.3, 0.2, 0.3])  # Nm
 NOISE = np.array([0.08, 0.1, 0.1, 0.03, 0.025, 0.025])  # A, of the slow residual
 
 
-def smooth(values: Array, record: Record) -> Array:
-    """Low-pass at 2 Hz within the segments."""
-    lowpass = partial(zero_phase_lowpass, rate=1 / record.period, order=4, cutoff=2.0)
-    return by_segment(lowpass, values, record.segment)
+smooth = smoother(order=4, cutoff=2.0)
 
 
 def prior(width: float = 0.1, torque_max: float = 150.0) -> Prior:

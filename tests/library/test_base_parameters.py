@@ -10,8 +10,8 @@ import pytest
 import torch
 from scipy.signal import lfilter
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.regressor import regressor
+from tests.real_arms import RealStudy
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import base_parameters as module
 from ur5lib.identification.base_parameters import (
     NAMES,
@@ -27,12 +27,10 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.identified_model import identified_model, robot_yaml
-from ur5lib.recordings.intake import read_and_repair
+from ur5lib.pipeline.controller_torque import torque_blocks
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.study.model import ThesisRecording
-from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 torch.set_num_threads(1)
@@ -49,12 +47,12 @@ PERIOD = 0.04  # s
 
 def columns(name: str, *motion: Array) -> Array:
     """Y of an arm, (N, 6, 66)."""
-    arm = build_arm(load_robot(robot_path(name)), load_robot(robot_path(name)).chosen_model)
-    return regressor(arm, *map(torch.from_numpy, motion)).numpy()
+    robot = load_robot(robot_path(name))
+    return LinkModel(robot, robot.chosen_model).regressor(*motion)
 
 
 def parameters(robot: Robot, model: str) -> Array:
-    return build_arm(robot, model).parameters.numpy()
+    return LinkModel(robot, model).parameters
 
 
 def random_states(seed: int = 0, count: int = 200) -> Array:
@@ -215,34 +213,29 @@ def test_a_recording_of_one_joint_tells_what_that_joint_feels(ur5: Robot) -> Non
 # The real controller
 
 
-def target_blocks(folder: Path, robot: Robot, step: int) -> Iterator[tuple[Array, Array]]:
+def target_blocks(study: RealStudy, name: str) -> list[tuple[Array, Array]]:
     """Regressor and `target_moment` at the targets that the robot sent, 2 s a block."""
-    recording = ThesisRecording(
-        name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
-    )
-    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
-    table = table[~table["interpolated"].astype(bool)][::step]
-    motion = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
-    return blocks(columns("ur5", *motion), channel(table, "target_moment"), 250 // step)
+    one = study.recording(name)
+    return [*torque_blocks(one.robot, one.signals, one.motion, study.motion_lowpass)]
 
 
 @pytest.fixture(scope="module")
-def controller(ur5: Robot, thesis_data: Path) -> Estimate:
-    rows = (b for name in FITTED for b in target_blocks(thesis_data / name, ur5, 4))
+def controller(ur5: Robot, real_ur5: RealStudy) -> Estimate:
+    rows = (block for name in FITTED for block in target_blocks(real_ur5, name))
     return identify(stack(rows), parameters(ur5, "C"), prior_width())
 
 
 def test_the_controllers_model_predicts_every_other_recording(
-    ur5: Robot, thesis_data: Path, controller: Estimate
+    real_ur5: RealStudy, controller: Estimate
 ) -> None:
     assert controller.determined(ur5_base().groups).all()
     bodies = consistent(controller)
-    others = [f for f in sorted(thesis_data.iterdir()) if f.is_dir() and f.name not in FITTED]
-    for folder in others:
-        rows = list(target_blocks(folder, ur5, 1))
+    others = [name for name in real_ur5.entries if name not in FITTED]
+    for name in others:
+        rows = target_blocks(real_ur5, name)
         free, physical = (torque_error(rows, p) for p in (controller.parameters, bodies))
-        assert free.max() < 0.001, folder.name
-        assert physical.max() < 0.001, folder.name  # that the links are bodies costs nothing
+        assert free.max() < 0.001, name
+        assert physical.max() < 0.001, name  # that the links are bodies costs nothing
     assert len(others) >= 9
     assert (
         smallest_eigenvalues(controller.parameters).min() < 0 < smallest_eigenvalues(bodies).min()

@@ -1,18 +1,15 @@
 """The closed loop: its simulation is exact, its gains come with what the data do not tell."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter, lsim
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import inverse_dynamics
+from tests.real_arms import RealRecording, RealStudy
 from ur5lib.identification.closed_loop import (
     JointGains,
     Tracking,
@@ -20,10 +17,9 @@ from ur5lib.identification.closed_loop import (
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.recordings.intake import read_and_repair
+from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
+from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import Robot
-from ur5lib.study.model import ThesisRecording
-from ur5lib.tables import channel, period
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -225,44 +221,35 @@ def test_no_two_successive_samples_are_refused() -> None:
 # The thesis's recording
 
 
-def recorded(folder: Path, robot: Robot) -> tuple[Tracking, Array]:
-    """A recording of the UR5, and target_moment (N, 6) [Nm]."""
-    recording = ThesisRecording(
-        name=folder.name, robot="ur5", format="thesis-csv", folder=str(folder), role="fit"
-    )
-    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
-    told = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
-    done = [channel(table, f"actual_{name}") for name in ("q", "qd")]
-    segment = table["segment"].to_numpy()
-    return Tracking(*told, *done, segment, period(table)), channel(table, "target_moment")
+def recorded(one: RealRecording) -> Tracking:
+    found = tracking_of(one.signals)
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="module")
-def slow(thesis_data: Path, ur5: Robot) -> tuple[Tracking, Array]:
-    return recorded(thesis_data / TABLE_5_5, ur5)
+def slow(real_ur5: RealStudy) -> RealRecording:
+    return real_ur5.recording(TABLE_5_5)
 
 
 @pytest.fixture(scope="module")
-def estimated(slow: tuple[Tracking, Array]) -> list[JointGains]:
-    return estimate_gains(slow[0])
+def loop(slow: RealRecording) -> ClosedLoop:
+    """It with each model's published gains."""
+    return simulated(slow.signals, slow.robot, recorded(slow), published_gains(slow.robot))
 
 
-def published(robot: Robot, model: str) -> tuple[Array, Array]:
-    gains = robot.closed_loop_gains[model]
-    return np.array(gains.position), np.array(gains.velocity)
+@pytest.fixture(scope="module")
+def estimated(slow: RealRecording) -> list[JointGains]:
+    return estimate_gains(recorded(slow))
 
 
-def simulated(recording: Tracking, gains: tuple[Array, Array]) -> tuple[Array, Array, Array]:
-    t = recording
-    return simulate_closed_loop(t.target_q, t.target_qd, t.target_qdd, t.period, *gains)
-
-
-def errors(recording: Tracking, gains: tuple[Array, Array]) -> tuple[Array, Array]:
+def errors(slow: RealRecording, q: Array, qd: Array) -> tuple[Array, Array]:
     """Mean absolute errors in units of the last printed digit: [1e-4 rad, 1e-4 rad/s]."""
-    q, qd, _ = simulated(recording, gains)
+    actual_qd = slow.signals.actual_qd
+    assert actual_qd is not None
     return (
-        1e4 * mean_absolute_error(q, recording.actual_q),
-        1e4 * mean_absolute_error(qd, recording.actual_qd),
+        1e4 * mean_absolute_error(q, slow.signals.actual_q),
+        1e4 * mean_absolute_error(qd, actual_qd),
     )
 
 
@@ -273,32 +260,31 @@ def agree(values: Array, printed: list[int]) -> bool:
 
 
 @pytest.mark.parametrize("model", ["A", "B"])
-def test_table_5_5(slow: tuple[Tracking, Array], ur5: Robot, model: str) -> None:
-    q, qd = errors(slow[0], published(ur5, model))
+def test_table_5_5(slow: RealRecording, loop: ClosedLoop, model: str) -> None:
+    q, qd = errors(slow, loop.q[model], loop.qd[model])
     assert agree(q, PRINTED_POSITION[model])
     assert agree(qd, PRINTED_VELOCITY[model])
 
 
-def test_table_5_5_of_model_b_to_the_last_digit(slow: tuple[Tracking, Array], ur5: Robot) -> None:
-    q, qd = errors(slow[0], published(ur5, "B"))
+def test_table_5_5_of_model_b_to_the_last_digit(slow: RealRecording, loop: ClosedLoop) -> None:
+    q, qd = errors(slow, loop.q["B"], loop.qd["B"])
     np.testing.assert_array_equal(np.round(q), PRINTED_POSITION["B"])
     np.testing.assert_array_equal(np.round(qd), PRINTED_VELOCITY["B"])
 
 
-def test_model_a_was_simulated_with_other_gains(slow: tuple[Tracking, Array], ur5: Robot) -> None:
+def test_model_a_was_simulated_with_other_gains(slow: RealRecording) -> None:
     """Erratum 14: where (C.2) repeats (C.3), K1 = K0 + 0.6 gives all that Table 5.5 prints."""
-    position, velocity = published(ur5, "A")
+    position, velocity = published_gains(slow.robot)["A"]
     velocity[2:] = position[2:] + 0.6
-    q, qd = errors(slow[0], (position, velocity))
+    loop = simulated(slow.signals, slow.robot, recorded(slow), {"A": (position, velocity)})
+    q, qd = errors(slow, loop.q["A"], loop.qd["A"])
     np.testing.assert_array_equal(np.round(q), PRINTED_POSITION["A"])
     np.testing.assert_array_equal(np.round(qd), PRINTED_VELOCITY["A"])
 
 
-def test_model_c_was_compared_between_samples(slow: tuple[Tracking, Array], ur5: Robot) -> None:
+def test_model_c_was_compared_between_samples(slow: RealRecording, loop: ClosedLoop) -> None:
     """Its printed velocities are better as interpolation averages the noise of what is measured."""
-    recording, _ = slow
-    _, qd, _ = simulated(recording, published(ur5, "C"))
-    error = qd - recording.actual_qd
+    error = loop.qd["C"] - recorded(slow).actual_qd
     at = np.arange(0, len(error) - 1, 1 / 8)
     between = [np.interp(at, np.arange(len(error)), column) for column in error.T]
     printed = np.array(PRINTED_VELOCITY["C"])
@@ -307,12 +293,10 @@ def test_model_c_was_compared_between_samples(slow: tuple[Tracking, Array], ur5:
 
 
 @pytest.mark.parametrize("model", ["A", "B", "C"])
-def test_table_5_6(slow: tuple[Tracking, Array], ur5: Robot, model: str) -> None:
-    recording, moment = slow
-    motion = simulated(recording, published(ur5, model))
-    states = [torch.from_numpy(np.ascontiguousarray(state)) for state in motion]
-    torque = inverse_dynamics(build_arm(ur5, model), *states).numpy()
-    error = mean_absolute_error(torque, moment)[:3]
+def test_table_5_6(slow: RealRecording, loop: ClosedLoop, model: str) -> None:
+    moment = slow.signals.target_moment
+    assert moment is not None
+    error = mean_absolute_error(loop.torque[model], moment)[:3]
     np.testing.assert_allclose(error, PRINTED_TORQUE[model], rtol=0.15)
 
 
@@ -322,20 +306,20 @@ def test_the_slow_recording_determines_no_position_gain(estimated: list[JointGai
 
 
 def test_the_gains_of_c_4_fit_the_wrist(
-    slow: tuple[Tracking, Array], estimated: list[JointGains], ur5: Robot
+    slow: RealRecording, estimated: list[JointGains], ur5: Robot
 ) -> None:
     """As well as the best; the first three joints follow their targets more closely than that."""
     noise = np.array([joint.noise for joint in estimated])
-    cost = tracking_cost(slow[0], *published(ur5, "C"), noise)
+    gains = published_gains(ur5)["C"]
+    cost = tracking_cost(recorded(slow), *gains, noise)
     fits = cost <= [joint.limit for joint in estimated]
     np.testing.assert_array_equal(fits, [False, False, False, True, True, True])
-    for joint, k0, k1 in list(zip(estimated, *published(ur5, "C"), strict=True))[3:]:
+    for joint, k0, k1 in list(zip(estimated, *gains, strict=True))[3:]:
         assert joint.position.low < k0 < joint.position.high
         assert joint.velocity.low < k1 < joint.velocity.high
 
 
-def test_fast_moves_determine_gains(thesis_data: Path, ur5: Robot) -> None:
-    recording, _ = recorded(thesis_data / FAST, ur5)
-    for joint in estimate_gains(recording)[:4]:
+def test_fast_moves_determine_gains(real_ur5: RealStudy) -> None:
+    for joint in estimate_gains(recorded(real_ur5.recording(FAST)))[:4]:
         assert joint.position.determined
         assert joint.velocity.determined

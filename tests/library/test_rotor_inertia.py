@@ -1,25 +1,14 @@
 """Rotor inertias: known ones come back, and the real ones explain recordings not used."""
 
-from functools import partial
-from pathlib import Path
-
 import numpy as np
-import pandas as pd
 import pytest
-import torch
 
-from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.rigid_body import inverse_dynamics
+from tests.real_arms import RealStudy
 from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
-from ur5lib.recordings.intake import read_and_repair
-from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.study.model import Recording, TableRecording, ThesisRecording
-from ur5lib.tables import channel, period
+from ur5lib.pipeline.controller_torque import rotor_samples
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.derivative import differentiate
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.metrics import mean_absolute_error
-from ur5lib.timeseries.segments import by_segment
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd
 
@@ -41,9 +30,6 @@ UR10E_FITTED = [
     "ur-20_01_31-unload",
     "ur-20_02_12-50sec_12harm",
     "ur-20_02_19_14harm50sec",
-]
-UR10E_COLUMNS = [
-    *("time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment")
 ]
 MAKER = np.array([6.02, 6.02, 1.915, 0.612, 0.612, 0.612])  # rotors times gear ratio squared
 INERTIA = np.array([1.6, 1.6, 1.9, 0.16, 0.16, 0.16])
@@ -118,28 +104,16 @@ def test_a_joint_that_kept_still_tells_nothing() -> None:
 # The real arms
 
 
-def received(recording: Recording, robot: Robot) -> pd.DataFrame:
-    """The frames of a recording; those that were not received are NaN."""
-    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
-    return table.mask(table["interpolated"].astype(bool))
-
-
-def rigid(robot: Robot, *motion: Array) -> Array:
-    arm = build_arm(robot, robot.chosen_model)
-    return inverse_dynamics(arm, *(torch.from_numpy(state) for state in motion)).numpy()
+def sample(study: RealStudy, name: str) -> Sample:
+    one = study.recording(name)
+    found = rotor_samples(one.robot, one.signals, one.motion, study.motion_lowpass)
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="module")
-def of_the_ur5(ur5: Robot, thesis_data: Path) -> dict[str, Sample]:
-    samples = {}
-    for name in (*FITTED, *UNUSED):
-        recording = ThesisRecording(
-            name=name, robot="ur5", format="thesis-csv", folder=str(thesis_data / name), role="fit"
-        )
-        table = received(recording, ur5)
-        q, qd, qdd = (channel(table, f"target_{state}") for state in ("q", "qd", "qdd"))
-        samples[name] = channel(table, "target_moment") - rigid(ur5, q, qd, qdd), qd, qdd
-    return samples
+def of_the_ur5(real_ur5: RealStudy) -> dict[str, Sample]:
+    return {name: sample(real_ur5, name) for name in (*FITTED, *UNUSED)}
 
 
 @pytest.fixture(scope="module")
@@ -176,29 +150,8 @@ def test_the_rotors_of_the_ur5(ur5: Robot, ur5_rotors: RotorFit) -> None:
     np.testing.assert_allclose(inertia, described, atol=0.0, rtol=0.03)
 
 
-def of_the_ur10e(robot: Robot, folder: Path, name: str) -> Sample:
-    """From the measured motion: logs hold no targets but torque. All low-passed alike."""
-    recording = TableRecording(
-        name=name,
-        robot="ur10e",
-        format="table-csv",
-        folder=str(folder),
-        file=f"{name}.csv",
-        columns=UR10E_COLUMNS,
-        role="fit",
-    )
-    table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
-    segment = table["segment"].to_numpy()
-    lowpass = partial(zero_phase_lowpass, rate=1 / period(table), order=4, cutoff=10.0)
-    names = ("actual_q", "actual_qd", "target_moment")
-    q, qd, moment = (by_segment(lowpass, channel(table, channel_), segment) for channel_ in names)
-    qdd = by_segment(partial(differentiate, period=period(table)), qd, segment)
-    return moment - rigid(robot, q, qd, qdd), qd, qdd
-
-
-def test_the_rotors_of_the_ur10e_are_the_makers(ur10e_data: Path) -> None:
-    """Within 3 % of the maker's joint files."""
-    robot = load_robot(robot_path("ur10e"))
-    found = fit([of_the_ur10e(robot, ur10e_data, name) for name in UR10E_FITTED])
+def test_the_rotors_of_the_ur10e_are_the_makers(real_ur10e: RealStudy) -> None:
+    """Within 3 % of the maker's files; from measured motion, as logs hold no targets but torque."""
+    found = fit([sample(real_ur10e, name) for name in UR10E_FITTED])
     np.testing.assert_allclose(found.value.inertia, MAKER, rtol=0.03)
     assert (found.std_error.inertia < 0.01 * MAKER).all()
