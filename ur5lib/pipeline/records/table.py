@@ -65,10 +65,10 @@ class Channel:
         return flat.reshape(len(table), *self.shape)
 
     def _found(self, table: pd.DataFrame) -> list[str]:
-        """Return the keys of which the table has the columns, in their order."""
+        """Return the keys of which the table has the columns, in their declared order."""
         pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
-        keys = [match[1] for name in table if (match := pattern.fullmatch(str(name)))]
-        return [key for key in keys if not self.keys or key in self.keys]
+        found = [match[1] for name in table if (match := pattern.fullmatch(str(name)))]
+        return [key for key in self.keys if key in found] if self.keys else found
 
 
 def channel(
