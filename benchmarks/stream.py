@@ -15,26 +15,14 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.robots.realtime_message import fields
 
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
 SIZE = 756
 PACKETS = (756, 756, 756 + 694, 62)  # bytes a recv gives, as the thesis's Figure 4.4 shows them
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5
-CHANNELS = {  # name: index of its first double in a message
-    "target_q": 1,
-    "target_qd": 7,
-    "target_qdd": 13,
-    "target_current": 19,
-    "target_moment": 25,
-    "actual_q": 31,
-    "actual_qd": 37,
-    "actual_current": 43,
-    "actual_TCP_force": 67,
-    "actual_TCP_pose": 73,
-    "actual_TCP_speed": 79,
-    "joint_temperatures": 86,
-}
+CHANNELS = {name: (first - 4) // 8 for name, (first, _) in fields(SIZE).items()}  # first double
 
 
 def write_capture(path: Path, count: int) -> None:

@@ -27,66 +27,12 @@ import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding
+from ur5lib.robots.realtime_message import SOFTWARE, fields
 from ur5lib.strict import expect_file
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 Integers = Labels
-
-SOFTWARE = {  # of the controller, by the size of its messages [bytes]
-    756: "1.5, 1.6",
-    764: "1.7",
-    812: "1.8",
-    1044: "3.0, 3.1",
-    1060: "3.2 to 3.4",
-    1108: "3.5 to 3.9, 5.0 to 5.3",
-    1116: "3.10 to 3.13, 5.4 to 5.8",
-    1140: "3.14, 3.15, 5.9",
-    1220: "5.10 and later",
-}
-FROM_1_7, FROM_3 = 764, 1044  # bytes of the first layouts from software 1.7 and 3.0 on
-
-# First byte and number of doubles of the fields with an RTDE name. Bits and raw counts are omitted.
-ALWAYS = {
-    "target_q": (12, 6),
-    "target_qd": (60, 6),
-    "target_qdd": (108, 6),
-    "target_current": (156, 6),
-    "target_moment": (204, 6),
-    "actual_q": (252, 6),
-    "actual_qd": (300, 6),
-    "actual_current": (348, 6),
-    "actual_TCP_force": (540, 6),
-    "joint_temperatures": (692, 6),
-    "robot_mode": (756, 1),
-    "joint_mode": (764, 6),
-}
-OLD = {  # before 3.0
-    "actual_TCP_pose": (588, 6),
-    "actual_TCP_speed": (636, 6),
-}
-NEW = {
-    "joint_control_output": (396, 6),
-    "actual_TCP_pose": (444, 6),
-    "actual_TCP_speed": (492, 6),
-    "target_TCP_pose": (588, 6),
-    "target_TCP_speed": (636, 6),
-    "safety_mode": (812, 1),
-    "actual_tool_accelerometer": (868, 3),
-    "speed_scaling": (940, 1),
-    "actual_momentum": (948, 1),
-    "actual_main_voltage": (972, 1),
-    "actual_robot_voltage": (980, 1),
-    "actual_robot_current": (988, 1),
-    "actual_joint_voltage": (996, 6),
-    "elbow_position": (1060, 3),
-    "elbow_velocity": (1084, 3),
-    "safety_status": (1108, 1),
-    "payload": (1140, 1),
-    "payload_cog": (1148, 3),
-    "payload_inertia": (1172, 6),
-}
-OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
 
 HEADER = b"received_s"
 BLOCK = 1 << 22  # bytes of CSV parsed at a time; no line may be longer
@@ -169,9 +115,9 @@ class _Messages:
 
     def _keep(self, doubles: Array, size: int) -> None:
         """Append messages, doubles as sent (N, D), to the table of their size."""
-        fields = _fields(size)
+        layout = fields(size)
         if size not in self.tables:
-            rows = 2 + sum(count for _, count in fields.values())
+            rows = 2 + sum(count for _, count in layout.values())
             # Channels first, as in pandas. Not np.empty: it requests huge pages, and clearing those
             # can take longer than everything else.
             room = pa.allocate_buffer(rows * (self._most // size) * 8)
@@ -181,7 +127,7 @@ class _Messages:
         self.counts[size] += len(doubles)
         part = self.tables[size][:, first : self.counts[size]]
         part[0], row = doubles[:, 0], 2
-        for byte, count in fields.values():
+        for byte, count in layout.values():
             column = (byte - 4) // 8
             part[row : row + count] = doubles[:, column : column + count].T
             row += count
@@ -457,13 +403,6 @@ def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
     return findings
 
 
-def _fields(size: int) -> dict[str, tuple[int, int]]:
-    """Return first byte and number of doubles of a layout's channels, in the order sent."""
-    own = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
-    fields = {name: at for name, at in (ALWAYS | own).items() if at[0] < size}
-    return dict(sorted(fields.items(), key=lambda field: field[1]))
-
-
 def _frame(messages: _Messages, lines: _Lines, size: int) -> pd.DataFrame:
     """Return the messages of one size [bytes], one row each."""
     table = messages.tables[size][:, : messages.counts[size]]
@@ -472,7 +411,7 @@ def _frame(messages: _Messages, lines: _Lines, size: int) -> pd.DataFrame:
     ]
     table[1] = lines.received[np.searchsorted(lines.ends, np.concatenate(ends))]
     names = ["time", "received"]
-    for name, (_, count) in _fields(size).items():
+    for name, (_, count) in fields(size).items():
         names += columns(name, count) if count > 1 else [name]
     frame = pd.DataFrame(table.T, columns=names, copy=False)
     frame.attrs = {"message_bytes": size, "software": SOFTWARE[size]}

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import is_moving, split_late, tear
 from ur5lib.stand.layout import ROBOT_FILES, THESIS_FILES
 from ur5lib.stand.plan import Clock, SimulatedRecording
@@ -18,21 +19,6 @@ UPTIME = 4096.0  # s; time on the controller's clock when a recording begins
 MESSAGE = 756  # bytes
 UNCONNECTED = -1e-6  # value that an unconnected force sensor writes
 
-PLACES = {  # index of the first double in a message, counted after its size word
-    "time": 0,
-    "target_q": 1,
-    "target_qd": 7,
-    "target_qdd": 13,
-    "target_current": 19,
-    "target_moment": 25,
-    "actual_q": 31,
-    "actual_qd": 37,
-    "actual_current": 43,
-    "actual_TCP_force": 67,
-    "actual_TCP_pose": 73,
-    "actual_TCP_speed": 79,
-    "joint_temperatures": 86,
-}
 Files = dict[str, str]  # text by name
 Sensors = Mapping[str, pd.DataFrame]  # readings, by the plan's name of the sensor
 
@@ -92,9 +78,10 @@ WRITERS: dict[str, Callable[[pd.DataFrame, Sensors, SimulatedRecording], Files]]
 def messages(frames: pd.DataFrame) -> list[bytes]:
     """Return frames as messages of the 756-byte layout: int32 size, then big-endian doubles."""
     doubles = np.zeros((len(frames), (MESSAGE - 4) // 8), ">f8")
-    for name, place in PLACES.items():
-        values = frames[["time"]] + UPTIME if name == "time" else channel(frames, name)
-        doubles[:, place : place + values.shape[1]] = values
+    doubles[:, 0] = frames["time"] + UPTIME
+    for name, (first_byte, count) in fields(MESSAGE).items():
+        place = (first_byte - 4) // 8
+        doubles[:, place : place + count] = channel(frames, name, count)
     size = MESSAGE.to_bytes(4, "big")
     return [size + row.tobytes() for row in doubles]
 

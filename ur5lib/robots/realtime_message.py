@@ -1,0 +1,66 @@
+"""Layout of the messages of the controller's realtime port (30003)."""
+
+SOFTWARE = {  # of the controller, by the size of its messages [bytes]
+    756: "1.5, 1.6",
+    764: "1.7",
+    812: "1.8",
+    1044: "3.0, 3.1",
+    1060: "3.2 to 3.4",
+    1108: "3.5 to 3.9, 5.0 to 5.3",
+    1116: "3.10 to 3.13, 5.4 to 5.8",
+    1140: "3.14, 3.15, 5.9",
+    1220: "5.10 and later",
+}
+FROM_1_7, FROM_3 = 764, 1044  # bytes of the first layouts from software 1.7 and 3.0 on
+
+# First byte and number of doubles of the fields with an RTDE name. Bits and raw counts are omitted.
+ALWAYS = {
+    "target_q": (12, 6),
+    "target_qd": (60, 6),
+    "target_qdd": (108, 6),
+    "target_current": (156, 6),
+    "target_moment": (204, 6),
+    "actual_q": (252, 6),
+    "actual_qd": (300, 6),
+    "actual_current": (348, 6),
+    "actual_TCP_force": (540, 6),
+    "joint_temperatures": (692, 6),
+    "robot_mode": (756, 1),
+    "joint_mode": (764, 6),
+}
+OLD = {  # before 3.0
+    "actual_TCP_pose": (588, 6),
+    "actual_TCP_speed": (636, 6),
+}
+NEW = {
+    "joint_control_output": (396, 6),
+    "actual_TCP_pose": (444, 6),
+    "actual_TCP_speed": (492, 6),
+    "target_TCP_pose": (588, 6),
+    "target_TCP_speed": (636, 6),
+    "safety_mode": (812, 1),
+    "actual_tool_accelerometer": (868, 3),
+    "speed_scaling": (940, 1),
+    "actual_momentum": (948, 1),
+    "actual_main_voltage": (972, 1),
+    "actual_robot_voltage": (980, 1),
+    "actual_robot_current": (988, 1),
+    "actual_joint_voltage": (996, 6),
+    "elbow_position": (1060, 3),
+    "elbow_velocity": (1084, 3),
+    "safety_status": (1108, 1),
+    "payload": (1140, 1),
+    "payload_cog": (1148, 3),
+    "payload_inertia": (1172, 6),
+}
+OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
+
+
+def fields(size: int) -> dict[str, tuple[int, int]]:
+    """Return first byte and number of doubles of each field, in the order sent.
+
+    size: of the messages [bytes], which decides on their layout.
+    """
+    own = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
+    found = {name: at for name, at in (ALWAYS | own).items() if at[0] < size}
+    return dict(sorted(found.items(), key=lambda field: field[1]))
