@@ -249,7 +249,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    while not [*folder.rglob("filtered.parquet")]:
+    while not [*folder.rglob("signals.parquet")]:
         assert run.poll() is None, "the run ended before it could be killed"
         time.sleep(0.05)
     os.killpg(run.pid, signal.SIGKILL)
