@@ -15,33 +15,22 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.realtime_stream import read_stream
+from ur5lib.stand.faults import SPLIT
+from ur5lib.stand.files import MESSAGE, PLACES
 
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
-SIZE = 756
-PACKETS = (756, 756, 756 + 694, 62)  # bytes a recv gives, as the thesis's Figure 4.4 shows them
+# Bytes a recv gives, as the thesis's Figure 4.4 shows them.
+PACKETS = (MESSAGE, MESSAGE, MESSAGE + SPLIT, MESSAGE - SPLIT)
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5
-CHANNELS = {  # name: index of its first double in a message
-    "target_q": 1,
-    "target_qd": 7,
-    "target_qdd": 13,
-    "target_current": 19,
-    "target_moment": 25,
-    "actual_q": 31,
-    "actual_qd": 37,
-    "actual_current": 43,
-    "actual_TCP_force": 67,
-    "actual_TCP_pose": 73,
-    "actual_TCP_speed": 79,
-    "joint_temperatures": 86,
-}
+CHANNELS = {name: place for name, place in PLACES.items() if name != "time"}
 
 
 def write_capture(path: Path, count: int) -> None:
     """Write a capture: frames of random doubles, four in 32 ms, in the packets of Figure 4.4."""
     random = np.random.default_rng(0)
     frames = np.zeros(10_000, [("size", ">i4"), ("doubles", ">f8", 94)])
-    frames["size"] = SIZE
+    frames["size"] = MESSAGE
     with path.open("w") as file:
         file.write("received_s,payload_hex\n")
         for first in range(0, count, len(frames)):
@@ -63,14 +52,14 @@ def read_by_struct(path: Path) -> pd.DataFrame:
         next(lines)
         for received, payload in lines:
             buffer += bytes.fromhex(payload)
-            while len(buffer) >= SIZE:
-                size, *doubles = struct.unpack(">i94d", buffer[:SIZE])
-                assert size == SIZE
+            while len(buffer) >= MESSAGE:
+                size, *doubles = struct.unpack(">i94d", buffer[:MESSAGE])
+                assert size == MESSAGE
                 row = [doubles[0], float(received)]
                 for first in CHANNELS.values():
                     row += doubles[first : first + 6]
                 rows.append(tuple(row))
-                del buffer[:SIZE]
+                del buffer[:MESSAGE]
     names = [f"{name}_{joint}" for name in CHANNELS for joint in range(6)]
     return pd.DataFrame(rows, columns=["time", "received", *names])
 
