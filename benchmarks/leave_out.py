@@ -26,16 +26,19 @@ import numpy as np
 import pandas as pd
 import torch
 import yaml
-from ur5lib.pipeline.force_run import force_run
 
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms
 from ur5lib.force.external_torque import is_still
-from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.template import ForceInput
-from ur5lib.force.wrench_estimate import estimate_wrench
-from ur5lib.tables import channel, period, read_json, read_table
+from ur5lib.pipeline.force_estimates import Problem, direct_problems
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.study.model import Settings
+from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import Passed, group_by_path
@@ -51,7 +54,6 @@ STEPS = [
 SIZES, LEVERS = (5.0, 30.0, 80.0), (0.0, 0.15)  # N, m
 START, SHORTEST, LONGEST = 5.0, 10.0, 15.0  # s: of a push
 MARGIN = 0.5  # s at the end of a recording, of which a low-pass knows one side only
-ORDER, CUTOFF = 4, 2.0  # of the low-pass behind the torques, and so of a push's onset
 TABLES = ("signals", "motion", "torques")
 PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
 ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm"]
@@ -82,13 +84,18 @@ class Study:
     """Recordings of one arm without contact or load, and the settings of all steps."""
 
     arm: Path
-    settings: dict[str, Any]
+    settings: Settings
     recordings: list[Recording]
 
     @property
     def fit(self) -> list[Recording]:
         """Those to fit on."""
         return [own for own in self.recordings if own.entry["role"] == "fit"]
+
+    @property
+    def lowpass(self) -> dict[str, Any]:
+        """Order and cut-off behind currents and torques, as steps are given them."""
+        return self.settings.lowpass.currents.model_dump()
 
 
 def main() -> None:
@@ -136,16 +143,13 @@ def read_study(folder: Path, robot: str) -> Study:
     folders = [folder / "recordings" / entry["name"] for entry in entries]
     loads = [read_json(own / "currents.json").get("load") for own in folders]
     free = [load is None or not load.get("taken", False) for load in loads]
-    motions = [read_table(own / "motion.parquet") for own in folders]
-    every = [max(1, round(EVERY / period(motion))) for motion in motions]
-    passed = [
-        Passed.of(channel(motion, "q"), channel(motion, "qd"), step)
-        for motion, step in zip(motions, every, strict=True)
-    ]
+    motions = [Motion.read(own / "motion.parquet") for own in folders]
+    passed = [Passed.of(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions]
     labels = group_by_path(passed).tolist()
     found = zip(entries, folders, labels, free, strict=True)
     recordings = [Recording(entry, own, path) for entry, own, path, unloaded in found if unloaded]
-    return Study(folder / "parameters" / robot / "arm.yaml", plan["settings"], recordings)
+    settings = Settings.model_validate(plan["settings"])
+    return Study(folder / "parameters" / robot / "arm.yaml", settings, recordings)
 
 
 def without(study: Study, path: int) -> tuple[list[Recording], list[Recording]]:
@@ -179,13 +183,14 @@ class Fold:
 
     def build(self, tested: list[Recording]) -> None:
         """Fit, and estimate the forces of all recordings; raises InputError where it is refused."""
-        fit = self.study.settings["fit_friction"]
+        settings, lowpass = self.study.settings, self.study.lowpass
         self.run(
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)},
             {"friction": self.shared("friction.json")},
-            fit | {"recordings": [own.name for own in self.fitted]},
+            lowpass
+            | {"terms": settings.friction.terms, "recordings": [own.name for own in self.fitted]},
         )
         everything = [*self.fitted, *tested]
         for own in everything:
@@ -200,7 +205,7 @@ class Fold:
                 "motion": [own.file("motion.parquet") for own in self.fitted],
             },
             {"residuals": self.shared("residuals.json")},
-            {"cutoff_hz": fit["cutoff_hz"]},
+            {"cutoff_hz": lowpass["cutoff_hz"]},
         )
         for own in everything:
             self.forces(own, [other for other in everything if other is not own])
@@ -208,7 +213,7 @@ class Fold:
             "set_threshold",
             {"forces": [self.own(own, "forces.parquet") for own in self.fitted]},
             {"threshold": self.shared("threshold.json")},
-            self.study.settings["set_threshold"],
+            {"false_alarms_per_min": settings.alarms.false_per_min},
         )
 
     def payload(self, own: Recording) -> None:
@@ -217,8 +222,7 @@ class Fold:
             "estimate_payload",
             self.inputs_of(own),
             {name: self.own(own, file) for name, file in PAYLOAD.items()},
-            self.study.settings["fit_friction"]
-            | {"recording": own.name, "gravity": own.entry.get("gravity")},
+            self.study.lowpass | {"recording": own.name, "gravity": own.entry.get("gravity")},
         )
 
     def currents(self, own: Recording, role: str) -> None:
@@ -235,7 +239,7 @@ class Fold:
                 "currents": self.own(own, "currents.parquet"),
                 "summary": self.own(own, "currents.json"),
             },
-            self.study.settings["fit_friction"] | {"recording": own.name, "role": role},
+            self.study.lowpass | {"recording": own.name, "role": role},
         )
 
     def forces(self, own: Recording, others: list[Recording]) -> None:
@@ -253,8 +257,10 @@ class Fold:
                 "free_loads": [self.own(other, "currents.json") for other in others],
             },
             {"forces": self.own(own, "forces.parquet")},
-            self.study.settings["estimate_forces"]
-            | {"cutoff_hz": self.study.settings["fit_friction"]["cutoff_hz"]},
+            {
+                "contact_force_n": self.study.settings.contact.force_n,
+                "cutoff_hz": self.study.lowpass["cutoff_hz"],
+            },
         )
 
     def inputs_of(self, own: Recording) -> dict[str, Any]:
@@ -271,14 +277,13 @@ class Fold:
         thresholds = read_json(self.shared("threshold.json"))
         rows = []
         for own in tested:
-            forces = read_table(self.own(own, "forces.parquet"))
-            for odds in forces.filter(regex="^log_odds_"):
-                name = odds.removeprefix("log_odds_")
+            forces = Forces.read(self.own(own, "forces.parquet"))
+            for name, odds in forces.log_odds.items():
                 # Where no fitted recording has this estimate, contact is what is the likelier.
-                raised = alarms(forces[odds].to_numpy(), thresholds.get(name, 0.0))
-                minute = period(forces) / 60
+                raised = alarms(odds, thresholds.get(name, 0.0))
+                minute = forces.period / 60
                 lasted = sum(last - first for first, last in raised) * minute
-                row = own.name, name, len(raised), len(forces) * minute, lasted
+                row = own.name, name, len(raised), len(odds) * minute, lasted
                 rows.append(dict(zip(ALARMS, row, strict=True)))
         return pd.DataFrame(rows, columns=ALARMS)
 
@@ -335,37 +340,31 @@ def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, 
 
 def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     """Slope and coverage of each push that is put onto a recording."""
-    motion, residuals = (
-        read_table(own.file("motion.parquet")),
-        read_json(fold.shared("residuals.json")),
-    )
-    run = force_run(read_table(fold.own(own, "currents.parquet")), motion, "tau_ext")
-    time = motion["time"].to_numpy() - motion["time"].iloc[0]
-    if run is None or time[-1] < START + SHORTEST + MARGIN or "tau_ext" not in residuals:
+    motion, settings = Motion.read(own.file("motion.parquet")), fold.study.settings
+    currents = Currents.read(fold.own(own, "currents.parquet"))
+    found = direct_problems(motion, currents, read_json(fold.shared("residuals.json")))
+    time = motion.time - motion.time[0]
+    if "Fmap" not in found or time[-1] < START + SHORTEST + MARGIN:
         return
-    kinematics = read_table(own.file("kinematics.parquet"))
-    jacobian = channel(kinematics, "J", 36).reshape(-1, 6, 6)
-    rotation = channel(kinematics, "R6", 9).reshape(-1, 3, 3)
-    model = ResidualModel.from_dict(residuals["tau_ext"])
-    prior = ContactPrior(force=fold.study.settings["estimate_forces"]["contact_force_n"])
-    profile = sustained(time, run.period)
+    (run, model), kinematics = found["Fmap"], Kinematics.read(own.file("kinematics.parquet"))
+    jacobian, prior = kinematics.jacobian, ContactPrior(force=settings.contact.force_n)
+    lowpass = settings.lowpass.currents
+    profile = sustained(time, run.period, lowpass.order, lowpass.cutoff_hz)
     where = (profile > INSIDE) & np.isfinite(run.torque).all(axis=1)
     few = 1 if quick else None
     for axis, lever, size in product("zyx"[:few], LEVERS[:few], SIZES[::-1][:few]):
-        wrench = wrench_of(profile, "xyz".index(axis), size, lever, rotation)
+        wrench = wrench_of(profile, "xyz".index(axis), size, lever, kinematics.rotation)
         torque = run.torque + (jacobian.mT @ wrench[..., None])[..., 0]
-        estimate = estimate_wrench(
-            torque, jacobian, run.states, run.segment, run.period, model, prior, run.doubt
-        )
+        estimate = Problem(run.with_torque(torque, run.states), model).solve(jacobian, prior)
         told = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
         yield told | figures(estimate.wrench, estimate.std, wrench, where, run)
 
 
-def sustained(time: Array, step: float) -> Array:
+def sustained(time: Array, step: float, order: int, cutoff: float) -> Array:
     """A push of height 1 from START on (N,), as the low-pass behind the torques shows it."""
     end = min(START + LONGEST, time[-1] - MARGIN)
     box = ((time >= START) & (time < end)).astype(float)[:, None]
-    return zero_phase_lowpass(box, rate=1 / step, order=ORDER, cutoff=CUTOFF)[:, 0]
+    return zero_phase_lowpass(box, rate=1 / step, order=order, cutoff=cutoff)[:, 0]
 
 
 def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Array) -> Array:

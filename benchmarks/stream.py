@@ -16,20 +16,22 @@ import pandas as pd
 
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.robots.realtime_message import fields
+from ur5lib.stand.faults import SPLIT
+from ur5lib.stand.files import MESSAGE
 
 FRAMES, PERIOD = 450_000, 0.008  # an hour at 125 Hz
-SIZE = 756
-PACKETS = (756, 756, 756 + 694, 62)  # bytes a recv gives, as the thesis's Figure 4.4 shows them
+# Bytes a recv gives, as the thesis's Figure 4.4 shows them.
+PACKETS = (MESSAGE, MESSAGE, MESSAGE + SPLIT, MESSAGE - SPLIT)
 ARRIVALS = (0.0, 0.008, 0.024, 0.025)  # s
 ROUNDS = 5
-CHANNELS = {name: (first - 4) // 8 for name, (first, _) in fields(SIZE).items()}  # first double
+CHANNELS = {name: (first - 4) // 8 for name, (first, _) in fields(MESSAGE).items()}
 
 
 def write_capture(path: Path, count: int) -> None:
     """Write a capture: frames of random doubles, four in 32 ms, in the packets of Figure 4.4."""
     random = np.random.default_rng(0)
     frames = np.zeros(10_000, [("size", ">i4"), ("doubles", ">f8", 94)])
-    frames["size"] = SIZE
+    frames["size"] = MESSAGE
     with path.open("w") as file:
         file.write("received_s,payload_hex\n")
         for first in range(0, count, len(frames)):
@@ -51,14 +53,14 @@ def read_by_struct(path: Path) -> pd.DataFrame:
         next(lines)
         for received, payload in lines:
             buffer += bytes.fromhex(payload)
-            while len(buffer) >= SIZE:
-                size, *doubles = struct.unpack(">i94d", buffer[:SIZE])
-                assert size == SIZE
+            while len(buffer) >= MESSAGE:
+                size, *doubles = struct.unpack(">i94d", buffer[:MESSAGE])
+                assert size == MESSAGE
                 row = [doubles[0], float(received)]
                 for first in CHANNELS.values():
                     row += doubles[first : first + 6]
                 rows.append(tuple(row))
-                del buffer[:SIZE]
+                del buffer[:MESSAGE]
     names = [f"{name}_{joint}" for name in CHANNELS for joint in range(6)]
     return pd.DataFrame(rows, columns=["time", "received", *names])
 

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from pydantic import TypeAdapter
 
+from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor
@@ -19,7 +20,10 @@ from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.faults import SPLIT
+from ur5lib.stand.files import PLACES, messages
 from ur5lib.study.model import Recording
+from ur5lib.tables import named
 
 
 @pytest.fixture
@@ -372,19 +376,21 @@ def test_rtde_without_its_header_is_refused(tmp_path: Path, text: str) -> None:
 
 def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     """756-byte messages at 8 ms, each split between two reads; `received_s` counts from 1970."""
+    time = np.arange(200) * PERIOD
+    angle = time[:, None] + np.arange(6)
+    channels = dict.fromkeys(PLACES, 0 * angle) | {
+        **dict.fromkeys(("target_q", "actual_q"), 0.1 * np.sin(angle)),
+        **dict.fromkeys(("target_qd", "actual_qd"), 0.1 * np.cos(angle)),
+        "target_qdd": -0.1 * np.sin(angle),
+    }
+    del channels["time"]
+    columns = {n: c for name, values in channels.items() for n, c in named(values, name).items()}
     lines = ["received_s,payload_hex"]
-    for k in range(200):
-        doubles = np.zeros(94)
-        doubles[0] = 500 + k * PERIOD  # controller time
-        angle = k * PERIOD + np.arange(6)
-        doubles[1:7] = doubles[31:37] = 0.1 * np.sin(angle)  # target_q, actual_q
-        doubles[7:13] = doubles[37:43] = 0.1 * np.cos(angle)  # target_qd, actual_qd
-        doubles[13:19] = -0.1 * np.sin(angle)  # target_qdd
-        message = (756).to_bytes(4, "big") + doubles.astype(">f8").tobytes()
+    for k, message in enumerate(messages(pd.DataFrame({"time": time} | columns))):
         received = START + k * PERIOD
         lines += [
-            f"{received:.6f},{message[:694].hex()}",
-            f"{received + 1e-3:.6f},{message[694:].hex()}",
+            f"{received:.6f},{message[:SPLIT].hex()}",
+            f"{received + 1e-3:.6f},{message[SPLIT:].hex()}",
         ]
     (tmp_path / "capture.csv").write_text("\n".join(lines) + "\n")
     entry = {"format": "realtime-stream", "folder": str(tmp_path), "file": "capture.csv"}
@@ -463,18 +469,17 @@ def test_the_pattern_of_lost_frames_is_counted(
     assert (np.sum(steps <= 0.016), np.sum(steps > 0.016)) == (short, long)  # counted here
 
 
-def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path) -> None:
+def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealStudy) -> None:
     arm = load_robot(robot_path("ur10e"))
-    columns = ["time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment"]
-    logs = sorted(ur10e_data.glob("*.csv"))
+    logs = {path.stem for path in ur10e_data.glob("*.csv")}
     assert len(logs) == 14
-    for path in logs:
-        entry = TABLE | {"folder": str(path.parent), "file": path.name, "columns": columns}
-        taken = intake(entry, arm)
+    assert logs == {*real_ur10e.entries}
+    for name, entry in real_ur10e.entries.items():
+        taken = intake(entry.model_dump(), arm)
         names = {finding["finding"] for finding in taken.quality["findings"]}
         assert "irregular steps" in names
         damaged = {"torn last line", "impossible frames", "split"}
-        assert names & damaged == (damaged if "15harm" in path.name else set()), path.name
-        assert ("lost frames" in names) == path.name.endswith("-unload.csv")  # one step of 30 ms
+        assert names & damaged == (damaged if "15harm" in name else set()), name
+        assert ("lost frames" in names) == name.endswith("-unload")  # one step of 30 ms
         assert "inconsistent channels" not in names
         assert abs(taken.quality["duration_s"] / (0.0106 * taken.quality["rows"]) - 1) < 0.05

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import told_payload
@@ -19,7 +20,7 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.thesis_csv import read_thesis_csv
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.faults import LATE, SPLIT, split_late
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import Format, simulate
@@ -400,9 +401,8 @@ def stillest(record: DeviceRecord | pd.DataFrame, columns: list[str], count: int
 
 
 @pytest.fixture(scope="module")
-def real_no8(thesis_data: Path, ur5: Robot) -> Intake:
-    folder = thesis_data / "Movement_No8_Singularity_Free_1"
-    return read_and_repair({"format": "thesis-csv", "folder": str(folder)}, ur5, 0.1)
+def real_no8(real_ur5: RealStudy) -> Intake:
+    return real_ur5.recording("Movement_No8_Singularity_Free_1").intake
 
 
 def test_currents_are_as_noisy_as_real_ones(like_no8: Recorded, real_no8: Intake) -> None:

@@ -1,0 +1,189 @@
+"""Typed records: what they hold comes back from a table, with its units."""
+
+import math
+from dataclasses import Field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+
+from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import FusedMotion, Motion
+from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.pipeline.records.table import SegmentedTable, Table
+from ur5lib.pipeline.records.torques import ClosedLoop, Torques
+from ur5lib.pipeline.records.truth import Truth
+from ur5lib.tables import read_table
+
+RECORDS: list[type[Table]] = [
+    *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents, LoadRegressor),
+    *(Forces, PublishedForces, SensorWrenches, Accelerations, Truth),
+]
+KEYS = ("C", "C+rotors", "identified")  # of families that may have any; one begins as another does
+
+
+def is_optional(own: Field[Any]) -> bool:
+    return own.default is None
+
+
+def is_family(own: Field[Any]) -> bool:
+    return bool(own.metadata["channel"].several)
+
+
+def samples(own: Field[Any], count: int) -> st.SearchStrategy[Any]:
+    """Made-up samples of a field; numbers of any kind, NaN included."""
+    declared = own.metadata["channel"]
+    array = arrays.arrays(declared.dtype, (count, *declared.shape))
+    if not is_family(own):
+        return st.none() | array if is_optional(own) else array
+    keys = st.lists(st.sampled_from(declared.keys or KEYS), unique=True)
+    return keys.flatmap(lambda chosen: st.fixed_dictionaries(dict.fromkeys(chosen, array)))
+
+
+def made_up(record: type[Table]) -> st.SearchStrategy[Table]:
+    """Records of some class."""
+
+    def of_count(count: int) -> st.SearchStrategy[Table]:
+        return st.builds(record, **{own.name: samples(own, count) for own in fields(record)})
+
+    return st.integers(0, 3).flatmap(of_count)
+
+
+def whole(record: type[Table], count: int = 4) -> Table:
+    """A record that has all there may be, each element another number."""
+    counter = iter(range(10**9))
+
+    def array(own: Field[Any]) -> np.ndarray:
+        shape = count, *own.metadata["channel"].shape
+        flat = [next(counter) for _ in range(math.prod(shape))]
+        return np.array(flat).reshape(shape).astype(own.metadata["channel"].dtype)
+
+    values: dict[str, Any] = {}
+    for own in fields(record):
+        keys = own.metadata["channel"].keys or KEYS
+        values[own.name] = {key: array(own) for key in keys} if is_family(own) else array(own)
+    return record(**values)
+
+
+def same(own: Table, other: Table) -> None:
+    assert type(own) is type(other)
+    np.testing.assert_equal(vars(own), vars(other))
+
+
+@pytest.mark.parametrize("record", RECORDS)
+@settings(deadline=None, max_examples=20, suppress_health_check=[*HealthCheck])
+@given(data=st.data())
+def test_a_record_comes_back(
+    record: type[Table], data: st.DataObject, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """What is absent is None, what has a family is by key."""
+    path = tmp_path_factory.getbasetemp() / f"{record.__name__}.parquet"
+    made = data.draw(made_up(record))
+    made.write(path)
+    same(record.read(path), made)
+    same(record.from_table(read_table(path)), made)
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_no_two_channels_share_a_column(record: type[Table], tmp_path: Path) -> None:
+    made = whole(record)
+    made.write(tmp_path / "whole.parquet")
+    same(record.read(tmp_path / "whole.parquet"), made)
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_every_column_has_its_unit(record: type[Table], tmp_path: Path) -> None:
+    made = whole(record)
+    made.write(tmp_path / "whole.parquet")
+    units = {column.name: column.metadata[b"unit"].decode()
+             for column in pq.read_schema(tmp_path / "whole.parquet")}  # fmt: skip
+    expected = {
+        name: own.metadata["channel"].unit
+        for own in fields(made)
+        for name, _ in own.metadata["channel"].named_arrays(getattr(made, own.name))
+    }
+    assert units == expected
+    assert all(units.values())
+    assert units["time"] == "s"
+
+
+@pytest.mark.parametrize("record", RECORDS)
+def test_a_missing_column_is_named(record: type[Table], tmp_path: Path) -> None:
+    """Of those that are not optional; a table may have columns that no record knows."""
+    path = tmp_path / "whole.parquet"
+    whole(record).write(path)
+    table = read_table(path).assign(unknown=0.0)
+    same(record.from_table(table), whole(record))
+    needed = [own for own in fields(record) if not is_optional(own) and not is_family(own)]
+    assert {own.name for own in needed} >= {"time"}
+    for own in needed:
+        name = own.metadata["channel"].name
+        last = own.metadata["channel"].columns(name)[-1]
+        with pytest.raises(KeyError, match=name):
+            record.from_table(table.drop(columns=last))
+
+
+def test_the_period_is_that_of_the_grid() -> None:
+    time = np.arange(5) * 0.008
+    assert SensorWrenches(time=time, segment=np.zeros(5, np.int64)).period == 0.008
+
+
+def test_a_record_s_arrays_are_its_own() -> None:
+    """Nobody who changes them changes the table."""
+    table = pd.DataFrame({"time": np.arange(3.0), "segment": 0, "Fmap_Fx": 1.0})
+    SegmentedTable.from_table(table).time[:] = 9.0
+    assert table["time"].tolist() == [0.0, 1.0, 2.0]
+
+
+def test_signals_are_read_under_the_names_of_rtde(tmp_path: Path) -> None:
+    whole(Signals).write(tmp_path / "signals.parquet")
+    columns = {*read_table(tmp_path / "signals.parquet")}
+    rtde = {"actual_q_0", "target_moment_5", "actual_TCP_force_3", "payload", "payload_cog_2"}
+    assert columns >= rtde | {*SENSOR_COLUMNS["force"], *SENSOR_COLUMNS["imu"]}
+
+
+def test_the_imu_is_both_its_sensors() -> None:
+    made = whole(Signals)
+    assert isinstance(made, Signals)
+    assert made.accelerometer is not None
+    assert made.gyroscope is not None
+    np.testing.assert_array_equal(made.imu, np.hstack([made.accelerometer, made.gyroscope]))
+    grid = {"time": made.time, "segment": made.segment}
+    without = Signals(**grid, interpolated=made.interpolated, actual_q=made.actual_q)
+    with pytest.raises(ValueError, match="no IMU"):
+        _ = without.imu
+
+
+def test_truth_is_a_line_between_its_samples_and_unknown_outside() -> None:
+    time, names = np.arange(4) * 0.5, [own.name for own in fields(Truth) if own.name != "time"]
+    slopes = {name: np.arange(6) + 10.0 * k for k, name in enumerate(names)}
+    truth = Truth(time=time, **{name: np.outer(time, slope) for name, slope in slopes.items()})
+    at = np.array([-0.1, 0.0, 0.3, 1.25, 1.5, 1.6])
+    there, inside = truth.at(at), slice(1, -1)
+    np.testing.assert_array_equal(there.time, at)
+    for name, slope in slopes.items():
+        values = getattr(there, name)
+        np.testing.assert_allclose(values[inside], np.outer(at[inside], slope), atol=1e-12)
+        assert np.isnan(values[[0, -1]]).all()
+
+
+def test_a_force_estimate_is_given_one_recording_s_motion_and_torque() -> None:
+    motion, currents = whole(Motion), whole(Currents)
+    assert isinstance(motion, Motion)
+    assert isinstance(currents, Currents)
+    assert currents.external_torque is not None
+    one = force_input(motion, currents.external_torque, currents)
+    assert (one.q is motion.q, one.qd is motion.qd) == (True, True)
+    assert (one.torque is currents.external_torque, one.doubt is currents.load_doubt) == (True,) * 2
+    assert one.period == motion.period
+    assert one.states.shape == motion.q.shape
