@@ -20,8 +20,9 @@ from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
-from ur5lib.stand.files import PLACES, messages
+from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
 from ur5lib.tables import named
 
@@ -378,12 +379,11 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     """756-byte messages at 8 ms, each split between two reads; `received_s` counts from 1970."""
     time = np.arange(200) * PERIOD
     angle = time[:, None] + np.arange(6)
-    channels = dict.fromkeys(PLACES, 0 * angle) | {
+    channels = dict.fromkeys(fields(MESSAGE), 0 * angle) | {
         **dict.fromkeys(("target_q", "actual_q"), 0.1 * np.sin(angle)),
         **dict.fromkeys(("target_qd", "actual_qd"), 0.1 * np.cos(angle)),
         "target_qdd": -0.1 * np.sin(angle),
     }
-    del channels["time"]
     columns = {n: c for name, values in channels.items() for n, c in named(values, name).items()}
     lines = ["received_s,payload_hex"]
     for k, message in enumerate(messages(pd.DataFrame({"time": time} | columns))):
