@@ -87,7 +87,7 @@ def test_the_parts_are_those_of_the_drawing() -> None:
     assert len([part for part in parts if part.endswith(".py")]) <= 6 + 1  # and __init__.py
 
 
-@pytest.mark.parametrize("part", ARROWS)
+@pytest.mark.parametrize("part", sorted(ARROWS))
 def test_a_part_imports_what_the_drawing_allows(part: str) -> None:
     room = PROJECT / "ur5lib" / part
     paths = [*room.rglob("*.py")] if room.is_dir() else [room.with_suffix(".py")]
