@@ -23,9 +23,10 @@ from ur5lib.identification.closed_loop import (
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot
 from ur5lib.study.model import ThesisRecording
-from ur5lib.tables import channel, period
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.segments import period
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 FAST = "Movement_No4_Acc"
@@ -234,7 +235,9 @@ def recorded(folder: Path, robot: Robot) -> tuple[Tracking, Array]:
     told = [channel(table, f"target_{name}") for name in ("q", "qd", "qdd")]
     done = [channel(table, f"actual_{name}") for name in ("q", "qd")]
     segment = table["segment"].to_numpy()
-    return Tracking(*told, *done, segment, period(table)), channel(table, "target_moment")
+    return Tracking(*told, *done, segment, period(table["time"].to_numpy())), channel(
+        table, "target_moment"
+    )
 
 
 @pytest.fixture(scope="module")

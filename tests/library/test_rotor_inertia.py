@@ -14,12 +14,12 @@ from ur5lib.identification.rotor_inertia import RotorFit, fit_rotor_inertia
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.study.model import Recording, TableRecording, ThesisRecording
-from ur5lib.tables import channel, period
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.metrics import mean_absolute_error
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import by_segment, period
 
 Sample = tuple[Array, Array, Array]  # residual, qd, qdd
 
@@ -189,10 +189,12 @@ def of_the_ur10e(robot: Robot, folder: Path, name: str) -> Sample:
     )
     table = read_and_repair(recording.model_dump(), robot, max_gap=0.1).robot
     segment = table["segment"].to_numpy()
-    lowpass = partial(zero_phase_lowpass, rate=1 / period(table), order=4, cutoff=10.0)
+    lowpass = partial(
+        zero_phase_lowpass, rate=1 / period(table["time"].to_numpy()), order=4, cutoff=10.0
+    )
     names = ("actual_q", "actual_qd", "target_moment")
     q, qd, moment = (by_segment(lowpass, channel(table, channel_), segment) for channel_ in names)
-    qdd = by_segment(partial(differentiate, period=period(table)), qd, segment)
+    qdd = by_segment(partial(differentiate, period=period(table["time"].to_numpy())), qd, segment)
     return moment - rigid(robot, q, qd, qdd), qd, qdd
 
 
