@@ -17,11 +17,16 @@ from tests.library.made_up_torques import (
     torque_of,
 )
 from ur5lib.force.detection import spans
-from ur5lib.force.external_torque import STILL
+from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.wrench_estimate import WrenchEstimate, contact_spans, estimate_wrench
+from ur5lib.force.wrench_estimate import (
+    Ablation,
+    WrenchEstimate,
+    contact_spans,
+    estimate_wrench,
+)
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import coverage, slope
 
@@ -150,6 +155,46 @@ def test_the_background_is_not_what_a_push_leaves(ur5: Robot) -> None:
     apart = np.abs(offset_too.wrench - plain.wrench)[during, :3]
     assert apart.mean() < 3
     assert (apart <= 1.96 * plain.std[during, :3]).mean() > 0.95
+
+
+def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
+    """Told when the arm is in contact, and of a wrench that is linear in the torque."""
+    run = free_run(ur5, seed=22, scale=0.1)
+    wrench = push(run, 2, 30.0, 12.0, 14.0)
+    touched = run.pushed(wrench, efficiency=1.0)
+    offset = np.array([0.0, 5.0, -5.0, 0.5, 0.0, 0.0])
+    given = touched.torque + offset, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
+    during = between(run.time, 12.0, 14.0) > 0
+    without, with_it = (
+        estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(during, background))
+        for background in (True, False)
+    )
+    for name in ("wrench", "least_squares"):
+        off, kept = (
+            np.abs((getattr(one, name) - wrench)[during, :3]).mean() for one in (without, with_it)
+        )
+        assert off < 0.4 * kept, name
+
+
+# Noise
+
+
+def test_noise_is_the_sum_of_what_makes_it() -> None:
+    """Of the model, of what dry friction holds at rest, and of what a load was misjudged by."""
+    states = np.array([[MOVING] * 6, [STILL] * 6])
+    doubt = np.arange(12.0).reshape(2, 6)
+    noise = Noise.of(states, MODEL, PRIOR, doubt)
+    still = np.array([[0.0], [1.0]])
+    quick, spread, hidden = (
+        np.diagonal(of, axis1=1, axis2=2) for of in (noise.quick, noise.spread, noise.hidden)
+    )
+    rows = [MOVING, STILL]
+    np.testing.assert_allclose(quick, MODEL.change[rows] ** 2 + 0.3 * doubt**2)
+    held = still * (0.3 * MODEL.breakaway) ** 2
+    np.testing.assert_allclose(spread, MODEL.spread[rows] ** 2 + held + doubt**2)
+    taken = np.where(still, PRIOR.stiction, PRIOR.rubbing) * MODEL.breakaway
+    np.testing.assert_allclose(hidden, taken**2)
+    np.testing.assert_array_equal(noise.still, np.repeat(still > 0, 6, axis=1))
 
 
 # A sustained push, of all sizes

@@ -194,6 +194,18 @@ def test_each_state_has_its_own_and_joints_go_together() -> None:
     assert np.linalg.eigvalsh(covariance[0]).min() > 0
 
 
+def test_how_joints_go_together_counts_each_state_for_its_time() -> None:
+    """In half of the time as one, in the other half, five times as large, against each other."""
+    count = 40000
+    torque = drift(count, np.ones(6), 0.1, seed=10)
+    states = np.repeat([MOVING, RESTING], count // 2)[:, None] * np.ones(6, int)
+    torque[: count // 2, 1] = torque[: count // 2, 0]
+    torque[count // 2 :, 1] = -torque[count // 2 :, 0]
+    torque[count // 2 :] *= 5
+    correlation = fitted(Stretch(torque, states, PERIOD)).correlation
+    np.testing.assert_allclose(correlation, np.eye(6), atol=0.1)
+
+
 def test_a_state_never_seen_is_the_least_certain() -> None:
     model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=5)))
     for state in (REVERSING, SETTLING, RESTING, STILL):

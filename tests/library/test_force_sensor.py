@@ -160,6 +160,29 @@ def test_hardly_any_reading_is_no_failure(count: int) -> None:
     assert f"its bias is from {count} samples" in str(offset_doubt(offset))
 
 
+@pytest.mark.parametrize("column", [0, 4])
+@pytest.mark.parametrize(("jump", "free"), [(3.9, 1.0), (5.0, 0.8)])
+def test_no_sensor_is_taken_to_repeat_better_than_a_tenth_of_a_newton(
+    column: int, jump: float, free: float
+) -> None:
+    """Nor than 0.01 Nm: a noise-free one that comes back beside its bias is still untouched."""
+    reading = np.tile(BIAS, (2000, 1))
+    reading[1600:, column] += jump * (0.1 if column < 3 else 0.01)
+    offset = fit_offset(reading, np.tile(np.eye(3), (2000, 1, 1)), PERIOD, GRAVITY)
+    assert offset.free.mean() == pytest.approx(free, abs=0.02)
+
+
+def test_the_noise_of_a_sensor_is_measured() -> None:
+    """Of ten times the usual noise: a sample in two thousand at most is beyond four of them."""
+    random = np.random.default_rng(3)
+    deviation = np.array([0.5] * 3 + [0.02] * 3)
+    reading = BIAS + random.normal(0, deviation, (4000, 6))
+    offset = fit_offset(reading, np.tile(np.eye(3), (4000, 1, 1)), PERIOD, GRAVITY)
+    np.testing.assert_allclose(offset.noise, deviation, rtol=0.1)
+    assert offset.free.mean() > 0.8
+    np.testing.assert_allclose(offset.bias_std, deviation / np.sqrt(offset.free.sum()), rtol=0.15)
+
+
 def test_an_hour_takes_seconds() -> None:
     """At 500 Hz; what is thinned out for the fit is still sorted into free and in contact."""
     rotation = orientations(60, turning=0.8)

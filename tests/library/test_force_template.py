@@ -84,6 +84,13 @@ def test_repeats_are_known_far_better_than_friction() -> None:
     assert beyond[judged.moves()].mean() > 0.8
 
 
+def test_a_run_is_not_judged_by_itself() -> None:
+    """Of what runs do not share nothing is hidden: each less its likes is off by both's noise."""
+    runs = [run(seed, noise=0.5) for seed in (1, 2, 3)]
+    learned = learn_repeats(runs, CUTOFF, BREAKAWAY)
+    assert (learned.change[0] > 0.9 * few_paths(3) * 0.5 * np.sqrt(2)).all()
+
+
 def test_where_nothing_repeats_nothing_is_claimed() -> None:
     judged, other = run(0), run(1, amplitude=0.8)
     model = model_of(other)

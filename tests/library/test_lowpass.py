@@ -10,6 +10,7 @@ from ur5lib.timeseries.lowpass import (
     Butterworth,
     causal_lowpass,
     frequency_response,
+    inner_lowpass,
     zero_phase_lowpass,
 )
 
@@ -43,6 +44,33 @@ def test_response_is_the_filters(design: Butterworth) -> None:
 def test_lines_pass_to_the_ends(design: Butterworth) -> None:
     line = np.linspace(-3, 5, 1500)[:, None]
     np.testing.assert_allclose(zero_phase_lowpass(line, RATE, *design), line, atol=1e-3)
+
+
+@pytest.mark.parametrize("count", [2, 40, 1500])
+@pytest.mark.parametrize("design", [THESIS_ACCELERATION, THESIS_CURRENT])
+def test_ends_go_on_by_their_reflection_for_three_periods(design: Butterworth, count: int) -> None:
+    """Of the cut-off, or as long as there is something to reflect."""
+    values = np.random.default_rng(0).normal(size=(count, 2)).cumsum(axis=0)
+    reach = min(count - 1, int(3 / design.cutoff * RATE))
+    before, after = (
+        2 * values[0] - values[reach:0:-1],
+        2 * values[-1] - values[-2 : -reach - 2 : -1],
+    )
+    sections = signal.butter(design.order, design.cutoff, fs=RATE, output="sos")
+    longer = np.concatenate([before, values, after])
+    expected = signal.sosfiltfilt(sections, longer, axis=0, padlen=0)[reach : reach + count]
+    np.testing.assert_allclose(zero_phase_lowpass(values, RATE, *design), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [52, 53, 500])
+def test_ends_where_the_filter_has_to_guess_are_left_out(count: int) -> None:
+    """1 / cutoff at either end: 26 samples here; of a record of two such ends nothing is left."""
+    values = np.random.default_rng(1).normal(size=(count, 1))
+    inner = inner_lowpass(values, RATE, *THESIS_ACCELERATION._replace(cutoff=4.8))[:, 0]
+    whole = zero_phase_lowpass(values, RATE, *THESIS_ACCELERATION._replace(cutoff=4.8))[:, 0]
+    np.testing.assert_array_equal(inner[26:-26], whole[26:-26] if count > 52 else [])
+    assert np.isnan(inner[:26]).all()
+    assert np.isnan(inner[-26:]).all()
 
 
 def test_a_high_order_at_a_low_cutoff_is_stable() -> None:

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
-from ur5lib.recordings.checks import check_force_sensor
+from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.formats import READERS, read_recording
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -348,6 +348,116 @@ def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
     assert found(check_force_sensor(table), "size of gravity").severity == "warning"
     assert check_force_sensor(table.assign(ft_fx=table["ft_fx"] + 5)) == []
     assert check_force_sensor(table.iloc[:20]) == []  # a tool's weight on an arm at rest
+
+
+# Channels that contradict one another
+
+
+def moving_robot() -> pd.DataFrame:
+    """Half a minute of an arm whose joints swing, each at its own pace, and currents of their own."""
+    time = np.arange(0, 30, PERIOD)
+    pace = np.linspace(0.5, 1.1, 6)
+    angle = pace * time[:, None]
+    channels = {"q": np.sin(angle), "qd": pace * np.cos(angle), "qdd": -(pace**2) * np.sin(angle)}
+    channels["current"] = channels["moment"] = np.linspace(1, 3, 6) * np.cos(2 * angle)
+    table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
+    for name, values in channels.items():
+        for joint in range(6):
+            table[f"target_{name}_{joint}"] = table[f"actual_{name}_{joint}"] = values[:, joint]
+    return table
+
+
+def contradictions(table: pd.DataFrame) -> list[str]:
+    return [told.detail for told in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
+
+
+def test_channels_that_agree_are_not_remarked() -> None:
+    table = moving_robot()
+    assert contradictions(table) == []
+    assert contradictions(table.assign(actual_q_0=table["actual_q_0"] + 0.04)) == []
+    table["segment"] = (table["time"] > 10).astype(int)  # where it went on elsewhere
+    table.loc[table["time"] > 10, ["actual_q_2", "target_q_2"]] += 1
+    assert contradictions(table) == []
+
+
+@pytest.mark.parametrize("still", ["actual_q", "actual_qd"])
+def test_a_channel_that_keeps_still_is_no_derivative_of_one_that_moves(still: str) -> None:
+    """Though a joint that swings to and fro does not move on the whole."""
+    table = moving_robot()
+    table["target_q_3"] = table["actual_q_3"]
+    table[f"{still}_3"] = 0.0
+    (told,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert "actual_qd is not the derivative of actual_q " in told
+    assert "joint 4: " in told
+
+
+@pytest.mark.parametrize(("channel", "factor"), [("qd", 1.2), ("qd", 0.85), ("q", 57.3)])
+def test_a_derivative_in_another_unit_is_told_with_its_ratio(channel: str, factor: float) -> None:
+    table = moving_robot()
+    table[f"actual_{channel}_1"] *= factor
+    ratio = factor if channel == "q" else 1 / factor
+    (told,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert f"joint 2: {ratio:.3g})" in told
+
+
+def test_currents_of_two_joints_that_changed_places_are_told() -> None:
+    table = moving_robot()
+    pair = ["actual_current_1", "actual_current_4"]
+    table[pair] = table[pair[::-1]].to_numpy()
+    (told,) = [one for one in contradictions(table) if "swapped" in one]
+    assert "of joint 2 follows target_current of joint 5 and vice versa" in told
+
+
+def test_a_current_written_twice_is_no_swap() -> None:
+    """One of both joints still follows its own target, and not the other's."""
+    table = moving_robot()
+    table["actual_current_1"] = table["target_current_4"]
+    assert not [one for one in contradictions(table) if "swapped" in one]
+
+
+@pytest.mark.parametrize(("factor", "told"), [(0.04, True), (0.06, False), (19, False), (21, True)])
+def test_a_current_of_another_size_than_its_target_is_told(factor: float, told: bool) -> None:
+    table = moving_robot()
+    names = [f"actual_current_{joint}" for joint in range(6)]
+    table[names] *= factor
+    assert any("which do not fit together" in one for one in contradictions(table)) == told
+
+
+def test_twins_that_part_are_told_by_joint() -> None:
+    table = moving_robot()
+    table["actual_q_4"] += 0.06
+    assert contradictions(table) == [
+        "actual_q and target_q differ on joints 5; check columns and units"
+    ]
+
+
+def test_limits_are_each_joints_own() -> None:
+    table = moving_robot()
+    names = ("actual_q_2", "target_q_2")
+    for name in names:
+        table.loc[:4, name] = -6.5
+    bounds = [6.3] * 6, [3.2] * 6
+    (told,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+    assert told.count == 5
+    assert "joints 3 (up to 6.5 rad)" in told.detail
+    bounds[0][2] = 6.6
+    assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+
+
+@pytest.mark.parametrize(("count", "told"), [(9, False), (10, True)])
+def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, told: bool) -> None:
+    moving = {name: np.linspace(-20, 30, 100) for name in ("ft_fx", "ft_fy", "ft_fz")}
+    table = pd.DataFrame({"time": np.arange(100.0), **moving})
+    table.loc[: count - 1, "ft_fx"] = -40.0
+    findings = check_force_sensor(table)
+    assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * told
+
+
+@pytest.mark.parametrize(("size", "told"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)])
+def test_an_accelerometer_feels_gravity(size: float, told: bool) -> None:
+    still = pd.DataFrame({"time": [0.0, 1.0], "imu_ax": 0.0, "imu_ay": 0.6 * size})
+    still["imu_az"] = -0.8 * size
+    assert [one.finding for one in check_imu(still)] == ["no gravity"] * told
 
 
 # RTDE

@@ -1,0 +1,303 @@
+"""What the fast tests would not notice: one token at a time is changed, and their verdict asked for.
+
+    python tests/mutants.py --seed 0 --count 60
+    python tests/mutants.py --module ur5lib/force/gate.py --count 20
+
+Nothing on the disk changes: a changed module is compiled in a process of its own, which runs the
+tests that call what was changed. Which tests those are, and how long each takes, is measured once
+and kept in .pytest_cache (again for a test file that was edited). A mutant that survives needs a
+test, or a line in tests/equivalent_mutants.yaml with the reason why no test can tell it.
+"""
+
+import argparse
+import ast
+import importlib
+import importlib.util
+import json
+import math
+import os
+import random
+import sys
+import time
+from collections.abc import Iterator
+from multiprocessing import get_context
+from pathlib import Path
+from types import FrameType
+from typing import Any, NamedTuple
+
+import pytest
+import yaml
+
+ROOMS = [f"ur5lib/{room}/*.py" for room in ("force", "identification", "signals", "recordings")]
+TESTS = ["tests/library/test_*.py", "tests/scripts/test_*.py"]
+FAST, BUDGET, LIMIT = 3.0, 12.0, 60.0  # s: of one test, of all tests of a mutant, until it is ended
+KNOWN = Path("tests/equivalent_mutants.yaml")
+MEASURED = Path(".pytest_cache/mutants.json")
+QUIET = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=", "-W", "ignore"]
+FORK = get_context("fork")
+
+OPERATORS = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult,
+    ast.Mod: ast.FloorDiv, ast.FloorDiv: ast.Div, ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd,
+    ast.Lt: ast.LtE, ast.LtE: ast.Lt, ast.Gt: ast.GtE, ast.GtE: ast.Gt, ast.Eq: ast.NotEq,
+    ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
+    ast.And: ast.Or, ast.Or: ast.And,
+}  # fmt: skip
+PAIRS = "min max|minimum maximum|argmin argmax|floor ceil|sin cos|any all|mean sum|zeros ones"
+NAMES = {a: b for pair in PAIRS.split("|") for a, b in (pair.split(), pair.split()[::-1])}
+
+
+class Mutant(NamedTuple):
+    """A module with one change; function: the qualified name of the one that holds it."""
+
+    module: str
+    number: int
+    function: str
+    before: str
+    after: str
+    line: str
+    becomes: str
+    source: str
+
+
+def changes(node: ast.AST) -> Iterator[ast.AST]:
+    """What may stand instead of a node."""
+    match node:
+        case ast.BinOp(op=ast.MatMult()):
+            yield ast.BinOp(node.right, node.op, node.left)
+        case ast.BinOp() if type(node.op) in OPERATORS:
+            yield ast.BinOp(node.left, OPERATORS[type(node.op)](), node.right)
+        case ast.AugAssign() if type(node.op) in OPERATORS:
+            yield ast.AugAssign(node.target, OPERATORS[type(node.op)](), node.value)
+        case ast.Compare():
+            first, *rest = node.ops
+            yield ast.Compare(node.left, [OPERATORS[type(first)](), *rest], node.comparators)
+        case ast.BoolOp():
+            yield ast.BoolOp(OPERATORS[type(node.op)](), node.values)
+        case ast.UnaryOp():
+            yield node.operand
+        case ast.IfExp():
+            yield ast.IfExp(ast.UnaryOp(ast.Not(), node.test), node.body, node.orelse)
+        case ast.Constant(value=bool()):
+            yield ast.Constant(not node.value)
+        case ast.Constant(value=int()):
+            yield ast.Constant(node.value + 1)
+        case ast.Constant(value=float()):
+            yield ast.Constant(2 * node.value or 1.0)
+        case ast.Subscript(slice=ast.Tuple(elts=[first, second, *rest])):
+            yield ast.Subscript(node.value, ast.Tuple([second, first, *rest]), node.ctx)
+        case ast.Subscript(slice=ast.Slice(lower, upper, step)) if lower or upper:
+            for left in [(None, upper, step)] * bool(lower) + [(lower, None, step)] * bool(upper):
+                yield ast.Subscript(node.value, ast.Slice(*left), node.ctx)
+        case ast.Name(id=name) if name in NAMES:
+            yield ast.Name(NAMES[name])
+        case ast.Attribute(attr=name) if name in NAMES:
+            yield ast.Attribute(node.value, NAMES[name])
+
+
+def code(node: ast.AST, function: str = "") -> Iterator[tuple[ast.AST, str]]:
+    """All nodes that are run, with the function they are in: no types, texts and decorators."""
+    if isinstance(node, ast.JoinedStr | ast.Raise | ast.Assert):
+        return
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        function += f"{node.name}." if isinstance(node, ast.ClassDef) else node.name
+    yield node, function.rstrip(".")
+    typed = ("annotation", "returns", "decorator_list", "bases")
+    for field, value in ast.iter_fields(node):
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST) and field not in typed:
+                yield from code(child, function)
+
+
+def mutants(path: Path) -> Iterator[Mutant]:
+    """All of a module."""
+    source = path.read_bytes()
+    lines = source.splitlines(keepends=True)
+    begins = [0, *(sum(map(len, lines[:n])) for n in range(1, len(lines) + 1))]
+    for node, function in code(ast.parse(source)):
+        for changed in changes(node):
+            start = begins[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
+            end = begins[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
+            text = ast.unparse(ast.fix_missing_locations(changed))
+            plain = isinstance(node, ast.AugAssign | ast.Constant | ast.Name | ast.Subscript)
+            before, after = source[:start].decode(), source[end:].decode()
+            new = before + (text if plain else f"({text})") + after
+            try:
+                compile(new, path, "exec")
+            except SyntaxError:
+                continue
+            number = node.lineno  # type: ignore[attr-defined]
+            line, becomes = (s.splitlines()[number - 1].strip() for s in (source.decode(), new))
+            old = " ".join(source[start:end].decode().split())
+            yield Mutant(str(path), number, function, old, text, line, becomes, new)
+
+
+class Watch:
+    """Which functions each test calls, how long it takes, and which test fails first."""
+
+    def __init__(self, files: set[str]) -> None:
+        self.files, self.called, self.failed = files, set[str](), ""
+        self.tests: dict[str, Any] = {}
+
+    def see(self, frame: FrameType, event: str, arg: object) -> None:
+        if frame.f_code.co_filename in self.files:
+            path = os.path.relpath(frame.f_code.co_filename)
+            self.called.add(f"{path}:{frame.f_code.co_qualname.split('.<')[0]}")
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
+        self.called, begin = set(), time.perf_counter()
+        sys.settrace(self.see if self.files else None)
+        result = yield
+        sys.settrace(None)
+        seconds = round(time.perf_counter() - begin, 3)
+        self.tests[item.nodeid] = {"seconds": seconds, "calls": sorted(self.called)}
+        return result
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        self.failed = self.failed or (report.nodeid if report.failed else "")
+
+
+class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports one module from a source that is not on the disk."""
+
+    def __init__(self, mutant: Mutant) -> None:
+        self.mutant, self.name = mutant, mutant.module.removesuffix(".py").replace("/", ".")
+
+    def find_spec(self, name: str, path: object, target: object = None) -> Any:
+        if name == self.name:
+            return importlib.util.spec_from_loader(name, self, origin=self.mutant.module)
+        return None
+
+    def exec_module(self, module: Any) -> None:
+        path = os.path.abspath(self.mutant.module)
+        module.__file__ = path
+        exec(compile(self.mutant.source, path, "exec"), module.__dict__)
+
+
+def pytested(arguments: list[str], watch: Watch, mutant: Mutant | None, answer: Any) -> None:
+    """In a process of its own: run some tests, and send what came of it."""
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, 1)
+    os.dup2(nothing, 2)
+    if mutant:
+        sys.meta_path.insert(0, Changed(mutant))
+    status = pytest.main([*QUIET, *arguments], plugins=[watch])
+    answer.send((int(status), watch.failed or f"exit status {int(status)}", watch.tests))
+
+
+def asked(arguments: list[str], watch: Watch, mutant: Mutant | None, limit: float) -> Any:
+    """Exit status, first failed test, and all tests; None where the time ran out or it died."""
+    ours, theirs = FORK.Pipe(duplex=False)
+    process = FORK.Process(target=pytested, args=(arguments, watch, mutant, theirs))
+    process.start()
+    theirs.close()
+    try:
+        return ours.recv() if ours.poll(limit) else None
+    except EOFError:
+        return None
+    finally:
+        process.kill()
+        process.join()
+
+
+def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
+    """Seconds and calls of all tests, by file; measured anew for files that were edited."""
+    kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
+    files = {str(each.resolve()) for path in modules for each in path.parent.glob("*.py")}
+    for path in tests:
+        edited = path.stat().st_mtime
+        if kept.get(str(path), {}).get("edited") == edited:
+            continue
+        print(f"measuring {path}", file=sys.stderr)
+        status, _, ran = asked([str(path)], Watch(files), None, 600.0) or (1, "", {})
+        if status:
+            print(f"{path} fails or takes too long: left out", file=sys.stderr)
+        kept[str(path)] = {"edited": edited, "tests": {} if status else ran}
+        MEASURED.parent.mkdir(exist_ok=True)
+        MEASURED.write_text(json.dumps(kept))
+    return {str(path): kept[str(path)]["tests"] for path in tests}
+
+
+def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
+    """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes,
+    then others of their files, which may share what one of them prepared."""
+    inside = f"{mutant.module}:{mutant.function}" if mutant.function else f"{mutant.module}:"
+    ranked = []
+    for tests in files.values():
+        calls = {n: any(c.startswith(inside) for c in t["calls"]) for n, t in tests.items()}
+        if any(calls.values()):
+            ranked += [(not calls[n], t["seconds"], n) for n, t in tests.items()]
+    names, spent = [], 0.0
+    for _, seconds, name in sorted(ranked):
+        if seconds <= FAST and spent + seconds <= BUDGET:
+            names.append(name)
+            spent += seconds
+    return names
+
+
+def interval(killed: int, count: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a share."""
+    z, n = 1.96, max(count, 1)
+    share = killed / n
+    middle, half = share + z**2 / 2 / n, z * math.sqrt(share * (1 - share) / n + (z / 2 / n) ** 2)
+    return (middle - half) / (1 + z**2 / n), (middle + half) / (1 + z**2 / n)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=60, help="of mutants; 0: all")
+    parser.add_argument("--module", nargs="+", default=ROOMS, help="paths or patterns")
+    parser.add_argument("--tests", nargs="+", default=TESTS)
+    options = parser.parse_args()
+    sys.path.insert(0, os.getcwd())
+    sys.dont_write_bytecode = True
+    modules = sorted(path for pattern in options.module for path in Path().glob(pattern))
+    tests = sorted(path for pattern in options.tests for path in Path().glob(pattern))
+    everything = sorted({p for pattern in [*ROOMS, *options.module] for p in Path().glob(pattern)})
+    users = [".".join(path.parent.parts) for path in everything] + ["ur5lib.pipeline"]
+    tests = [
+        path
+        for path in tests
+        if not path.stem.endswith("_of_real_arms")
+        and any(user in path.read_text() for user in users)
+    ]
+    known = (
+        {(k["line"], k["becomes"]) for k in yaml.safe_load(KNOWN.read_text())}
+        if (KNOWN.exists())
+        else set()
+    )
+    for package in {
+        path.parts[0] for path in everything
+    }:  # load once what they load from elsewhere
+        for path in Path(package).rglob("*.py"):
+            importlib.import_module(".".join(path.with_suffix("").parts))
+        for name in [name for name in sys.modules if name.split(".")[0] == package]:
+            del sys.modules[name]
+    files = measured(tests, everything)
+    sample = [mutant for path in modules for mutant in mutants(path)]
+    if options.count:
+        sample = random.Random(options.seed).sample(sample, min(options.count, len(sample)))
+    counts = {"killed": 0, "survived": 0, "equivalent": 0}
+    for mutant in sorted(sample):
+        verdict, by = "equivalent", ""
+        if (mutant.line, mutant.becomes) not in known:
+            names = chosen(mutant, files)
+            answer = asked(names, Watch(set()), mutant, LIMIT) if names else (0, "", {})
+            status, failed, _ = answer or (1, "time limit", {})
+            verdict = "killed" if status else "survived"
+            by = failed if status else f"{len(names)} tests"
+        counts[verdict] += 1
+        place = f"{mutant.module}:{mutant.number}"
+        print(f"{verdict:10} {place}  {mutant.before} -> {mutant.after}  [{by}]", flush=True)
+        if verdict == "survived":
+            print(f"           - {mutant.line}\n           + {mutant.becomes}", flush=True)
+    judged = counts["killed"] + counts["survived"]
+    low, high = interval(counts["killed"], judged)
+    print(f"seed {options.seed}:", ", ".join(f"{n} {verdict}" for verdict, n in counts.items()))
+    print(f"{counts['killed'] / max(judged, 1):.0%} killed, 95 % interval {low:.0%} to {high:.0%}")
+
+
+if __name__ == "__main__":
+    main()
