@@ -143,7 +143,7 @@ def stack(blocks: Blocks) -> Stack:
             factors[i : i + 2] = [_triangle(np.concatenate(factors[i : i + 2], axis=1))]
             samples[i : i + 2] = [sum(samples[i : i + 2])]
     if not samples:
-        raise ValueError("no row in which regressor and torque are known")
+        raise ValueError("no recording has both a complete motion and target_moment")
     return Stack(np.stack(factors), np.array(samples))
 
 
@@ -166,7 +166,10 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
     Raises ValueError for a single block, whose scatter cannot be told.
     """
     if len(data.samples) < 2:
-        raise ValueError("standard errors need at least two blocks of samples")
+        raise ValueError(
+            "standard errors need two blocks of samples or more; "
+            "record a longer motion with target_moment"
+        )
     rows, count = total(data), data.samples.sum()
     noise = _noise(rows, prior, np.full(6, count))
     for _ in range(10):

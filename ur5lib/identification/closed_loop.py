@@ -215,7 +215,7 @@ def _joints(tracking: Tracking) -> list[_Joint]:
         if finite[rows.start] and rows.stop - rows.start > 1
     ]
     if not complete:
-        raise ValueError("no two successive samples are complete")
+        raise ValueError("no two successive samples have both targets and measured motion")
     return [_Joint([signals[rows, joint] for rows in complete], t.period) for joint in range(6)]
 
 

@@ -57,6 +57,7 @@ def consistent(estimate: Estimate) -> Array:
     problem.solve(solver=cp.CLARABEL)
     if problem.status != cp.OPTIMAL:
         raise ValueError(
-            f"no six bodies with six rotors explain these torques (solver: {problem.status})"
+            "no physically consistent inertial parameters explain target_moment "
+            f"(solver: {problem.status}); check its units and the robot"
         )
     return np.asarray(parameters.value, dtype=np.float64)

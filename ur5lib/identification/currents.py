@@ -44,7 +44,8 @@ COVERED = 0.95
 FOLDS = 10  # of cross-fitting
 LEAST_FRICTION = 0.1  # Nm
 ONE_PATH = (
-    "moves along one path only: no term is chosen, error bars are untested; record another path"
+    "moves along one path only: no further friction term is selected, and the error bars are "
+    "untested; record another path"
 )
 
 
@@ -252,12 +253,21 @@ def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[s
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
     if moved == 0:
-        remarks.append("does not move: no friction, and the torque constant is the prior's")
+        remarks.append(
+            "does not move: its friction is unknown and its torque constant is that of the prior; "
+            "record a motion of this joint"
+        )
     elif moved == 1:
         remarks.append(ONE_PATH)
     elif moved < FEW:
-        remarks.append(f"moves along {moved} paths: how far paths differ is hardly known")
+        remarks.append(
+            f"moves along {moved} paths only: the variation between paths is hardly known; "
+            "record more paths"
+        )
     away = (estimate.coefficients[0] - prior.inverse) / prior.std
     if abs(away) > CONFLICT:
-        remarks.append(f"torque constant {abs(away):.1f} standard deviations off what was known")
+        remarks.append(
+            f"torque constant contradicts the known value by {abs(away):.1f} standard deviations: "
+            "check columns, units and robot"
+        )
     return tuple(remarks)

@@ -126,13 +126,13 @@ def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> list
     left = unknown
     while left.any():
         motion = max(after, key=lambda name: int(np.sum(left & after[name])))
-        told = left & after[motion]
-        if not told.any():
-            end = "nor would any of the motions tried, at this noise."
-            return [*sentences, f"The recordings do not tell {_list(base.columns[left])}; {end}"]
-        missing = _list(base.columns[told])
-        sentences.append(f"The recordings do not tell {missing}. {motion}, in many poses, would.")
-        left = left & ~told
+        gained = left & after[motion]
+        if not gained.any():
+            rest = _list(base.columns[left])
+            return [*sentences, f"at this noise, none of the motions tried would determine {rest}"]
+        missing = _list(base.columns[gained])
+        sentences.append(f"{motion} in many poses would determine {missing}")
+        left = left & ~gained
     return sentences
 
 

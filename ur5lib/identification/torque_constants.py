@@ -40,7 +40,10 @@ def torque_constant_prior(
     same = np.array([[one == other for other in motors] for one in motors])
     known = np.isfinite(maker)
     if not all((known | np.isfinite(controller))[row].any() for row in same):
-        raise ValueError("a motor size needs the maker's or the controller's torque constant")
+        raise ValueError(
+            "the torque constant of a motor size is unknown: neither the robot's description nor "
+            "target_moment and target_current at standstill determine it"
+        )
     wide = np.where(known, shared, 10.0)  # nothing from the maker: any constant may be
     covariance = same * np.outer(wide, wide) + np.eye(6) * spread**2
     precision = np.linalg.inv(covariance)
