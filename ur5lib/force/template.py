@@ -84,8 +84,8 @@ def repeat_aware(
 def learn_repeats(runs: list[ForceInput], cutoff: float, breakaway: Array) -> ResidualModel:
     """Fit the residual model to contact-free runs of one trajectory without their templates.
 
-    Each run's template is from the others. cutoff: [Hz]; breakaway: (6,) [Nm]. Widened by Student's t for few runs. Raises InputError for
-    runs that are too short.
+    Each run's template is from the others. cutoff: [Hz]; breakaway: (6,) [Nm]. Widened by Student's
+    t for few runs. Raises InputError for runs that are too short.
     """
     stretches = []
     for index, run in enumerate(runs):
