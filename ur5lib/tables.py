@@ -85,7 +85,7 @@ def unit(column: str) -> str:
     Raises ValueError when there is none.
     """
     if not has_unit(column):
-        raise ValueError(f"no unit is known for column {column!r}")
+        raise ValueError(f"column {column!r} has no known unit")
     return UNITS[max(_known_names(column), key=len)]
 
 
@@ -190,7 +190,7 @@ def _write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
     except OSError as error:
         raise InputError(
             f"{path} cannot be written ({error.strerror}); "
-            "free the name, the disk or the permission"
+            "check the name, the free disk space and the permissions"
         ) from error
     finally:
         with contextlib.suppress(OSError):

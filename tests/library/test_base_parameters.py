@@ -134,7 +134,7 @@ def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_cannot_be_fitted_is_refused(ur5: Robot) -> None:
     rows, torque = columns("ur5", *sines(4)), np.zeros((100, 6))
-    with pytest.raises(ValueError, match="no row"):
+    with pytest.raises(ValueError, match="no recording has both"):
         stack(blocks(rows, torque + np.nan))
     with pytest.raises(ValueError, match="two blocks"):
         fit(rows, torque, parameters(ur5, "C"), size=100)

@@ -62,7 +62,7 @@ def test_a_recording_that_is_not_simulated_yet_is_told(
     study.write_text(study.read_text() + entry)
     assert run(monkeypatch, "check", study) == 0
     text = capsys.readouterr().out
-    assert "not simulated yet: made; `snakemake` does it first of all\n" in text
+    assert "not simulated yet: made; `snakemake` will simulate it first\n" in text
     assert "good" in text
 
 
@@ -87,7 +87,7 @@ def test_an_unusable_sensor_is_an_error(
     ("content", "sentence"),
     [
         ("study: mine\ntitle: [", "study.yaml, line 2: cannot be read as YAML (expected"),
-        ("a letter", "is no study"),
+        ("a letter", "is not a study"),
         ("study: mine", "`title` is missing"),
         ("study: \udcff", "cannot be read as YAML ('utf-8' codec"),
         (None, "No such file"),
@@ -122,13 +122,13 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     table = group_findings(pd.DataFrame(rows))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
-    assert told["one", "same file"] == "byte for byte that of two; used here"
-    assert told["two", "same file"] == "byte for byte that of one; not used here"
+    assert told["one", "same file"] == "identical to the file of two; used here"
+    assert told["two", "same file"] == "identical to the file of one; not used here"
     assert told["two", "mounting"] == "upside down"
     assert told["two", "offset"] == "a push"
     assert ("one", "mounting") not in told
     assert told["one", "clock by stamps alone"] == (
-        "the arm rests; good to 0.1 s at the start and 0.2 s at the end"
+        "the arm rests; accurate to 0.1 s at the start and 0.2 s at the end"
     )
-    assert "good to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
+    assert "accurate to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
     assert list(table["finding"]).count("unknown drift") == 1

@@ -48,14 +48,14 @@ def test_the_joint_that_rested_is_the_one_to_move(joint: int) -> None:
     own = "I_zz of link" if joint < 2 else "rotor inertia of joint"
     assert f"{own} {joint + 1}" in found.undetermined
     sentence = next(text for text in found.advice if f"of {own[-5:].strip()} {joint + 1}" in text)
-    assert f"joint {joint + 1}" in sentence.split(". ")[1]
+    assert f"joint {joint + 1}" in sentence.split(" would ")[0]
 
 
 def test_hopeless_noise_is_called_hopeless() -> None:
     found = check(*sines(20), noise=1e4)
     assert found.combinations == 0
     assert len(found.advice) == 1
-    assert "nor would any of the motions tried" in found.advice[0]
+    assert "none of the motions tried would determine" in found.advice[0]
 
 
 def test_advice_keeps_its_promise(ur5: Robot) -> None:

@@ -31,11 +31,11 @@ def test_a_sensor_upside_down_is_doubted(signs: list[int]) -> None:
     opposite, doubt = told(signs)
     assert opposite == [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
     assert doubt is not None
-    assert f"along {', '.join(opposite)} of frame 6 it says the opposite" in doubt
+    assert f"force along {', '.join(opposite)} of frame 6 is opposite" in doubt
 
 
 def test_a_tool_that_pulls_upwards_is_told() -> None:
-    assert "its tool pulls upwards (-0.3 ±" in str(told(TURNED["sign"])[1])
+    assert "tool points upwards (-0.3 ±" in str(told(TURNED["sign"])[1])
 
 
 def test_without_contact_nothing_is_said() -> None:

@@ -58,7 +58,7 @@ def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
         "Errors of the force estimates: no recording has a working force sensor.",
     ):
         assert f"<li>{left_out}</li>" in text
-    assert "all recordings to fit on are of one path" in text
+    assert "all fit recordings follow one path" in text
     assert not re.search(
         r"\b(nan|None(?! is fitted))\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL)
     )

@@ -68,7 +68,9 @@ def _fused(kernel: Kernel, geometry: Geometry) -> Callable[..., Tensor]:
             return program(*rows)
         except torch._dynamo.exc.TorchDynamoException as error:
             reason, *_ = str(error).splitlines()
-            warnings.warn(f"not fused, because torch.compile fails: {reason}", stacklevel=2)
+            warnings.warn(
+                f"torch.compile fails, so the program is not fused: {reason}", stacklevel=2
+            )
             program = plain
             return plain(*rows)
 

@@ -1,1 +1,1 @@
-"""Force sensor and contact wrench."""
+"""Force sensor, contact wrench and contact detection."""

@@ -1,4 +1,4 @@
-"""The slow part of the external torque: what friction and model leave, drifting along."""
+"""The background: the slowly varying part of the external torque, from friction and model."""
 
 from typing import NamedTuple
 
@@ -18,35 +18,40 @@ class Smoothed(NamedTuple):
 
 
 def smooth(measured: Array, noise: Array, spread: Array, decay: Array) -> Smoothed:
-    """Kalman filter and Rauch-Tung-Striebel smoother of an Ornstein-Uhlenbeck process.
+    """Smooth an Ornstein-Uhlenbeck process by a Kalman filter and Rauch, Tung and Striebel's pass.
 
     b(t) = A b(t - 1) + w, A = diag(decay), cov w = sqrt(1 - A²) Q sqrt(1 - A²); measured = b + v.
-    measured: (N, 6), NaN rows where nothing was; noise: (N, 6, 6), of v; spread: (N, 6, 6), Q,
-    the variance without measurements; decay: (N, 6), of the step towards each sample.
+    measured: (N, 6), NaN rows where nothing was measured; noise: cov v (N, 6, 6); spread: Q
+    (N, 6, 6), the stationary covariance; decay: (N, 6), over the step towards each sample.
     """
     before, after = _filter(measured, noise, spread, decay)
-    cross = decay[1:, :, None] * after.covariance[:-1]
+    # cov(b(t), b(t - 1)) = A P(t - 1)
+    cross = decay[1:, :, None] * after.covariance[:-1]  # (N - 1, 6, 6)
     return Smoothed(*rts_pass(cross, before, after))
 
 
 def _filter(
     measured: Array, noise: Array, spread: Array, decay: Array
 ) -> tuple[Smoothed, Smoothed]:
-    """Predicted before, and corrected after each measurement."""
+    """Return means and covariances before and after each measurement."""
     known = finite_rows(measured)
+    # cov w = sqrt(1 - A²) Q sqrt(1 - A²);  A P A = kept * P
     renewal = np.sqrt(1 - decay**2)
-    renewed = renewal[:, :, None] * spread * renewal[:, None, :]
-    kept = decay[:, :, None] * decay[:, None, :]
+    renewed = renewal[:, :, None] * spread * renewal[:, None, :]  # (N, 6, 6)
+    kept = decay[:, :, None] * decay[:, None, :]  # (N, 6, 6)
     before = Smoothed(np.empty_like(decay), np.empty_like(spread))
     after = Smoothed(np.empty_like(decay), np.empty_like(spread))
     mean, covariance = np.zeros(6), spread[0]
     for t in range(len(measured)):
+        # prediction: b⁻ = A b, P⁻ = A P A + cov w
         if t:
             mean, covariance = decay[t] * mean, kept[t] * covariance + renewed[t]
         before.mean[t], before.covariance[t] = mean, covariance
+        # correction: K = P⁻ (P⁻ + cov v)⁻¹, b = b⁻ + K (measured - b⁻), P = P⁻ - K P⁻
         if known[t]:
-            _, seen, _ = dposv(covariance + noise[t], covariance)  # a quarter of solve's time
-            gain = seen.T
+            # dposv takes a quarter of the time of np.linalg.solve
+            _, transposed_gain, _ = dposv(covariance + noise[t], covariance)
+            gain = transposed_gain.T
             mean = mean + gain @ (measured[t] - mean)
             covariance = covariance - gain @ covariance
         after.mean[t], after.covariance[t] = mean, covariance

@@ -1,4 +1,4 @@
-"""How far an estimate of the contact wrench is from the force sensor: in contact, free, overall."""
+"""Errors of a contact wrench estimate against the force sensor: in contact, free, overall."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -19,14 +19,14 @@ from ur5lib.timeseries.metrics import (
     zero_interval_score,
 )
 
-STATED = (0.5, 0.8, 0.95)  # what bands are said to hold
-DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and how many contacts they need
+STATED = (0.5, 0.8, 0.95)  # nominal coverages of bands
+DRAWS, FEWEST = 1000, 3  # resamples of a recording's contacts, and the least number of contacts
 TAILS = [0.025, 0.975]
-TINY = 1e-12  # N, N s: instead of a zero to divide by
+TINY = 1e-12  # N, N s: replaces a zero divisor
 
 
 def periods(force: Array, period: float) -> dict[str, Mask]:
-    """Which samples (N,) figures are about; force: (N,) [N], of the sensor; period: [s]."""
+    """Return the samples (N,) of each period; force: (N,) [N], of the sensor; period: [s]."""
     everywhere = np.ones(len(force), bool)
     return {"all": everywhere, "contact": in_contact(force), "free": is_free(force, period)}
 
@@ -34,11 +34,11 @@ def periods(force: Array, period: float) -> dict[str, Mask]:
 def figures_by_contact(
     estimate: Array, std: Array | None, reference: Array, force: Array, period: float
 ) -> dict[str, dict[str, Array]]:
-    """Figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
+    """Return figures (6,) of a wrench (N, 6) and its band: over all samples, in contact, and free.
 
-    reference: the sensor's wrench (N, 6); force: (N,) [N], of the sensor, which tells contacts;
-    period: [s]. Samples without an estimate count for neither; a period without any known sample
-    has no figures.
+    reference: the sensor's wrench (N, 6); force: (N,) [N], of the sensor, which defines contacts;
+    period: [s]. Samples without an estimate are excluded; a period without any known sample has no
+    figures.
     """
     known = np.isfinite(estimate).all(axis=1) & np.isfinite(reference).all(axis=1)
     figures = {
@@ -52,7 +52,7 @@ def figures_by_contact(
 
 
 def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[str, Array]:
-    """Errors of each column (6,), beside those of an estimate that always says "no force"."""
+    """Return the errors of each column (6,), and those of an estimate of zero."""
     zero = np.zeros_like(reference)
     mean = mean_absolute_error(zero, reference)
     figures = {
@@ -74,20 +74,23 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
 
 
 def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[str, Array]:
-    """95 % interval (6,) of the error in contact, and the skill's lower end, resampling contacts.
+    """Bootstrap the 95 % interval (6,) of the error in contact, and the lower end of the skill.
 
     estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor.
-    Neighbouring samples err alike, whole contacts hardly do. Nothing with fewer than three.
+    Whole contacts are resampled, because errors of neighbouring samples are correlated. Empty with
+    fewer than three contacts.
     """
     known = np.isfinite(estimate - reference).all(axis=1) & in_contact(force)
     spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
     if len(spans) < FEWEST:
         return {}
-    pair = np.where(known[:, None], (reference - estimate, reference), 0.0)
+    # sums over each contact of |reference - estimate| and of |reference|, the error of zero
+    pair = np.where(known[:, None], (reference - estimate, reference), 0.0)  # (2, N, 6)
     sums = np.array([np.abs(pair[:, a:b]).sum(axis=1) for a, b in spans])  # (contacts, 2, 6)
     counts = np.array([known[a:b].sum() for a, b in spans])
+    # MAE = Σ sums / Σ counts of the contacts drawn
     drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
-    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None, None]
+    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None, None]  # (DRAWS, 2, 6)
     error, zero = means[:, 0], means[:, 1]
     low, high = np.quantile(error, TAILS, axis=0)
     skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
@@ -95,13 +98,13 @@ def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[s
 
 
 def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[dict[str, Any]]:
-    """Peak, impulse and onset of each contact by the sensor, and how an estimate misses them.
+    """Yield peak, impulse and onset of each contact at the sensor, and the estimate's errors.
 
-    estimate, reference: forces (N, 3) [N]; time: (N,) [s]. A row for each contact and direction:
-    an axis, or "norm", all three. peak: the largest force [N]; impulse: the size of the force's
-    integral [N s]; errors are the estimate's part along the sensor's direction less that: below
-    zero, it is too weak; NaN where it is unknown in part of the contact. onset_error_s: how much
-    later the estimate passes the sensor's levels.
+    estimate, reference: forces (N, 3) [N]; time: (N,) [s]. One row per contact and direction: an
+    axis, or "norm" for all three. peak: the largest force [N]; impulse: the magnitude of the
+    force's integral [N s]; errors: the estimate's component along the sensor's direction minus the
+    sensor's value, negative if the estimate is too small, NaN if it is unknown in part of the
+    contact. onset_error_s: delay with which the estimate passes the sensor's levels.
     """
     felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
     for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
@@ -117,7 +120,7 @@ def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[d
 
 
 def _misses(estimate: Array, reference: Array, step: float) -> dict[str, float]:
-    """Peak and impulse of a contact, along the directions the sensor has them in.
+    """Return peak and impulse of a contact, each along the sensor's direction.
 
     estimate, reference: (M, D) [N]; step: [s].
     """

@@ -1,4 +1,4 @@
-"""What is assumed of contacts before any measurement."""
+"""Prior assumptions about contacts."""
 
 from dataclasses import dataclass
 
@@ -9,24 +9,26 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class ContactPrior:
-    """Sizes and durations of contacts, and what motors miss of them.
+    """Magnitudes and durations of contacts, and losses between the contact and the motors.
 
-    Contacts: force [N] and lever [m], the size of a usual contact and how far off the origin of
-    frame 6 it acts, which each contact's own data override; sizes, levers: from which the gate
-    chooses, as multiples of `force` and in [m]; quiet [N], forces that are no contact, such as a
-    hose's; duration, pause: how long pushes and the times between them last [s].
+    Contacts: force [N] and lever [m], magnitude of a typical contact and its distance from the
+    origin of frame 6, both refined by each contact's own data; sizes, levers: the magnitudes, as
+    multiples of `force`, and levers [m] among which the gate chooses; quiet [N]: forces that do
+    not count as contact, such as a hose's; duration, pause: mean duration of contacts and of the
+    pauses between them [s].
 
-    Gears: efficiency, efficiency_std, the share of a contact's torque that reaches the motors, the
-    same throughout a contact; load_friction, by which share each joint differs from that; stiction,
-    rubbing, what dry friction may take up of a contact at rest and in motion, as shares of the
+    Gears: efficiency, efficiency_std: share of a contact's torque that reaches the motors, constant
+    during a contact; load_friction: relative deviation of each joint from that share; stiction,
+    rubbing: part of a contact that dry friction may absorb at rest and in motion, as shares of the
     breakaway torque.
 
-    Rest: hunting, by which shares of its breakaway torque a joint may wander after it was touched;
-    settling, for how long [s]; unprovoked, how often [1/s] it wanders though nothing touched it.
+    Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
+    breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that
+    follows no contact.
 
-    resolution [s]: how late or early a force that changes may be told (half of what the 2 Hz
-    low-pass blurs); unnoticed: up to how many standard deviations of the force a contact in motion
-    stays below the gate, as a factor on the free band.
+    resolution [s]: uncertainty of the time of a change of the force (half the blur of the 2 Hz
+    low-pass); unnoticed: standard deviations of the force that a contact in motion may reach
+    without opening the gate, as a factor on the free band.
     """
 
     force: float = 15.0
@@ -48,19 +50,19 @@ class ContactPrior:
     unnoticed: float = 2.0
 
     def usual(self) -> Array:
-        """Covariance (6, 6) of the wrench of a usual contact."""
+        """Return the covariance (6, 6) of the wrench of a typical contact."""
         return wrench_covariance(self.force, self.lever)
 
     def unknown(self) -> Array:
-        """Covariance (6, 6) of a contact of which nothing is known yet: three times as large."""
+        """Return the covariance (6, 6) of an unknown contact: three times the typical force."""
         return wrench_covariance(3 * self.force, self.lever)
 
     def when_free(self) -> Array:
-        """Covariance (6, 6) of the wrench that is called none."""
+        """Return the covariance (6, 6) of the wrench on an arm that counts as free."""
         return wrench_covariance(self.quiet, self.lever)
 
     def bank(self) -> list[Array]:
-        """Covariances (6, 6) of all kinds of contacts between which the gate chooses."""
+        """Return the covariances (6, 6) of all kinds of contacts among which the gate chooses."""
         return [
             wrench_covariance(size * self.force, lever)
             for size in self.sizes
@@ -69,5 +71,5 @@ class ContactPrior:
 
 
 def wrench_covariance(force: float, lever: float) -> Array:
-    """Covariance (6, 6) of a force [N] in any direction, and its moment by a lever [m]."""
+    """Return the covariance (6, 6) of a force [N] in any direction and a moment by a lever [m]."""
     return np.diag([force**2] * 3 + [max(lever * force, 1e-6) ** 2] * 3)

@@ -1,4 +1,4 @@
-"""The wrench of one contact: by a prior that its own samples choose, and without any."""
+"""The wrench of one contact: with a prior learned from its own samples, and without a prior."""
 
 from typing import NamedTuple
 
@@ -10,8 +10,8 @@ from ur5lib.force.gate import diagonal
 from ur5lib.force.map_estimate import Posterior, regularised_wrench
 from ur5lib.timeseries.arrays import Array, Mask
 
-ROUNDS = 30  # of learning a contact's size; most settle in ten
-WEIGHT = 1.0  # of the usual contact, in independent samples
+ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
+WEIGHT = 1.0  # of the typical contact, in independent samples
 
 
 class Wrench(NamedTuple):
@@ -30,22 +30,25 @@ def contact_wrench(
     prior: ContactPrior,
     size: Array | None = None,
 ) -> Wrench:
-    """F̂ᵐᵃᵖ of one contact, and how far it may be off.
+    """Estimate F̂ᵐᵃᵖ of one contact and its variance.
 
-    torque: external, less its background, (n, 6) [Nm], rows of NaN where it is unknown: there the
-    wrench is zero with the contact's size as its variance; jacobian: (n, 6, 6); noise: (n, 6, 6)
-    [Nm²]; worth: of an independent value, that each sample has; period: [s]; size: covariance
-    (6, 6) of the wrench, None to learn it.
+    torque: external, without its background, (n, 6) [Nm], rows of NaN where unknown: there the
+    wrench is zero with the prior's variance; jacobian: (n, 6, 6); noise: S (n, 6, 6) [Nm²]; worth:
+    independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior covariance of
+    the wrench, None to learn it.
     """
     if size is None:
         size = learned_size(torque, jacobian, noise, worth, prior)
+    # F = P J (Jᵀ P J + S)⁻¹ τ / η, with η the efficiency of the gears
     estimate = regularised_wrench(torque, jacobian, noise, size)
-    wrench = estimate.mean / prior.efficiency
-    variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)
+    wrench = estimate.mean / prior.efficiency  # (n, 6)
+    # torque noise and load friction, then efficiency
+    variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
     variance = variance / prior.efficiency**2 + (prior.efficiency_std * wrench) ** 2
+    # a change of the force is known in time to within the resolution only
     change = _change(wrench, finite_rows(torque), period)
     variance = variance + (prior.resolution * change) ** 2
-    # Torques hardly part a moment from a force: a lever of some centimetres may go unnoticed.
+    # torques hardly distinguish a moment from a force: moments contain a lever of 5 cm
     force = np.linalg.norm(wrench[:, :3], axis=1)
     variance[:, 3:] += (prior.levers[1] * force[:, None]) ** 2
     return Wrench(wrench, variance)
@@ -54,18 +57,20 @@ def contact_wrench(
 def learned_size(
     torque: Array, jacobian: Array, noise: Array, worth: float, prior: ContactPrior
 ) -> Array:
-    """Covariance P (6, 6) of a contact's wrench, by its own samples; arguments as above.
+    """Learn the covariance P (6, 6) of a contact's wrench from its own samples; arguments as above.
 
-    P maximises the evidence by expectation-maximisation, the usual contact counting as one
-    independent sample: P = (Σ w E[F Fᵀ] + P_usual) / (w n + 1). Forces have a direction, moments
-    only a size: they take up what a force at the origin of frame 6 cannot explain.
+    P maximises the evidence by expectation-maximisation, a typical contact counting as one
+    independent sample: P = (Σ w E[F Fᵀ] + P_usual) / (w n + 1). The force part is a full matrix;
+    the moment part is isotropic and explains what a force at the origin of frame 6 cannot.
     """
     known = finite_rows(torque)
     torque, jacobian, noise = torque[known], jacobian[known], noise[known]
     size, count = prior.unknown(), worth * len(torque)
     for _ in range(ROUNDS):
+        # expectation: Σ E[F Fᵀ] = Σ (F̂ F̂ᵀ + cov F)
         estimate = regularised_wrench(torque, jacobian, noise, size)
-        square = estimate.mean.T @ estimate.mean + estimate.covariance.sum(axis=0)
+        square = estimate.mean.T @ estimate.mean + estimate.covariance.sum(axis=0)  # (6, 6)
+        # maximisation: P = (w Σ E[F Fᵀ] + P_usual) / (w n + 1)
         square = (worth * square + WEIGHT * prior.usual()) / (count + WEIGHT)
         size = np.zeros((6, 6))
         size[:3, :3] = square[:3, :3]
@@ -74,15 +79,16 @@ def learned_size(
 
 
 def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench:
-    """Prior-free rival of F̂ᵐᵃᵖ: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ, a force without moment.
+    """Estimate a force without moment and without prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ.
 
-    Arguments as above; NaN where the torque is unknown. The baseline that a prior has to beat once
-    a contact is known.
+    Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in known
+    contacts.
     """
-    linear = jacobian[:, :3]
-    weighted = np.linalg.solve(noise, linear.mT).mT
+    linear = jacobian[:, :3]  # J_v (n, 3, 6)
+    # J_v S⁻¹, then cov F = (J_v S⁻¹ J_vᵀ)⁻¹
+    weighted = np.linalg.solve(noise, linear.mT).mT  # (n, 3, 6)
     covariance = np.asarray(np.linalg.pinv(weighted @ linear.mT, hermitian=True), np.float64)
-    force = (covariance @ weighted @ torque[..., None])[..., 0]
+    force = (covariance @ weighted @ torque[..., None])[..., 0]  # (n, 3)
     nothing = np.zeros_like(force)
     return Wrench(
         np.concatenate([force, nothing], axis=1),
@@ -91,13 +97,15 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
 
 
 def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
-    """Variance (n, 6) by what each joint's load friction takes up or gives of this contact."""
-    carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]
+    """Return the variance (n, 6) from each joint's load friction under this contact."""
+    # cov τ_lost = diag((0.15 Jᵀ F)²), propagated by the gain: K cov τ_lost Kᵀ
+    carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, 6)
     lost = diagonal((prior.load_friction * carried) ** 2)
     return _diagonal(estimate.gain @ lost @ estimate.gain.mT)
 
 
 def _change(wrench: Array, known: Mask, period: float) -> Array:
+    """Return the derivative (n, 6) of the wrench where it is known, zero elsewhere."""
     change = np.zeros_like(wrench)
     if known.sum() > 1:
         change[known] = np.gradient(wrench[known], period, axis=0)
@@ -105,4 +113,5 @@ def _change(wrench: Array, known: Mask, period: float) -> Array:
 
 
 def _diagonal(matrices: Array) -> Array:
+    """Return the diagonals (n, 6) of matrices (n, 6, 6)."""
     return np.diagonal(matrices, axis1=1, axis2=2)

@@ -11,19 +11,19 @@ PUBLISHED_JACOBIAN_LAG = 0.08  # s
 
 
 def motor_torque(current: Array, constants: CurrentToTorque) -> Array:
-    """tau = k i + b (Equation 6.6). current: (N, 6) [A]; returns (N, 6) [Nm]."""
+    """Return tau = k i + b (Equation 6.6). current: (N, 6) [A]; returns (N, 6) [Nm]."""
     return current * constants.torque_constant + constants.offset
 
 
 def motor_torque_as_published(current: Array, constants: CurrentToTorque) -> Array:
-    """Equation 6.6 as the published script has it: joint 6 is k i times b (erratum 6)."""
+    """Return Equation 6.6 as in the published script: for joint 6, k i times b (erratum 6)."""
     torque = motor_torque(current, constants)
     torque[:, 5] = constants.torque_constant[5] * current[:, 5] * constants.offset[5]
     return torque
 
 
 def friction_torque(qd: Array, friction: Friction) -> Array:
-    """Coulomb with dead zone, and viscous friction (Equations 3.12, 3.14, 6.4).
+    """Return Coulomb friction with a dead zone plus viscous friction (Equations 3.12, 3.14, 6.4).
 
     qd: (N, 6) [rad/s]; returns (N, 6) [Nm].
     """
@@ -32,10 +32,10 @@ def friction_torque(qd: Array, friction: Friction) -> Array:
 
 
 def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float) -> Array:
-    """F = J^-T tau (Equation 3.3), base axes, at the origin the Jacobian belongs to.
+    """Return F = J^-T tau (Equation 3.3), base axes, at the origin the Jacobian belongs to.
 
     jacobian: (N, 6, 6); torque: (N, 6) [Nm]. Returns (N, 6) [N, Nm], NaN where the Jacobian's
-    smallest singular value is below `min_singular_value`: there the torques tell no wrench.
+    smallest singular value is below `min_singular_value`: there the torques determine no wrench.
     """
     wrench = np.full_like(torque, np.nan)
     finite = np.isfinite(torque).all(axis=1)
@@ -46,14 +46,14 @@ def wrench_from_torque(jacobian: Array, torque: Array, min_singular_value: float
 
 
 def environment_on_arm(published: Array) -> Array:
-    """A wrench (N, 6) of the thesis, or the controller's F^u, with the sign of all others here.
+    """Return the wrench (N, 6) of the environment on the arm, from one of the thesis or F^u.
 
-    Both are J^-T (tau_motor - tau_model): what the arm does to its environment. This is the one
-    place where that is turned round.
+    The thesis's wrenches and the controller's F^u are J^-T (tau_motor - tau_model), the arm acting
+    on its environment. Their sign is reversed here and nowhere else.
     """
     return -published
 
 
 def delay(values: Array, samples: int) -> Array:
-    """The value of `samples` rows before, and the first row until there is one."""
+    """Return values delayed by some samples; the first row is repeated at the start."""
     return values[np.maximum(np.arange(len(values)) - samples, 0)]

@@ -1,4 +1,4 @@
-"""Contact or not: alarms, how they compare with a sensor, and the smallest force they find."""
+"""Contact detection: alarms, their comparison with a sensor, and the smallest detectable force."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,13 +9,13 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 Span = tuple[int, int]  # first sample, and the one after the last
 
-HYSTERESIS = 2.0  # in log-odds: what an alarm may lose before it ends
+HYSTERESIS = 2.0  # in log-odds: an alarm ends this far below the threshold
 PUSH, PAUSE = 1.0, 2.0  # s, of trial pushes
 STEEPNESS = 1.5  # log of the logistic slope: from 25 to 75 % found within a factor of 1.6
 
 
 def spans(signal: Array, on: float, off: float) -> list[Span]:
-    """Stretches that reach `on`, as far as they stay above `off` on both sides. signal: (N,)."""
+    """Return the stretches above `off` that reach `on`. signal: (N,)."""
     above = np.concatenate([[False], signal > off, [False]])
     edges = np.flatnonzero(np.diff(above.astype(np.int64)))
     stretches = zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
@@ -23,14 +23,14 @@ def spans(signal: Array, on: float, off: float) -> list[Span]:
 
 
 def alarms(log_odds: Array, threshold: float) -> list[Span]:
-    """Contacts by their log-odds (N,)."""
+    """Return the alarms of log-odds of contact (N,)."""
     return spans(log_odds, threshold, threshold - HYSTERESIS)
 
 
 def raised_live(log_odds: Array, threshold: float) -> list[Span]:
-    """Alarms as they are raised while a recording runs: from where the odds reach the threshold.
+    """Return alarms as raised in real time: from the sample whose odds reach the threshold.
 
-    log_odds: (N,), causal. `alarms` start earlier, where the odds began to rise.
+    log_odds: (N,), causal. `alarms` start earlier, where the odds begin to rise.
     """
     return [
         (first + int(np.argmax(log_odds[first:last] >= threshold)), last)
@@ -39,10 +39,10 @@ def raised_live(log_odds: Array, threshold: float) -> list[Span]:
 
 
 def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
-    """Log-odds above which contact-free recordings raise at most so many alarms a minute.
+    """Return the log-odds above which contact-free recordings raise few enough alarms a minute.
 
-    contact_free: log-odds (N,) of each recording, at its period [s]. At least 0: no contact is
-    called where it is the less likely of both.
+    contact_free: log-odds (N,) of each recording, at its period [s]. The result is at least 0,
+    even odds.
     """
     pairs = zip(contact_free, periods, strict=True)
     minutes = sum(len(odds) * period for odds, period in pairs) / 60
@@ -53,18 +53,18 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
 
 
 def _peaks(log_odds: Array) -> list[float]:
-    """Largest value of each alarm there would be at a threshold of 0."""
+    """Return the largest value of each alarm at a threshold of 0."""
     return [float(log_odds[first:last].max()) for first, last in alarms(log_odds, 0.0)]
 
 
 @dataclass(frozen=True)
 class Detection:
-    """Alarms against contacts that a sensor saw, matched one to one.
+    """Alarms and a sensor's contacts, matched one to one.
 
-    contacts, found: how many there were, and how many of them have an alarm of their own; alarms:
-    how many there were, of them extra: within contacts, without one of their own; false: in no
-    contact; delays: of each contact found, from its start to its alarm's [s], negative where the
-    alarm is first (an offline estimate).
+    contacts: number of contacts; found: of these, with an alarm of their own; alarms: number of
+    alarms; extra: of these, additional ones in a contact; false: of these, in no contact; delays:
+    from the start of each contact found to that of its alarm [s], negative where the alarm is
+    earlier (the estimate is offline).
     """
 
     contacts: int
@@ -75,11 +75,11 @@ class Detection:
     delays: Array
 
     def recall(self) -> float:
-        """Share of contacts found."""
+        """Return the share of contacts found."""
         return self.found / self.contacts if self.contacts else float("nan")
 
     def precision(self) -> float:
-        """Share of alarms that are each a contact."""
+        """Return the share of alarms that are matched to a contact."""
         return self.found / self.alarms if self.alarms else float("nan")
 
 
@@ -96,10 +96,10 @@ def compare(alarm: list[Span], contact: list[Span], period: float) -> Detection:
 
 
 def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
-    """As many pairs (i, j) of an alarm and a contact as overlap in time, each in one pair only.
+    """Match alarms (i) and contacts (j) that overlap in time, one to one: pairs (i, j).
 
-    Of several ways, the one with the longest overlaps. So an alarm that never ends finds one
-    contact, and what rings ten times in one contact rings nine times too often.
+    The assignment has as many pairs as possible, and among those, the longest overlaps. So an alarm
+    that never ends finds one contact, and of ten alarms in one contact nine are extra.
     """
     if not alarm or not contact:
         return []
@@ -112,12 +112,12 @@ def match(alarm: list[Span], contact: list[Span]) -> list[tuple[int, int]]:
 
 
 def overlap(one: Span, other: Span) -> int:
-    """How many samples two stretches share."""
+    """Return the number of samples that two stretches share."""
     return max(0, min(one[1], other[1]) - max(one[0], other[0]))
 
 
 def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
-    """ROC by sample: false alarm rate and detection rate, (N + 1,) each, thresholds falling."""
+    """Return the ROC by sample: false alarm and detection rates (N + 1,), thresholds falling."""
     order = np.argsort(-log_odds)
     hits = np.concatenate([[0], np.cumsum(contact[order])])
     misses = np.concatenate([[0], np.cumsum(~contact[order])])
@@ -126,14 +126,14 @@ def receiver_curve(log_odds: Array, contact: Mask) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class SmallestForce:
-    """Force [N] that is found with the stated probability, and its standard error."""
+    """Force [N] that is detected with a given probability, and its standard error."""
 
     force: float
     std: float
 
 
 def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
-    """Raised-cosine pushes of height 1, one after each pause: profile (N,), and where they are."""
+    """Return raised-cosine pushes of height 1, one after each pause: profile (N,) and spans."""
     length, every = round(PUSH / period), round((PUSH + PAUSE) / period)
     profile = np.zeros(count)
     shape = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
@@ -152,13 +152,13 @@ def try_pushes(
     threshold: float,
     raised: list[Span],
 ) -> Mask:
-    """Which of the trial pushes put onto a contact-free recording raise an alarm: (M,).
+    """Return which trial pushes, added to a contact-free recording, raise an alarm: (M,).
 
-    log_odds_of: log-odds (N,) of the recording with an external torque (N, 6) added to its own;
+    log_odds_of: log-odds (N,) of the recording with an additional external torque (N, 6);
     jacobian: (N, 6, 6); direction: wrench (6,) of 1 N, base axes, at the origin of frame 6; force:
-    (M,) [N], at the height of each push; period: [s]; raised: alarms of the recording as it is, at
-    which none is tried: where it always is in alarm, none is found. It takes as many rounds as the
-    pushes need.
+    (M,) [N], peak of each push; period: [s]; raised: alarms of the recording itself, during which
+    no push is tried: if it is always in alarm, none is found. Several rounds are made if the pushes
+    do not fit into one.
     Stiction, which hides pushes at rest, is not simulated: the recording should be in motion.
     """
     profile, places = pushes(len(jacobian), period)
@@ -172,17 +172,17 @@ def try_pushes(
         part = range(first, min(first + len(places), len(force)))
         for trial, place in zip(part, places, strict=False):
             size[slice(*place)] = force[trial]
-        told = alarms(log_odds_of(size[:, None] * unit), threshold)
+        answers = alarms(log_odds_of(size[:, None] * unit), threshold)
         for trial, place in zip(part, places, strict=False):
-            found[trial] = any(overlap(alarm, place) for alarm in told)
+            found[trial] = any(overlap(alarm, place) for alarm in answers)
     return found
 
 
 def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestForce:
-    """Where a logistic curve over the logarithm of the force reaches the wanted probability.
+    """Return the force at which a logistic curve over log force reaches the wanted probability.
 
-    force: (M,) [N], of trial pushes; found: (M,). Infinite when none was found; the standard
-    error follows from the likelihood's curvature (delta method).
+    force: (M,) [N], of trial pushes; found: (M,). Infinite if none was found; the standard error
+    follows from the likelihood's curvature (delta method).
     """
     if not found.any():
         return SmallestForce(np.inf, np.nan)
@@ -198,7 +198,7 @@ def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestF
 
 
 def _cost(parameters: Array, x: Array, found: Mask) -> float:
-    """Negative log-likelihood, with a weak prior that keeps perfect separation finite."""
+    """Return the negative log-likelihood, with a weak prior against perfect separation."""
     middle, steepness = parameters
     logit = np.exp(steepness) * (x - middle)
     likelihood = np.logaddexp(0, np.where(found, -logit, logit)).sum()

@@ -1,4 +1,4 @@
-"""The torque that the environment puts on the joints, and in which state each joint is."""
+"""The external torque on the joints, and the state of motion of each joint."""
 
 import numpy as np
 from scipy.ndimage import binary_opening, maximum_filter1d
@@ -10,29 +10,29 @@ States = Labels
 
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 STATES = 5
-SLOW = 0.03  # rad/s, where Coulomb friction changes its side
-STOP = 0.4  # s; a joint that is slow for less than this only turns round
-RELAXING = 1.0  # s, how long a joint's friction goes on relaxing after a stop
-REACH = 0.25  # s, how far a low-pass at 2 Hz carries what friction does at a reversal
+SLOW = 0.03  # rad/s, below which Coulomb friction changes its sign
+STOP = 0.4  # s; a joint that is slow for a shorter time reverses
+RELAXING = 1.0  # s, for which friction relaxes after a stop
+REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal
 
 
 def external_torque(torque_constant: Array, current: Array, modelled: Array) -> Array:
-    """tau_ext = J^T F = k (i_modelled - i): what the motors need less of, the environment gives.
+    """Return tau_ext = J^T F = k (i_modelled - i), the environment acting on the arm.
 
-    torque_constant: (6,) [Nm/A]; current, modelled: (N, 6) [A], measured and as a contact-free
-    model has it. Returns (N, 6) [Nm], the environment acting on the arm. The thesis's Equation 6.8
-    has the opposite sign: the arm acting on its environment.
+    torque_constant: (6,) [Nm/A]; current, modelled: (N, 6) [A], measured, and predicted for the
+    same motion without contact. Returns (N, 6) [Nm]. The thesis's Equation 6.8 has the opposite
+    sign: the arm acting on its environment.
     """
     return torque_constant * (modelled - current)
 
 
 def finite_rows(values: Array) -> Mask:
-    """(N,) where no number of a row (N, M) is missing."""
+    """Return which rows (N,) of values (N, M) are finite throughout."""
     return np.asarray(np.isfinite(values).all(axis=1))
 
 
 def without_edges(values: Array, segment: Labels, samples: int) -> Array:
-    """NaN for the first and last samples of each stretch: there a low-pass knows one side only."""
+    """Replace the first and last samples of each stretch by NaN: a low-pass extrapolates there."""
     result = values.copy()
     for stretch in unbroken(segment):
         part = result[stretch]
@@ -42,10 +42,10 @@ def without_edges(values: Array, segment: Labels, samples: int) -> Array:
 
 
 def joint_states(qd: Array, segment: Labels, period: float) -> States:
-    """The state (N, 6) of each joint, by which its friction is known well or badly.
+    """Return the state (N, 6) of each joint, on which the uncertainty of its friction depends.
 
     MOVING; REVERSING, near a change of direction; SETTLING, stopped for less than a second or about
-    to start; RESTING while another joint moves; STILL, when all joints rest. qd: (N, 6) [rad/s];
+    to start; RESTING while another joint moves; STILL while all joints rest. qd: (N, 6) [rad/s];
     period: [s].
     """
     states = np.empty(qd.shape, np.int64)
@@ -55,6 +55,7 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
 
 
 def _stretch_states(slow: Mask, period: float) -> States:
+    """Return the states (n, 6) of an unbroken stretch; slow: (n, 6)."""
     stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
     relaxing = stopped & _near(~stopped, RELAXING, period)
     states = np.full(slow.shape, MOVING)
@@ -66,12 +67,12 @@ def _stretch_states(slow: Mask, period: float) -> States:
 
 
 def _near(where: Mask, seconds: float, period: float) -> Mask:
-    """Samples at most so many seconds from one where it holds."""
+    """Return the samples within some seconds of one in the mask."""
     window = 2 * round(seconds / period) + 1
     near = maximum_filter1d(where.astype(np.uint8), window, axis=0, mode="nearest")
     return np.asarray(near > 0)
 
 
 def is_still(states: States) -> Mask:
-    """(N,) where no joint moves."""
+    """Return the samples (N,) in which no joint moves."""
     return np.asarray((states % STATES == STILL).all(axis=1))

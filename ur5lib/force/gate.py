@@ -1,9 +1,9 @@
-"""When the arm is in contact: a hidden Markov chain over what may make the torque leave zero.
+"""The probability of contact: a hidden Markov model of the external torque.
 
-At each sample the arm is free; or, at rest, hunting: after a touch, stick and slip make joints
-wander; or in a contact of one of several sizes and levers, which it keeps to its end. What a free
-arm's torque drifts by, the background, is smoothed with contacts left out. Smoothing it, and
-weighing the states, take turns.
+At each sample the arm is free; or, at rest, hunting: after a touch, stick-slip makes joints wander;
+or in a contact of one of several magnitudes and levers, constant until its end. The background, the
+slow part of a free arm's torque, is smoothed without the contacts. Smoothing the background and
+computing the probabilities of the states alternate.
 """
 
 from dataclasses import dataclass
@@ -18,17 +18,17 @@ from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 
-# How much of the background's uncertainty counts in each round: at first little, so that nothing
-# that may be a contact is learnt as background.
+# Factor on the background's covariance in each round: small at first, so that possible contacts do
+# not become part of the background.
 ROUNDS = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0)
-LEFT_OUT = 0.5  # probability of contact from which a sample tells nothing of the background
-HELD = 0.3  # of the breakaway torque: no joint at rest repeats better
-CERTAIN = 1e-4
+LEFT_OUT = 0.5  # probability of contact above which a sample is no measurement of the background
+HELD = 0.3  # of the breakaway torque: least standard deviation of a joint at rest
+CERTAIN = 1e-4  # weight of a sample in contact as a measurement of the background
 QUICK = 0.3  # share of a load's error that changes within half a push
 
 
 class Gate(NamedTuple):
-    """Probability of contact (N,), the same by past samples alone, and the background."""
+    """Probability of contact (N,), the same from past samples only, and the background."""
 
     probability: Array
     causal: Array
@@ -37,10 +37,11 @@ class Gate(NamedTuple):
 
 @dataclass(frozen=True)
 class Noise:
-    """Covariances (N, 6, 6) [Nm²] of the external torque besides a contact's.
+    """Covariances (N, 6, 6) [Nm²] of the external torque other than that of a contact.
 
-    quick: of the quick part; spread: of all; hidden: what dry friction may take up of a contact;
-    still: (N, 6), which joints rest while the whole arm does.
+    quick: of the fast error; spread: of the background and the fast error together; hidden: of the
+    part of a contact that dry friction may absorb; still: (N, 6), joints at rest while the whole
+    arm rests.
     """
 
     quick: Array
@@ -50,7 +51,7 @@ class Noise:
 
     @classmethod
     def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
-        """Of samples in the given joint states (N, 6); doubt: (N, 6) [Nm], of a load."""
+        """Return the noise of samples in joint states (N, 6); doubt: (N, 6) [Nm], of a load."""
         still = states % STATES == STILL
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
@@ -72,9 +73,9 @@ def find_contacts(
     prior: ContactPrior,
     told: Mask | None = None,
 ) -> Gate:
-    """When a stretch without a gap is in contact; arguments as of `estimate_wrench`.
+    """Estimate when a stretch without a gap is in contact; arguments as of `estimate_wrench`.
 
-    told: (N,), where it is by a sensor: then only the background is found.
+    told: (N,), contacts according to a sensor: then only the background is estimated.
     """
     known, worth = finite_rows(torque), min(1.0, period / model.independent)
     filled = np.where(known[:, None], torque, 0.0)
@@ -82,31 +83,22 @@ def find_contacts(
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
     slow = held = Smoothed(np.zeros_like(filled), noise.spread)
     for share in ROUNDS:
-        evidence = np.stack(
-            [
-                *(log_density(filled - held.mean, c + share * held.covariance) for c in free),
-                *(
-                    log_density(
-                        filled - slow.mean,
-                        noise.quick
-                        + noise.hidden
-                        + share * slow.covariance
-                        + jacobian.mT @ contact @ jacobian,
-                    )
-                    for contact in prior.bank()
-                ),
-            ],
-            axis=1,
-        )
+        # log p(τ | state), and 0 where τ is unknown
+        without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
+        during = _contact_densities(filled, jacobian, noise, slow, share, prior)
+        evidence = np.stack([*without, *during], axis=1)  # (N, S)
         evidence *= worth * known[:, None]
-        weight = hidden_markov.posterior(evidence, chain.transitions, chain.start)
-        contact = weight[:, len(free) :].sum(axis=1)
+        # p(contact) = Σ p(state | all τ) over the states in contact
+        weight = hidden_markov.posterior(evidence, chain.transitions, chain.start)  # (N, S)
+        contact = weight[:, len(free) :].sum(axis=1)  # (N,)
         contact = contact if told is None else told.astype(float)
+        # background given all τ, each weighted by the probability of a free arm
         measured = _measurement_noise(free, weight, contact) / worth
-        # A push may redraw what stiction holds; where none came, it stays.
-        redrawn = noise.still * contact[:, None] / prior.duration
+        # a push at rest may renew the background: it changes what stiction holds
+        renewed = noise.still * contact[:, None] / prior.duration
         rate = model.rate[states]
-        slow = smooth(torque, measured, noise.spread, np.exp(-period * (rate + redrawn)))
+        slow = smooth(torque, measured, noise.spread, np.exp(-period * (rate + renewed)))
+        # without a push it stays: the background of the free states
         held = slow
         if noise.still.any():
             held = smooth(torque, measured, noise.spread, np.exp(-period * rate))
@@ -114,10 +106,27 @@ def find_contacts(
     return Gate(contact, np.exp(past[:, len(free) :]).sum(axis=1), slow)
 
 
+def _contact_densities(
+    torque: Array,
+    jacobian: Array,
+    noise: Noise,
+    background: Smoothed,
+    share: float,
+    prior: ContactPrior,
+) -> list[Array]:
+    """Return log p(τ | contact) (N,) of each kind of contact: N(b, S + S_hidden + P_b + Jᵀ P J)."""
+    residual = torque - background.mean
+    besides = noise.quick + noise.hidden + share * background.covariance  # (N, 6, 6)
+    return [
+        log_density(residual, besides + jacobian.mT @ contact @ jacobian)
+        for contact in prior.bank()
+    ]
+
+
 def _free_covariances(
     jacobian: Array, noise: Noise, model: ResidualModel, prior: ContactPrior
 ) -> list[Array]:
-    """Of a free arm: undisturbed, and hunting by several shares of the breakaway torque."""
+    """Return the covariances (N, 6, 6) of a free arm's torque: undisturbed, then hunting."""
     undisturbed = noise.quick + jacobian.mT @ prior.when_free() @ jacobian
     return [
         undisturbed + diagonal(np.where(noise.still, share * model.breakaway, 0.0) ** 2)
@@ -126,24 +135,30 @@ def _free_covariances(
 
 
 def _measurement_noise(free: list[Array], weight: Array, contact: Array) -> Array:
-    """Of the torque as a measurement of the background: next to none in contact."""
+    """Return the covariance (N, 6, 6) of the torque as a measurement of the background.
+
+    Σ p(free state) cov / p(free); in contact, the sample hardly counts.
+    """
     share = weight[:, : len(free)] + 1e-12
     share = share / share.sum(axis=1, keepdims=True)
     mean = sum(own[:, None, None] * c for own, c in zip(share.T, free, strict=True))
-    told = np.where(contact > LEFT_OUT, CERTAIN, np.maximum(1 - contact, CERTAIN))
-    return np.asarray(mean / told[:, None, None])
+    free_weight = np.where(contact > LEFT_OUT, CERTAIN, np.maximum(1 - contact, CERTAIN))
+    return np.asarray(mean / free_weight[:, None, None])
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Transitions (S, S) and start (S,) of the states: free, hunting (several), contacts."""
+    """Transition (S, S) and start (S,) probabilities of the states: free, hunting, contacts."""
 
     transitions: Array
     start: Array
 
     @classmethod
     def of(cls, free: int, contacts: int, period: float, prior: ContactPrior) -> "Chain":
-        """Of `free` states, the first undisturbed, and so many kinds of contact; period: [s]."""
+        """Return the chain of `free` states, the first undisturbed, and some contacts; period: [s].
+
+        free → contact → hunting → free; a free arm rarely hunts, and one that hunts may be touched.
+        """
         begins, ends = period / prior.pause, period / prior.duration
         settles, wanders = period / prior.settling, period * prior.unprovoked
         hunting = free - 1
@@ -159,12 +174,15 @@ class Chain:
 
 
 def diagonal(variance: Array) -> Array:
-    """Matrices (N, 6, 6) with variances (N, 6) on their diagonals."""
+    """Return diagonal matrices (N, 6, 6) of variances (N, 6)."""
     return variance[:, :, None] * np.eye(6)
 
 
 def log_density(x: Array, covariance: Array) -> Array:
-    """Log-density (N,) of a normal distribution around zero, up to a constant."""
+    """Return the log-density (N,) of a normal distribution around zero, up to a constant.
+
+    -½ xᵀ C⁻¹ x - ½ log |C| = -½ |L⁻¹ x|² - Σ log L_ii, with C = L Lᵀ.
+    """
     factor = np.linalg.cholesky(covariance)
     whitened = np.linalg.solve(factor, x[..., None])[..., 0]
     roots = np.diagonal(factor, axis1=1, axis2=2)

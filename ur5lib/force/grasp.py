@@ -1,4 +1,4 @@
-"""Whether a contact is a load that was grasped: does the torque it leaves look like a weight?"""
+"""Loads grasped during a run: contacts whose external torque is that of a weight."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import numpy as np
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.timeseries.arrays import Array
 
-SHORTEST = 2.0  # s; a shorter contact tells no load from a push
+SHORTEST = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
 EDGE = 0.5  # s at both ends, while it is taken up or put down
 EXPLAINED = 0.95  # share of the contact's squared torque that a weight must explain
 GEARS = 0.03  # relative error of the mass by the gears' efficiency
@@ -16,7 +16,7 @@ LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
 
 @dataclass(frozen=True)
 class Grasped:
-    """mass, std_error [kg] of a load."""
+    """A load: mass and std_error [kg]."""
 
     mass: float
     std_error: float
@@ -25,15 +25,13 @@ class Grasped:
 def grasped_load(
     torque: Array, regressor: Array, deviation: Array, period: float, efficiency: float
 ) -> Grasped | None:
-    """The load that explains a contact; None where a weight does not.
+    """Estimate the load that explains a contact; None if a weight does not explain it.
 
-    torque: external, less its background, (n, 6) [Nm], of the contact's samples; regressor:
-    (n, 6, 4), the torque that a load's mass [kg] and first moments [kg m] need; deviation: (6,)
-    [Nm], by which the background may be off throughout; period: [s]; efficiency: of the gears.
+    torque: external, without its background, (n, 6) [Nm], in the contact; regressor: (n, 6, 4), the
+    joint torque per mass [kg] and first moment [kg m]; deviation: (6,) [Nm], standard deviation of
+    the background, constant over the contact; period: [s]; efficiency: of the gears.
 
-    What a load needs, its weight on the arm takes: τ = −Y θ. Least squares with first moments of
-    the size of a usual lever; the background's error is the same for all samples, and what is left
-    is the noise of independent seconds.
+    Least squares of τ = −Y θ, with a prior on the first moments of LEVER times the mass.
     """
     edge = round(EDGE / period)
     inner = slice(edge, len(torque) - edge)
@@ -43,17 +41,18 @@ def grasped_load(
     seen = torque[inner][known] / deviation
     terms = -regressor[inner][known] / deviation[:, None]
     parameters, information = _fit(terms, seen)
-    left = seen - terms @ parameters
-    if (left**2).sum() > (1 - EXPLAINED) * (seen**2).sum():
+    residual = seen - terms @ parameters
+    if (residual**2).sum() > (1 - EXPLAINED) * (seen**2).sum():
         return None
-    common = np.linalg.solve(information, terms.sum(axis=0).T)  # of each joint's offset
+    # change of θ per standard deviation of each joint's background
+    common = np.linalg.solve(information, terms.sum(axis=0).T)  # (4, 6)
     mass = float(parameters[0]) / efficiency
     error = float(np.hypot(np.linalg.norm(common[0]), GEARS * mass))
     return Grasped(mass, error) if mass > 3 * error else None
 
 
 def _fit(terms: Array, seen: Array) -> tuple[Array, Array]:
-    """θ (4,) and the normal equations' matrix; first moments are held to LEVER times the mass."""
+    """Return θ (4,) and the normal equations' matrix, with a prior on the first moments."""
     columns = terms.reshape(-1, 4)
     information = columns.T @ columns
     right = columns.T @ seen.ravel()

@@ -1,4 +1,4 @@
-"""Which of several states a recording is in at each sample, as a hidden Markov chain."""
+"""Hidden Markov model: probabilities of the states at each sample."""
 
 import numpy as np
 
@@ -6,25 +6,27 @@ from ur5lib.timeseries.arrays import Array
 
 
 def posterior(evidence: Array, transitions: Array, start: Array) -> Array:
-    """Probability (N, K) of each state at each sample, given all samples.
+    """Return the probability (N, K) of each state at each sample, given all samples.
 
-    evidence: (N, K), log-likelihood of each sample alone; transitions: (K, K), probability to go
+    evidence: (N, K), log-likelihood of each sample alone; transitions: (K, K), probability of going
     from one state (row) to another (column) by the next sample; start: (K,), before the first.
-    Forward-backward recursion [Rabiner 1989], in logarithms: they neither under- nor overflow.
+    Forward-backward recursion [Rabiner 1989] in logarithms, which neither under- nor overflow.
     """
     steps = _logarithm(transitions)
     forward, backward = filtered(evidence, transitions, start), np.zeros_like(evidence)
     for t in range(len(evidence) - 2, -1, -1):
+        # β_t(i) = Σ_j a_ij p(x_t+1 | j) β_t+1(j), scaled
         backward[t] = _log_sum(steps + (evidence[t + 1] + backward[t + 1]), axis=1)
         backward[t] -= backward[t].max()
     return _normalised(forward + backward)
 
 
 def filtered(evidence: Array, transitions: Array, start: Array) -> Array:
-    """Log-probability (N, K) of each state, given the samples up to each; arguments as above."""
+    """Return the log-probability (N, K) of each state given past samples; arguments as above."""
     steps, forward = _logarithm(transitions), np.empty_like(evidence)
     before = _logarithm(start)
     for t in range(len(evidence)):
+        # α_t(j) = p(x_t | j) Σ_i α_t-1(i) a_ij, normalised
         forward[t] = before + evidence[t]
         forward[t] -= _log_sum(forward[t], axis=0)
         before = _log_sum(forward[t][:, None] + steps, axis=0)
@@ -32,7 +34,7 @@ def filtered(evidence: Array, transitions: Array, start: Array) -> Array:
 
 
 def log_odds(probability: Array) -> Array:
-    """Log-odds of probabilities (N,), finite."""
+    """Return the log-odds of probabilities (N,), finite also for 0 and 1."""
     known = np.clip(probability, 1e-15, 1 - 1e-15)
     return np.log(known) - np.log1p(-known)
 

@@ -1,4 +1,4 @@
-"""F̂ᵐᵃᵖ: the most probable wrench behind a torque, given how noisy the torque is and a prior."""
+"""F̂ᵐᵃᵖ: the most probable wrench given a torque, its noise and a prior."""
 
 from typing import NamedTuple
 
@@ -17,15 +17,16 @@ class Posterior(NamedTuple):
 
 
 def regularised_wrench(torque: Array, jacobian: Array, noise: Array, prior: Array) -> Posterior:
-    """argmin |tau - J^T F|²_S + |F|²_P = P J (J^T P J + S)^-1 tau, and its covariance.
+    """Return argmin |tau - J^T F|²_S + |F|²_P = P J (J^T P J + S)^-1 tau, and its covariance.
 
     torque: external, (N, 6) [Nm]; jacobian: (N, 6, 6); noise: S, (N, 6, 6) [Nm²]; prior: P,
-    (6, 6) or (N, 6, 6), zero moments for "force only". Where J^-T explodes, the direction that
-    cannot be seen keeps its prior. A row of NaN tells nothing: mean 0, covariance P.
+    (6, 6) or (N, 6, 6), zero moments for "force only". At a singularity, the unobservable
+    direction keeps its prior. For a row of NaN, the mean is 0 and the covariance P.
     """
     known = finite_rows(torque)
-    lever = prior @ jacobian
-    seen = np.asarray(np.linalg.solve(jacobian.mT @ lever + noise, lever.mT), np.float64)
-    gain = seen.mT * known[:, None, None]
+    # K = P J (Jᵀ P J + S)⁻¹, F = K τ, cov F = P - K Jᵀ P
+    lever = prior @ jacobian  # P J (N, 6, 6)
+    transposed = np.linalg.solve(jacobian.mT @ lever + noise, lever.mT)
+    gain = np.asarray(transposed, np.float64).mT * known[:, None, None]
     mean = (gain @ np.where(known[:, None], torque, 0.0)[..., None])[..., 0]
     return Posterior(mean, prior - gain @ lever.mT, gain)

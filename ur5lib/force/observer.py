@@ -1,4 +1,4 @@
-"""External torque by the generalised momentum: no joint accelerations [De Luca et al. 2006]."""
+"""External torque from the generalised momentum, without accelerations [De Luca et al. 2006]."""
 
 import numpy as np
 from scipy import signal
@@ -9,7 +9,7 @@ from ur5lib.timeseries.segments import unbroken
 
 
 def momentum_rate(motor: Array, friction: Array, coriolis: Array, gravity: Array) -> Array:
-    """What changes the momentum of an arm that nothing touches: tau - tau_f + C^T qd - g.
+    """Return the rate of momentum of an arm without contact: tau - tau_f + C^T qd - g, (N, 6) [Nm].
 
     motor, friction, gravity: (N, 6) [Nm]; coriolis: C(q, qd)^T qd, which is dD/dt qd - C qd.
     """
@@ -19,27 +19,31 @@ def momentum_rate(motor: Array, friction: Array, coriolis: Array, gravity: Array
 def observe(
     momentum: Array, rate: Array, segment: Labels, period: float, bandwidth: float
 ) -> Array:
-    """External torque (N, 6) [Nm], the environment acting on the arm: r of K r' = dp/dt - rate - r.
+    """Return the external torque r (N, 6) [Nm], the environment acting on the arm.
 
-    momentum: D(q) qd, (N, 6) [Nm s], rotors included; rate: (N, 6) [Nm]; segment: (N,); period:
-    [s]; bandwidth: K / (2 pi) [Hz]. It is the residual r(t) = K (p - integral of (rate + r)), run
-    forwards and backwards over each unbroken stretch, so that it lags behind no contact. NaN rows
-    divide a stretch.
+    momentum: p = D(q) qd, (N, 6) [Nm s], rotors included; rate: (N, 6) [Nm]; segment: (N,); period:
+    [s]; bandwidth: K / (2 pi) [Hz]. The residual r(t) = K (p - integral of (rate + r)) is computed
+    forwards and backwards over each unbroken stretch, so that it has no delay. NaN rows divide a
+    stretch.
     """
     result = np.full_like(momentum, np.nan)
+    # r_k+1 = r_k + K T (dp/dt - rate - r_k+1), an exponential average of dp/dt - rate
     step = 2 * np.pi * bandwidth * period
     share = step / (1 + step)
     for rows in _known(momentum, rate, segment):
-        growth = np.diff(momentum[rows], axis=0) / period - (rate[rows][1:] + rate[rows][:-1]) / 2
+        # dp/dt - rate at the middle of each step
+        between = (rate[rows][1:] + rate[rows][:-1]) / 2
+        growth = np.diff(momentum[rows], axis=0) / period - between  # (n - 1, 6)
         if len(growth) > 3:
             torque = signal.filtfilt([share], [1, share - 1], growth, axis=0, padlen=3)
-            result[rows] = (
-                torque[[0, *range(len(torque))]] + torque[[*range(len(torque)), -1]]
-            ) / 2
+            # back to the samples: the mean of both neighbouring steps
+            earlier = torque[[0, *range(len(torque))]]
+            later = torque[[*range(len(torque)), -1]]
+            result[rows] = (earlier + later) / 2
     return result
 
 
 def _known(momentum: Array, rate: Array, segment: Labels) -> list[slice]:
-    """Rows of each stretch without gap and without NaN."""
+    """Return the rows of each stretch without gap and without NaN."""
     finite = finite_rows(momentum + rate)
     return [rows for rows in unbroken(segment, finite) if finite[rows.start]]

@@ -1,4 +1,4 @@
-"""How far the external torque is from zero where nothing touches the arm."""
+"""Statistics of the external torque without contact: a slow background and a fast error."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -21,9 +21,9 @@ from ur5lib.force.external_torque import (
 )
 from ur5lib.timeseries.arrays import Array, Mask
 
-SHORT, LONG = 0.5, 2.0  # s: half a push of a hand, and twice one
-SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, between which the slow part renews itself
-LEAST = 1e-3  # Nm, no joint repeats better
+SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its duration
+SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
+LEAST = 1e-3  # Nm, least standard deviation
 
 
 class Stretch(NamedTuple):
@@ -36,13 +36,12 @@ class Stretch(NamedTuple):
 
 @dataclass(frozen=True)
 class ResidualModel:
-    """Contact-free external torque: a slow part (Ornstein-Uhlenbeck) and a quick part.
+    """External torque without contact: a background (Ornstein-Uhlenbeck) and a fast error.
 
-    spread, change: (S, 6) [Nm], by joint state: standard deviation of the whole, and of what
-    changes within half a push, the quick part; rate: (S,) [1/s], at which the slow part renews
-    itself; correlation: (6, 6), between joints; independent: [s], between two values of the quick
-    part that know nothing of each other; breakaway: (6,) [Nm], up to which dry friction holds a
-    joint at rest.
+    spread, change: (S, 6) [Nm], by joint state: standard deviations of the sum, and of the fast
+    error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
+    correlation: (6, 6), between joints; independent: [s], between independent values of the fast
+    error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest.
     """
 
     spread: Array
@@ -53,16 +52,16 @@ class ResidualModel:
     breakaway: Array
 
     def covariance(self, of: Array, states: States) -> Array:
-        """D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
+        """Return D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
         deviation = of[states, np.arange(6)]
         return deviation[:, :, None] * self.correlation * deviation[:, None, :]
 
     def wider(self, factor: float) -> "ResidualModel":
-        """The same model with all deviations multiplied."""
+        """Return the model with all standard deviations multiplied by a factor."""
         return replace(self, spread=factor * self.spread, change=factor * self.change)
 
     def beside(self, repeated: "ResidualModel") -> "ResidualModel":
-        """Both models as one: the states of `repeated` are counted on from this model's."""
+        """Return both models as one: the states of `repeated` follow this model's."""
         return replace(
             self,
             spread=np.concatenate([self.spread, repeated.spread]),
@@ -84,22 +83,27 @@ class ResidualModel:
 def fit_residual_model(
     stretches: Sequence[Stretch], cutoff: float, breakaway: Array
 ) -> ResidualModel:
-    """Moments of the external torque over contact-free stretches.
+    """Fit the residual model to contact-free stretches by moments.
 
-    cutoff: [Hz], of the low-pass behind the torques: it leaves one independent value each
-    1 / (2 cutoff); breakaway: (6,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags parts
-    quick from slow. A state that no stretch shows is given the largest deviations of the others.
-    Raises InputError where no stretch is as long as the longer lag, or a joint never moves.
+    cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per
+    1 / (2 cutoff); breakaway: (6,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags
+    separates fast error and background. A state that no stretch contains has the largest deviations
+    of the others. Raises InputError if no stretch is as long as the longer lag, or a joint never
+    moves.
     """
+    # E[x²], and the variogram at both lags
     short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
-    whole, near, far = _moments(stretches), _moments(short), _moments(long)
+    whole, near, far = _moments(stretches), _moments(short), _moments(long)  # (S, 6) each
     if not np.isfinite(far).any():
-        raise InputError(f"no contact-free stretch is as long as {LONG:g} s; name more recordings")
+        raise InputError(
+            f"no contact-free recording has {LONG:g} s without a gap; "
+            "add a longer recording with the role “fit”"
+        )
     still = [f"{joint + 1}" for joint in range(6) if np.isnan(whole[MOVING, joint])]
     if still:
         raise InputError(
-            f"no contact-free recording moves joint {', '.join(still)}: what its motor needs in "
-            "motion is unknown; record one in which all joints move"
+            f"no contact-free recording moves joint {', '.join(still)}: its friction in motion is "
+            "unknown; record a motion of all joints"
         )
     change = np.sqrt(_filled(near))
     return ResidualModel(
@@ -113,27 +117,27 @@ def fit_residual_model(
 
 
 def few_paths(paths: int) -> float:
-    """By how much a 95 % band widens when so few paths told its width (Student's t).
+    """Return Student's t over the normal quantile, the factor of a 95 % band from few paths.
 
-    One path cannot tell how far others differ: it counts as two.
+    One path counts as two: it does not determine the variation between paths.
     """
     return float(stdtrit(max(1, paths - 1), 0.975) / ndtri(0.975))
 
 
 def _rates(growth: Array) -> Array:
-    """Median over the joints, (S,) [1/s]; where no joint tells, the slow part stays.
+    """Return the median over the joints, (S,) [1/s]; SLOWEST for a state without data.
 
-    A joint that stops while others move draws anew what dry friction holds: within a second, though
-    stops are too few among the samples for the median to say so.
+    A joint that stops has a new, random friction torque, so while settling and resting the
+    background renews within a second; there are too few stops for the median to show it.
     """
-    told = [row[np.isfinite(row)] for row in growth]
-    rates = [np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in told]
+    known = [row[np.isfinite(row)] for row in growth]
+    rates = [np.clip(np.median(r), SLOWEST, FASTEST) if len(r) else SLOWEST for r in known]
     stopped = np.isin(np.arange(len(rates)), (SETTLING, RESTING))
     return np.where(stopped, np.maximum(rates, 1 / RELAXING), rates)
 
 
 def _differences(stretch: Stretch, seconds: float) -> Stretch:
-    """(x(t + h) - x(t)) / sqrt 2, in the least known state that the joint passes in between."""
+    """Return (x(t + h) - x(t)) / sqrt 2, in the least certain state of the joint in between."""
     lag = round(seconds / stretch.period)
     torque, states = stretch.torque, stretch.states
     middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
@@ -144,11 +148,12 @@ def _differences(stretch: Stretch, seconds: float) -> Stretch:
 
 
 def _passed(where: Mask, lag: int) -> Mask:
+    """Return samples whose window of one lag contains one of the mask."""
     return np.asarray(maximum_filter1d(where.astype(np.uint8), lag + 1, axis=0) > 0)
 
 
 def _moments(stretches: Sequence[Stretch]) -> Array:
-    """Mean squares (S, 6) over time by state and joint; NaN for a state that is not there."""
+    """Return mean squares (S, 6) over time by state and joint; NaN for a state without data."""
     total, seconds = np.zeros((STATES, 6)), np.zeros((STATES, 6))
     for torque, states, period in stretches:
         for state in range(STATES):
@@ -159,11 +164,13 @@ def _moments(stretches: Sequence[Stretch]) -> Array:
 
 
 def _filled(moments: Array) -> Array:
+    """Return the moments with the joint's largest in place of NaN, and at least LEAST²."""
     largest = np.nanmax(moments, axis=0)
     return np.maximum(np.where(np.isfinite(moments), moments, largest), LEAST**2)
 
 
 def _correlation(differences: Sequence[Stretch], deviation: Array) -> Array:
+    """Return the correlation (6, 6) of the joints' differences, scaled by their deviations."""
     parts = [one.torque / deviation[one.states, np.arange(6)] for one in differences]
     scaled = np.concatenate(parts)
     return np.asarray(np.corrcoef(scaled[finite_rows(scaled)].T))

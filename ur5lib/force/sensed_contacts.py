@@ -1,4 +1,4 @@
-"""When something touches the arm, as its force sensor tells it."""
+"""Contacts according to the force sensor."""
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -6,23 +6,23 @@ from scipy.ndimage import maximum_filter1d
 from ur5lib.force.detection import Span, spans
 from ur5lib.timeseries.arrays import Array, Mask
 
-TOUCH, RELEASE = 3.0, 2.0  # N: what a contact reaches, and above what it lasts
-CONTACT = 5.0  # N, above which errors count as those in contact
-FREE, CLEAR = 1.0, 0.5  # N, s: below, and so far from any touch, a sample is free
+TOUCH, RELEASE = 3.0, 2.0  # N: a contact reaches the first and lasts above the second
+CONTACT = 5.0  # N, above which a sample is in contact
+FREE, CLEAR = 1.0, 0.5  # N, s: a free sample is below this force and this far from any touch
 
 
 def contacts(force: Array, least: float = TOUCH) -> list[Span]:
-    """Contacts that reach at least a force. force: (N,) [N], of the sensor, NaN where unknown."""
+    """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
     return spans(np.nan_to_num(force), least, RELEASE)
 
 
 def in_contact(force: Array) -> Mask:
-    """Samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
+    """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
     return np.asarray(force > CONTACT)
 
 
 def is_free(force: Array, period: float) -> Mask:
-    """Samples (N,) of which nothing touches the arm, nor within half a second.
+    """Return the samples (N,) without contact and half a second away from any.
 
     force: (N,) [N], of the sensor, NaN where unknown; period: [s].
     """

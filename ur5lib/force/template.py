@@ -1,9 +1,9 @@
-"""Repeat-aware: contact-free runs of the same trajectory tell what friction does along it.
+"""Repeat-aware estimate: contact-free runs of the same trajectory as a template of friction.
 
-Friction depends on position and direction more than any formula says, but repeats. Where a run
-passes the configuration of a contact-free one in the same direction and at the same speed, that
-one's external torque is taken off. Friction warms and cools from run to run: how well it repeats
-is learned by taking contact-free runs of the trajectory off each other.
+Friction depends on position and direction in a way that no formula describes, but it repeats. Where
+a run passes the configuration of a contact-free one at the same velocity, the external torque of
+that one is subtracted. Friction changes with temperature from run to run: its repeatability is
+estimated by subtracting contact-free runs of the trajectory from one another.
 """
 
 from dataclasses import dataclass, replace
@@ -26,9 +26,11 @@ from ur5lib.timeseries.trajectories import SAME, nearest, place
 
 @dataclass(frozen=True)
 class ForceInput:
-    """q, qd, external torque, joint states, (N, 6) each, NaN where unknown; segment: (N,).
+    """Input of the force estimate of one run.
 
-    period: [s]; doubt: (N, 6) [Nm], by which a load that was found may be off; None where none was.
+    q, qd, torque, states: positions, velocities, external torques and joint states, (N, 6) each,
+    NaN where unknown; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation of an
+    estimated load's torque, None without a load.
     """
 
     q: Array
@@ -40,16 +42,16 @@ class ForceInput:
     doubt: Array | None = None
 
     def moves(self) -> Mask:
-        """(N,) where it moves and its motion is known."""
+        """Return the samples (N,) in which the arm moves and its motion is known."""
         return finite_rows(self.q) & finite_rows(self.qd) & ~is_still(self.states)
 
     def with_torque(self, torque: Array, states: States) -> Self:
-        """The same motion with another torque, and states of another model."""
+        """Return the same motion with another torque and the states of another model."""
         return replace(self, torque=torque, states=states)
 
 
 class Repeated(NamedTuple):
-    """External torque (N, 6) without its template, and the states and model that go with it."""
+    """External torque (N, 6) without its template, with the corresponding states and model."""
 
     torque: Array
     states: States
@@ -59,19 +61,19 @@ class Repeated(NamedTuple):
 def repeat_aware(
     run: ForceInput, contact_free: list[ForceInput], model: ResidualModel, cutoff: float
 ) -> Repeated | None:
-    """What `estimate_wrench` needs for the repeat-aware estimate of a run.
+    """Return the input of `estimate_wrench` for the repeat-aware estimate of a run.
 
     contact_free: other runs without contact and with the same payload, of any trajectory; model: of
-    contact-free residuals without template, which goes on holding where nothing matches; cutoff:
-    [Hz]. None where no run is of the same trajectory. Where only one is, nothing tells how well it
-    repeats, and `model` holds everywhere.
+    contact-free residuals without template, used where no sample matches; cutoff: [Hz]. None if no
+    run is of the same trajectory. With a single one, the repeatability is unknown, and `model` is
+    used everywhere.
     """
     same = [free for free in contact_free if same_trajectory(run, free)]
     if not same:
         return None
-    left = run.torque - template(run, same)
-    matched = finite_rows(left)[:, None]
-    torque = np.where(matched, left, run.torque)
+    residual = run.torque - template(run, same)
+    matched = finite_rows(residual)[:, None]
+    torque = np.where(matched, residual, run.torque)
     if len(same) < 2:
         return Repeated(torque, run.states, model)
     repeated = matched & (run.states < RESTING)
@@ -80,29 +82,29 @@ def repeat_aware(
 
 
 def learn_repeats(runs: list[ForceInput], cutoff: float, breakaway: Array) -> ResidualModel:
-    """Residual model of contact-free runs of one trajectory, each less the template of the others.
+    """Fit the residual model to contact-free runs of one trajectory without their templates.
 
-    cutoff: [Hz]; breakaway: (6,) [Nm]. As wide as so few runs allow (Student's t). Raises
-    InputError for runs that are too short.
+    Each run's template is from the others. cutoff: [Hz]; breakaway: (6,) [Nm]. Widened by Student's
+    t for few runs. Raises InputError for runs that are too short.
     """
     stretches = []
     for index, run in enumerate(runs):
-        left = run.torque - template(run, runs[:index] + runs[index + 1 :])
+        residual = run.torque - template(run, runs[:index] + runs[index + 1 :])
         stretches += [
-            Stretch(left[rows], run.states[rows], run.period) for rows in unbroken(run.segment)
+            Stretch(residual[rows], run.states[rows], run.period) for rows in unbroken(run.segment)
         ]
     return fit_residual_model(stretches, cutoff, breakaway).wider(few_paths(len(runs)))
 
 
 def same_trajectory(run: ForceInput, contact_free: ForceInput) -> bool:
-    """Whether the other run passes nearly everywhere where this one moves."""
+    """Return whether the other run passes nearly all states in which this one moves."""
     moves = run.moves()
     matched = finite_rows(template(run, [contact_free]))
     return bool(moves.any() and matched[moves].mean() >= SAME)
 
 
 def template(run: ForceInput, contact_free: list[ForceInput]) -> Array:
-    """External torque (N, 6) of the nearest sample of the contact-free runs, in (q, qd).
+    """Return the external torque (N, 6) of the nearest sample of the contact-free runs in (q, qd).
 
     NaN where the run rests, or none of their samples is near.
     """

@@ -1,7 +1,7 @@
-"""The contact wrench over a recording, its band, and the odds that there is a contact.
+"""The contact wrench over a recording, its band, and the odds of contact.
 
-tau_ext = J^T F + b + e, with the slow part b and the quick part e of `ResidualModel`. The gate says
-when there is a contact and what b is; each contact's own samples then say how large it is.
+tau_ext = J^T F + b + e, with the background b and the fast error e of `ResidualModel`. The gate
+estimates the times of contact and b; the magnitude of each contact follows from its own samples.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -20,20 +20,20 @@ from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
-STEP = 0.032  # s between the samples that are weighed: torques hold nothing above some 2 Hz
-OPENS, CLOSES = 0.5, 0.1  # probability from which a contact is one, and to which it lasts
-MARGIN = 0.15  # s, that a contact begins before and ends after the gate is sure
-INSIDE = 0.999  # probability of contact that counts inside
+STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
+OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
+MARGIN = 0.15  # s, by which a contact is extended at both ends
+INSIDE = 0.999  # least probability inside a contact
 
 
 @dataclass(frozen=True)
 class WrenchEstimate:
-    """Environment on arm, base axes, at the origin of frame 6.
+    """The wrench of the environment on the arm, base axes, at the origin of frame 6.
 
-    wrench, std: (N, 6) [N, Nm], wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact
-    against none, by all samples; causal_log_odds: (N,), by those up to each; background: (N, 6)
-    [Nm], the slow part of the external torque; least_squares, least_squares_std: (N, 6), the same
-    contacts without any prior, NaN in them where the torque is unknown, zero elsewhere.
+    wrench, std: (N, 6) [N, Nm], wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact,
+    given all samples; causal_log_odds: (N,), given past samples only; background: (N, 6) [Nm], the
+    slow part of the external torque; least_squares, least_squares_std: (N, 6), the same contacts
+    without a prior, NaN in them where the torque is unknown, zero elsewhere.
     """
 
     wrench: Array
@@ -47,11 +47,10 @@ class WrenchEstimate:
 
 @dataclass(frozen=True)
 class Ablation:
-    """What of the estimate is replaced or left out, to tell what it is worth.
+    """Parts of the estimate to replace or omit, to measure their effect.
 
-    contacts: (N,), where the arm is in contact, by a sensor instead of the gate; background:
-    whether it is taken off; learning: whether each contact chooses its size, or is taken as a usual
-    one.
+    contacts: (N,), contacts according to a sensor instead of the gate; background: whether it is
+    subtracted; learning: whether each contact learns its magnitude, or has the typical one.
     """
 
     contacts: Mask | None = None
@@ -73,25 +72,27 @@ def estimate_wrench(
     doubt: Array | None = None,
     ablation: Ablation = NOTHING_LEFT_OUT,
 ) -> WrenchEstimate:
-    """The wrench of each unbroken stretch, by all of its samples (it is an offline estimate).
+    """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
-    torque: external, low-passed, (N, 6) [Nm], rows of NaN where it is unknown; jacobian:
-    (N, 6, 6); states: (N, 6), of `model`; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard
-    deviation of what a load that was found leaves. Rows without a Jacobian, where the arm's pose is
-    unknown, come out as NaN.
+    torque: external, low-passed, (N, 6) [Nm], rows of NaN where unknown; jacobian: (N, 6, 6);
+    states: (N, 6), of `model`; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation
+    of an estimated load's torque. Rows without a Jacobian, where the arm's pose is unknown, are
+    NaN.
     """
-    off = np.zeros_like(torque) if doubt is None else np.nan_to_num(doubt)
+    load_std = np.zeros_like(torque) if doubt is None else np.nan_to_num(doubt)
+    # without a Jacobian, the torque is unknown too
     posed = finite_rows(jacobian.reshape(-1, 36))
     torque = np.where(posed[:, None], torque, np.nan)
     jacobian = np.where(posed[:, None, None], jacobian, 0.0)
+    # every stretch on its own, thinned to STEP
     every = max(1, round(STEP / period))
     parts = []
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
-        noise = Noise.of(states[thin], model, prior, off[thin])
+        noise = Noise.of(states[thin], model, prior, load_std[thin])
         problem = torque[thin], jacobian[thin], states[thin], every * period, noise
-        told = None if ablation.contacts is None else ablation.contacts[thin]
-        own = _estimate(*problem, model, prior, replace(ablation, contacts=told))
+        sensed = None if ablation.contacts is None else ablation.contacts[thin]
+        own = _estimate(*problem, model, prior, replace(ablation, contacts=sensed))
         parts.append([_at_all(own, column.name, every, rows) for column in fields(own)])
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
     for column in columns:
@@ -100,7 +101,7 @@ def estimate_wrench(
 
 
 def _at_all(thin: WrenchEstimate, name: str, every: int, rows: slice) -> Array:
-    """A quantity at all samples of a stretch, linearly between those that were weighed."""
+    """Interpolate a quantity of the thinned estimate linearly at all samples of a stretch."""
     values = getattr(thin, name)
     at, known = np.arange(rows.stop - rows.start), every * np.arange(len(values))
     if values.ndim == 1:
@@ -118,21 +119,26 @@ def _estimate(
     prior: ContactPrior,
     ablation: Ablation,
 ) -> WrenchEstimate:
+    """Estimate the wrench of one stretch, at the thinned samples."""
+    # p(contact), the background b, and the spans of contacts
     gate = find_contacts(torque, jacobian, states, period, noise, model, prior, ablation.contacts)
     contacts = contact_spans(gate.probability, period)
     inside = _inside(contacts, len(torque))
-    likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)
-    rest = torque - ablation.background * gate.background.mean
-    # What joints err by is taken as independent: correlations learnt without contact mislead in it.
-    left = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
+    likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)  # (n,)
+    # τ - b, and its covariance S; joints count as independent, because correlations that were
+    # learnt without contact mislead in contact
+    residual = torque - ablation.background * gate.background.mean
+    covariance = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
+    # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     worth = min(1.0, period / model.independent)
     chosen, plain = _nothing(torque), _nothing(torque)
     for span in contacts:
         part = slice(*span)
-        own = rest[part], jacobian[part], left[part]
-        usual = None if ablation.learning else prior.usual()
-        _put(chosen, part, contact_wrench(*own, worth, period, prior, usual))
+        own = residual[part], jacobian[part], covariance[part]
+        typical = None if ablation.learning else prior.usual()
+        _put(chosen, part, contact_wrench(*own, worth, period, prior, typical))
         _put(plain, part, least_squares_wrench(*own))
+    # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
     unnoticed = _unnoticed(jacobian, noise, prior)
     wrench = likely[:, None] * chosen.mean
     second = chosen.variance + chosen.mean**2
@@ -149,13 +155,14 @@ def _estimate(
 
 
 def contact_spans(probability: Array, period: float) -> list[Span]:
-    """Contacts by their probability (N,), a little longer than the gate is sure; period: [s]."""
+    """Return the contacts of a probability (N,), extended by MARGIN at both ends; period: [s]."""
     found = _inside(spans(probability, OPENS, CLOSES), len(probability))
     reach = np.ones(2 * round(MARGIN / period) + 1, bool)
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
 def _inside(contacts: list[Span], count: int) -> Mask:
+    """Return which of `count` samples lie in a contact."""
     inside = np.zeros(count, bool)
     for span in contacts:
         inside[slice(*span)] = True
@@ -163,10 +170,10 @@ def _inside(contacts: list[Span], count: int) -> Mask:
 
 
 def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:
-    """Variance (N, 6) of what may act though the gate is shut.
+    """Return the variance (N, 6) of a wrench that may act though the gate is shut.
 
-    In motion a contact that grows slowly passes for background, up to a few of its standard
-    deviations; at rest it may be what friction holds.
+    In motion, a slowly growing contact up to two standard deviations of the background may remain
+    unnoticed; at rest, one that dry friction absorbs.
     """
     resting = np.asarray(noise.still.all(axis=1))[:, None, None]
     hidden = np.where(resting, noise.hidden, prior.unnoticed**2 * noise.spread)
@@ -176,8 +183,10 @@ def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:
 
 
 def _nothing(torque: Array) -> Wrench:
+    """Return a wrench of zero with variance zero."""
     return Wrench(np.zeros_like(torque), np.zeros_like(torque))
 
 
 def _put(whole: Wrench, part: slice, own: Wrench) -> None:
+    """Write the wrench of one contact into that of the stretch."""
     whole.mean[part], whole.variance[part] = own

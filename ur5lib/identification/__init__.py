@@ -1,1 +1,1 @@
-"""What recordings tell of an arm: closed loop, rotors, friction, inertial parameters."""
+"""Identification from recordings: closed loop, rotors, friction, inertial parameters, payload."""

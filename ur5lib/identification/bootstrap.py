@@ -1,7 +1,7 @@
-"""Spread of estimates under another draw of recordings, and of blocks within them.
+"""Bootstrap standard errors over recordings, and over blocks within them.
 
 Samples of a recording share its temperature and posture, so whole recordings are drawn with
-replacement; but few of them tell a spread badly, so blocks within them are drawn too, and the
+replacement. A few recordings determine a spread badly, so blocks within them are drawn too, and the
 larger of both spreads counts.
 """
 
@@ -14,10 +14,10 @@ DRAWS = 500
 
 
 def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, count: int) -> Array:
-    """Normal equations of each block, (count, P, P + 1): the matrix, and the right side last.
+    """Return the normal equations of each block, (count, P, P + 1): matrix, then right side.
 
-    columns: (n, P); curvature, pull: (n,), what a sample adds to both along its columns; block:
-    (n,) labels 0 to count - 1.
+    columns: x (n, P); curvature, pull: c, p (n,), so that a sample adds c x xᵀ and p x; block: (n,)
+    labels 0 to count - 1.
     """
     sums = np.zeros((count, columns.shape[1], columns.shape[1] + 1))
     sides = np.column_stack([columns * curvature[:, None], pull])
@@ -26,7 +26,7 @@ def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, cou
 
 
 def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """How often each block is in each of DRAWS draws of whole units, (DRAWS, n).
+    """Return how often each block occurs in each of DRAWS draws of whole units, (DRAWS, n).
 
     unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
     """
@@ -38,7 +38,7 @@ def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
 
 
 def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
-    """How often each block is in each of DRAWS draws of blocks within their units, (DRAWS, n)."""
+    """Return how often each block occurs in each draw of blocks within their units, (DRAWS, n)."""
     counts = np.zeros((DRAWS, len(unit_of_block)))
     for unit in np.unique(unit_of_block[unit_of_block >= 0]):
         own = unit_of_block == unit
@@ -47,23 +47,24 @@ def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
 
 
 def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
-    """Standard errors (P,) from replicates (B, P) of both kinds.
+    """Return standard errors (P,) from replicates (B, P) of both kinds of draws.
 
-    The root makes up for drawing among few units.
+    The factor sqrt(n / (n - 1)) corrects the bias of a bootstrap over few units.
     """
     return np.maximum(spread(by_unit) * np.sqrt(units / max(1, units - 1)), spread(by_block))
 
 
 def _draw(count: int, generator: np.random.Generator) -> Array:
+    """Return how often each of `count` items occurs in DRAWS draws with replacement."""
     return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
 
 
 def spread(replicates: Array) -> Array:
-    """Half of what the central 68 % cover: one standard deviation, whatever the tails."""
+    """Return half the width of the central 68 %: a standard deviation that ignores the tails."""
     low, high = np.quantile(replicates, ndtr([-1.0, 1.0]), axis=0)
     return (high - low) / 2
 
 
 def half_width(error: Array, units: int) -> Array:
-    """Half of the 95 % interval (P,), of Student's t with as many units less one."""
+    """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom."""
     return error * stdtrit(max(1, units - 1), 0.975)

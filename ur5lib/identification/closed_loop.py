@@ -1,8 +1,8 @@
-"""The closed loop of Equation 2.80, simulated exactly, and the PD gains that a recording tells.
+"""The closed loop of Equation 2.80, simulated exactly, and its PD gains from a recording.
 
 Under feedback linearisation the model of the links cancels (2.70): each joint is a double
-integrator of its own, driven by a_q = q̈_d - K0 (q - q_d) - K1 (q̇ - q̇_d) (2.71). So the gains are
-the same for every model, and twelve of them are six problems of two.
+integrator of its own, driven by a_q = q̈_d - K0 (q - q_d) - K1 (q̇ - q̇_d) (2.71). So the gains do
+not depend on the model, and the twelve gains are six problems of two.
 """
 
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
 NODES = 31  # of the grid of gains, on each axis
-STARTS = 5  # how many of its valleys are followed down
-LEVEL = 0.95
-KNOWN = 10.0  # a range as wide as an order of magnitude is no estimate
+STARTS = 5  # local minima of the grid from which least squares start
+LEVEL = 0.95  # of the confidence region
+KNOWN = 10.0  # factor between the ends of a range, above which a gain is undetermined
 
 
 @dataclass(frozen=True)
 class Tracking:
-    """What an arm was told to do and what it did, on a uniform grid.
+    """Target and measured motion of an arm on a uniform grid.
 
     target_q, target_qd, target_qdd, actual_q, actual_qd: (N, 6) [rad, rad/s, rad/s²];
-    segment: (N,) labels of unbroken stretches; period: [s]. Rows with NaN break a stretch.
+    segment: (N,) labels of unbroken stretches; period: [s]. Rows with NaN divide a stretch.
     """
 
     target_q: Array
@@ -44,13 +44,13 @@ class Tracking:
 
 @dataclass(frozen=True)
 class Gain:
-    """One gain, K0 [1/s²] or K1 [1/s], as far as a recording tells it.
+    """One gain, K0 [1/s²] or K1 [1/s], with its confidence range.
 
-    best: where the cost is least; std_error: from the Jacobian there; low, high: between them some
-    value fits as well as the best; determined: whether both lie inside the search bounds (Raue et
-    al. 2009) and less than an order of magnitude apart. If not, the range is the result, `best` a
-    point in it, and `std_error` means nothing. grid, profile: (G,) values between the search
-    bounds, and the least cost over the other gain at each.
+    best: the minimum of the cost; std_error: from the Jacobian there; low, high: ends of the 95 %
+    range; determined: whether both lie inside the search bounds (Raue et al. 2009) and less than an
+    order of magnitude apart. If not, the range is the result, `best` is one value in it, and
+    `std_error` is meaningless. grid, profile: (G,) values between the search bounds, and the
+    minimum of the cost over the other gain at each.
     """
 
     best: float
@@ -64,10 +64,11 @@ class Gain:
 
 @dataclass(frozen=True)
 class JointGains:
-    """The gains of one joint, and costs as of `tracking_cost`.
+    """The gains of one joint, and costs as in `tracking_cost`.
 
-    noise: (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the least;
-    limit: up to it gains fit as well; stiff: of a joint that is always where it was told to be.
+    noise: (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum;
+    limit: cost at the ends of the 95 % range; stiff: cost of a joint that follows its target
+    exactly.
     """
 
     position: Gain
@@ -86,17 +87,19 @@ def simulate_closed_loop(
     position_gains: Array,
     velocity_gains: Array,
 ) -> tuple[Array, Array, Array]:
-    """q̂ [rad], q̂̇ [rad/s] and a_q = q̂̈ [rad/s²] of the loop (2.80), (N, 6) each.
+    """Simulate the loop (2.80): q̂ [rad], q̂̇ [rad/s] and a_q = q̂̈ [rad/s²], (N, 6) each.
 
     targets: (N, 6), unbroken and uniform; period: [s]; gains: (6,), the diagonals of K0 [1/s²] and
-    K1 [1/s]. The loop starts on its target, as the UR5's recordings do. Between samples targets run
-    straight (a first-order hold), which the matrix exponential solves without error. Held still
-    over each step they would lag by half of it: two to six times the position errors of Table 5.5.
+    K1 [1/s]. The loop starts on its target, as the UR5's recordings do. Between samples, targets
+    change linearly (first-order hold), which the matrix exponential solves exactly. With constant
+    targets, delayed by half a step, the position errors would be two to six times those of Table
+    5.5.
     """
-    drive = target_qdd + position_gains * target_q + velocity_gains * target_qd
+    # q̂̈ = u - K0 q̂ - K1 q̂̇ with u = q̈_d + K0 q_d + K1 q̇_d
+    drive = target_qdd + position_gains * target_q + velocity_gains * target_qd  # (N, 6)
     starts = np.stack([target_q[0], target_qd[0]], axis=1)
     steps = [_step(*gains, period) for gains in zip(position_gains, velocity_gains, strict=True)]
-    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]
+    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]  # 6 of (N, 2)
     q, qd = np.stack(states, axis=1).transpose(2, 0, 1)
     return q, qd, drive - position_gains * q - velocity_gains * qd
 
@@ -104,12 +107,12 @@ def simulate_closed_loop(
 def tracking_cost(
     tracking: Tracking, position_gains: Array, velocity_gains: Array, noise: Array
 ) -> Array:
-    """The cost J of gains (6,), which must be positive: (6,), dimensionless, one for each joint.
+    """Return the cost J (6,) of positive gains (6,), dimensionless, one for each joint.
 
-    (2.83) adds rad² and rad²/s², which leaves the say to the velocities' noise alone. Here each
-    squared residual counts in units of noise, and as one of as many samples as are independent:
-    J = Σ r²/(σ² t), over positions and velocities. noise: (6, 2), σ √t of `JointGains`, where σ² is
-    the residuals' mean square under the best gains and t their correlation time in samples.
+    (2.83) adds rad² and rad²/s², so that the velocities' noise dominates. Here squared residuals
+    are divided by their variance and their correlation time: J = Σ r²/(σ² t), over positions and
+    velocities. noise: (6, 2), σ √t of `JointGains`, where σ² is the residuals' mean square under
+    the best gains and t their correlation time in samples.
     """
     gains = np.log(np.stack([position_gains, velocity_gains], axis=1))
     columns = zip(_joints(tracking), gains, noise, strict=True)
@@ -117,14 +120,14 @@ def tracking_cost(
 
 
 def estimate_gains(tracking: Tracking) -> list[JointGains]:
-    """The gains of the six joints by nonlinear least squares (2.84), and how well they are known.
+    """Estimate the gains of the six joints by nonlinear least squares (2.84), with 95 % ranges.
 
-    Searched is where a recording can tell a loop: natural frequencies from one radian over its
-    longest stretch up to Nyquist's, critically damped (2.74). A grid in the logarithm of both gains
-    comes first, then least squares from its deepest valleys; the noise is first that of a stiff
-    joint, then that of the gains found. Gains fit as well as the best when
+    The search range is what a recording can determine: natural frequencies from one radian over its
+    longest stretch up to Nyquist's, critically damped (2.74). Least squares start from the deepest
+    local minima of a grid in the logarithm of both gains; the noise is first that of a stiff joint,
+    then that of the gains found. The 95 % range is
     J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
-    number of independent samples. Raises ValueError where no two successive samples are complete.
+    number of independent samples. Raises ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -141,28 +144,33 @@ class _Step(NamedTuple):
 
 
 def _step(position_gain: float, velocity_gain: float, period: float) -> _Step:
-    """One period of q̈ = u - K0 q - K1 q̇, u straight within it (Van Loan 1978)."""
-    generator = np.zeros((4, 4))  # of q, q̇, u, and what u gains in one period
+    """Discretise q̈ = u - K0 q - K1 q̇ over one period with linear u (Van Loan 1978)."""
+    # d/dt [q, q̇, u, Δu] = G [q, q̇, u, Δu], with u' = Δu / T
+    generator = np.zeros((4, 4))
     generator[:2, 1:3] = np.eye(2)
     generator[1, :2] = -position_gain, -velocity_gain
     generator[2, 3] = 1 / period
+    # exp(G T) gives x[k+1] = A x[k] + C0 u[k] + C1 (u[k+1] - u[k])
     flow = expm(generator * period)
     return _Step(flow[:2, :2], flow[:2, 2] - flow[:2, 3], flow[:2, 3])
 
 
 def _run(step: _Step, drive: Array, start: Array) -> Array:
-    """States (N, 2) under u (N,).
+    """Return the states (N, 2) under u (N,) from a start (2,).
 
-    A² = tr(A) A - det(A) I (Cayley and Hamilton) makes of x[k+1] = A x[k] + w[k+1] a recursion of
-    each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
+    By A² = tr(A) A - det(A) I (Cayley and Hamilton), x[k+1] = A x[k] + w[k+1] becomes a recursion
+    of each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
     """
     A, B0, B1 = step
-    pushes = np.empty((2, len(drive)))  # a row a state: rows are faster than columns
+    # w[0] = x[0], w[k+1] = B0 u[k] + B1 u[k+1]
+    pushes = np.empty((2, len(drive)))  # one row per state: rows are faster than columns
     pushes[:, 0] = start
     pushes[:, 1:] = B0[:, None] * drive[:-1] + B1[:, None] * drive[1:]
+    # w[k+2] + (A - tr(A) I) w[k+1]
     trace = np.trace(A)
     inputs = pushes.copy()
     inputs[:, 1:] += (A - trace * np.eye(2)) @ pushes[:, :-1]
+    # x[k+2] - tr(A) x[k+1] + det(A) x[k] = inputs
     return lfilter([1.0], [1.0, -trace, np.linalg.det(A)], inputs).T
 
 
@@ -171,13 +179,13 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Joint:
-    """One joint's recording. stretches: (K, 5) each: told q, q̇, q̈, measured q, q̇; period: [s]."""
+    """One joint's recording. stretches: (K, 5): target q, q̇, q̈, measured q, q̇; period: [s]."""
 
     stretches: list[Array]
     period: float
 
     def errors(self, gains: Array) -> Array:
-        """Of q̂ and q̂̇, (N, 2); gains: (2,), the logarithms of K0 and K1."""
+        """Return the errors of q̂ and q̂̇, (N, 2); gains: (2,), the logarithms of K0 and K1."""
         position_gain, velocity_gain = np.exp(gains)
         step = _step(position_gain, velocity_gain, self.period)
         errors = []
@@ -187,25 +195,28 @@ class _Joint:
         return np.concatenate(errors)
 
     def cost(self, gains: Array, noise: Array) -> float:
+        """Return J = Σ r²/(σ² t) of log gains (2,); noise: (2,), σ √t."""
         return float(np.sum((self.errors(gains) / noise) ** 2))
 
     def stiff_errors(self) -> Array:
-        told = np.concatenate(self.stretches)
-        return told[:, 3:] - told[:, :2]
+        """Return the errors (N, 2) of a joint that follows its target exactly."""
+        signals = np.concatenate(self.stretches)
+        return signals[:, 3:] - signals[:, :2]
 
     def search_bounds(self) -> Array:
-        """Least and greatest gains, (2, 2): natural frequencies that a recording can tell."""
+        """Return the logarithms of least and greatest gains (2, 2), by natural frequencies."""
         longest = max(map(len, self.stretches)) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
         return np.log(np.stack([frequency**2, 2 * frequency], axis=1))
 
     def noise(self, errors: Array) -> Array:
-        """σ √t of errors (N, 2) in position and velocity."""
+        """Return σ √t (2,) of errors (N, 2) in position and velocity."""
         ends = np.cumsum([len(stretch) for stretch in self.stretches])[:-1]
         return np.array([_noise(np.split(kind, ends)) for kind in errors.T])
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
+    """Split the recording by joint and into its complete stretches."""
     t = tracking
     signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd], axis=2)
     finite = np.asarray(np.isfinite(signals).all(axis=(1, 2)))
@@ -215,34 +226,41 @@ def _joints(tracking: Tracking) -> list[_Joint]:
         if finite[rows.start] and rows.stop - rows.start > 1
     ]
     if not complete:
-        raise ValueError("no two successive samples are complete")
+        raise ValueError("no two successive samples have both targets and measured motion")
     return [_Joint([signals[rows, joint] for rows in complete], t.period) for joint in range(6)]
 
 
 def _noise(errors: list[Array]) -> float:
-    """√(σ² t): mean square, and correlation time by the positive sums of Geyer (1992)."""
+    """Return √(σ² t): mean square, and correlation time by the positive sums of Geyer (1992)."""
+    # autocovariance by the power spectrum, zero-padded
     size, count = 2 * max(map(len, errors)), sum(map(len, errors))
     spectra = [np.abs(np.fft.rfft(error, size)) ** 2 for error in errors]
     covariance = np.fft.irfft(np.sum(spectra, axis=0), size) / count
     if covariance[0] <= 0:
-        return np.inf  # a joint that nothing moves tells nothing
+        return np.inf  # a joint without any error determines nothing
+    # σ² t = 2 Σ (c_2k + c_2k+1) - c_0, up to the first pair that is not positive
     pairs = covariance[: size // 4 * 2].reshape(-1, 2).sum(axis=1)
     last = int(np.argmax(pairs <= 0)) or len(pairs)
     return float(np.sqrt(max(2 * pairs[:last].sum() - covariance[0], covariance[0])))
 
 
 def _estimate(joint: _Joint) -> JointGains:
+    """Estimate both gains of one joint and their 95 % ranges."""
+    # squared errors on a grid of log gains
     bounds = joint.search_bounds()
-    grid = np.linspace(bounds[0], bounds[1], NODES)
+    grid = np.linspace(bounds[0], bounds[1], NODES)  # (NODES, 2)
     squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=0) for p in product(*grid.T)])
     squares = squares.reshape(NODES, NODES, 2)
+    # minimum, first with the noise of a stiff joint, then with that of the gains found
     stiff = joint.stiff_errors()
     first = _descend(joint, grid, squares, joint.noise(stiff))
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
-    free = max(joint.cost(first.x, noise) - 2, 1.0)  # independent samples less two gains
+    # limit = J_min [1 + 2/(n - 2) F(2, n - 2)], with n - 2 = `free`
+    free = max(joint.cost(first.x, noise) - 2, 1.0)
     least = 2 * best.cost
     limit = least * (1 + 2 / free * fisher.ppf(LEVEL, 2, free))
+    # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
     position, velocity = (
@@ -253,7 +271,7 @@ def _estimate(joint: _Joint) -> JointGains:
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
-    """The best of the least squares from the deepest valleys of the grid."""
+    """Return the best least squares fit from the deepest local minima of the grid."""
 
     def residuals(gains: Array) -> Array:
         return (joint.errors(gains) / noise).ravel()
@@ -265,14 +283,14 @@ def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> Optimi
 
 
 def _valleys(grid: Array, costs: Array) -> Array:
-    """The deepest nodes that have no deeper neighbour, (S, 2)."""
+    """Return the deepest local minima of the grid, (S, 2)."""
     lowest = np.argwhere(costs == minimum_filter(costs, 3, mode="nearest"))
     order = np.argsort(costs[tuple(lowest.T)])[:STARTS]
     return np.stack([grid[lowest[order, axis], axis] for axis in (0, 1)], axis=1)
 
 
 def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[Array]:
-    """For each gain, (G,): the cost at each node, least over the other gain."""
+    """Return the profile (G,) of each gain: at each node, the minimum over the other gain."""
     costs = squares @ noise**-2.0
 
     def least(axis: int, node: int) -> float:
@@ -291,9 +309,10 @@ def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[
 
 
 def _gain(best: float, std: float, grid: Array, profile: Array, least: float, limit: float) -> Gain:
-    """A gain and the range in which its profile stays within the limit.
+    """Return a gain and the range in which its profile stays within the limit.
 
-    The root of the cost's rise is nearly straight in the gain (Bates and Watts 1988, chapter 6).
+    The square root of the cost's rise is nearly linear in the log gain (Bates and Watts 1988,
+    chapter 6), so it is interpolated linearly.
     """
     place = np.searchsorted(grid, best)
     nodes = np.insert(grid, place, best)
@@ -306,7 +325,7 @@ def _gain(best: float, std: float, grid: Array, profile: Array, least: float, li
 
 
 def _crossing(nodes: Array, rise: Array, allowed: float) -> float:
-    """Where the rise first comes down to what is allowed; the first node, if it never is above."""
+    """Return where the rise first falls to the allowed value; the first node if it starts below."""
     inside = int(np.argmax(rise <= allowed))
     if inside == 0:
         return float(nodes[0])

@@ -1,4 +1,4 @@
-"""The links that bodies of positive mass density could be: pseudo-inertias positive definite."""
+"""Physically consistent inertial parameters: positive definite pseudo-inertias."""
 
 import cvxpy as cp
 import numpy as np
@@ -6,12 +6,12 @@ import numpy as np
 from ur5lib.identification.base_parameters import Estimate
 from ur5lib.timeseries.arrays import Array
 
-LENGTH = 0.1  # m: a link's size, to bring masses, moments and inertias to one scale
-MARGIN = 1e-6  # kg, kg m²: far below any link's, far above what the solver misses it by
+LENGTH = 0.1  # m: a link's size, which scales masses, moments and inertias alike
+MARGIN = 1e-6  # kg, kg m²: far below any link's, far above the solver's tolerance
 
 
 def _basis() -> Array:
-    """(10, 4, 4): the pseudo-inertia [[½ tr(I) 1 - I, m c], [m cᵀ, m]] of each parameter alone."""
+    """Return the pseudo-inertia [[½ tr(I) 1 - I, m c], [m cᵀ, m]] of each parameter, (10, 4, 4)."""
     basis = np.zeros((10, 4, 4))
     basis[0, 3, 3] = 1
     for i in range(3):
@@ -28,22 +28,22 @@ BASIS = _basis()
 
 
 def pseudo_inertias(parameters: Array) -> Array:
-    """(6, 4, 4) [kg] of the links with π = parameters (P,), lengths counted in LENGTH."""
+    """Return the pseudo-inertias (6, 4, 4) [kg] of π = parameters (P,), lengths in LENGTH."""
     return np.einsum("ki,imn->kmn", parameters[:60].reshape(6, 10), BASIS)
 
 
 def smallest_eigenvalues(parameters: Array) -> Array:
-    """(6,) [kg] of the pseudo-inertias: a link that is negative here is no body (Wensing 2018)."""
+    """Return the pseudo-inertias' least eigenvalues (6,) [kg]: bodies have positive ones (Wensing)."""
     return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
 
 
 def consistent(estimate: Estimate) -> Array:
-    """π (P,) of six bodies and six rotors, as near to an estimate as its errors want it.
+    """Return the physically consistent π (P,) nearest to an estimate, in the metric of its errors.
 
-    Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), which is the weighted least squares with the prior, subject to
-    pseudo-inertias and rotor inertias no smaller than MARGIN: a convex problem. With Σ = S Sᵀ, its
-    unknown is S⁻¹ (π - π̂). Its errors are taken as the estimate's.
-    Raises ValueError where no bodies explain the torques.
+    Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), the weighted least squares with the prior, subject to
+    pseudo-inertias and rotor inertias of at least MARGIN: a convex problem. With Σ = S Sᵀ, the
+    unknown is S⁻¹ (π - π̂). Its standard errors are those of the estimate.
+    Raises ValueError if no bodies explain the torques.
     """
     change = cp.Variable(len(estimate.parameters))
     parameters = estimate.parameters + estimate.spread @ change
@@ -57,6 +57,7 @@ def consistent(estimate: Estimate) -> Array:
     problem.solve(solver=cp.CLARABEL)
     if problem.status != cp.OPTIMAL:
         raise ValueError(
-            f"no six bodies with six rotors explain these torques (solver: {problem.status})"
+            "no physically consistent inertial parameters explain target_moment "
+            f"(solver: {problem.status}); check its units and the robot"
         )
     return np.asarray(parameters.value, dtype=np.float64)

@@ -1,8 +1,8 @@
-"""From motion and rigid-body torque to motor current: k i + b = τ + τ_friction, fitted.
+"""The map from motion and rigid-body torque to motor current: k i + b = τ + τ_friction.
 
-The current is what is predicted, for it carries the noise: i = (τ + τ_friction - b) / k is linear
-in 1/k, b/k and the friction coefficients over k. These come from samples in motion; at rest,
-friction is whatever holds the joint up to breakaway: what it was before the stop, in some part.
+The regression target is the current, because it is noisy: i = (τ + τ_friction - b) / k is linear
+in 1/k, b/k and the friction coefficients over k, which are fitted to samples in motion. At rest,
+friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
 """
 
 from collections.abc import Mapping, Sequence
@@ -41,10 +41,11 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
 COVERED = 0.95
-FOLDS = 10  # of cross-fitting
+FOLDS = 10  # of cross-fitting, at most
 LEAST_FRICTION = 0.1  # Nm
 ONE_PATH = (
-    "moves along one path only: no term is chosen, error bars are untested; record another path"
+    "moves along one path only: no further friction term is selected, and the error bars are "
+    "untested; record another path"
 )
 
 
@@ -52,10 +53,9 @@ ONE_PATH = (
 class JointFit:
     """One joint's map from motion to current.
 
-    presliding: [rad], over which friction turns; held: [A], by which it is more at rest than in
-    motion, negative for less; band_moving, band_rest: half of the 95 % band [A] around the
-    low-passed current of a recording left out; remarks: what could not be fitted, one sentence
-    each.
+    presliding: [rad], over which friction reverses; held: [A], friction at rest beyond that in
+    motion, may be negative; band_moving, band_rest: half of the 95 % band [A] around the low-passed
+    current of a recording that was left out; remarks: doubts about the fit, one sentence each.
     """
 
     terms: tuple[Term, ...]
@@ -67,20 +67,20 @@ class JointFit:
     remarks: tuple[str, ...]
 
     def names(self) -> list[str]:
-        """Of the parameters."""
+        """Return the parameters' names."""
         return ["torque_constant", "offset", *(n for term in self.terms for n in term.names())]
 
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The six joints' maps; units: the paths, or among few the stretches, they rest on."""
+    """The maps of the six joints; units: number of paths, or of stretches if paths are few."""
 
     joints: tuple[JointFit, ...]
     units: int
 
     @classmethod
     def from_plain(cls, data: Mapping[str, Any]) -> Self:
-        """A fit from what `dataclasses.asdict` made of it, by way of JSON."""
+        """Return the fit from its `dataclasses.asdict`, as read from JSON."""
         return cls(tuple(_joint_from_plain(joint) for joint in data["joints"]), data["units"])
 
 
@@ -104,19 +104,22 @@ def fit_currents(
     family: Sequence[Term] = FAMILY,
     seed: int = 0,
 ) -> CurrentFit:
-    """Fit all joints over contact-free recordings; choose friction by paths left out.
+    """Fit all joints to contact-free recordings; select friction terms by cross-validation.
 
-    smooth: a zero-phase low-pass, at 2 Hz say: above, the measured current is noise.
+    smooth: a zero-phase low-pass at, for example, 2 Hz: above, the measured current is noise.
     """
     alone = [prior.of_joint(joint) for joint in range(6)]
+    # presliding distance of each joint, with the least error on paths left out
     tried = [joint_samples(records, smooth, family, [way] * 6) for way in PRESLIDING]
-    samples = [
-        choose_presliding(*pair) for pair in zip(zip(*tried, strict=True), alone, strict=True)
-    ]
+    by_joint = zip(*tried, strict=True)
+    samples = [choose_presliding(*pair) for pair in zip(by_joint, alone, strict=True)]
+    # friction terms of each joint, then the coefficients of all joints
     terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
     estimates, units = estimate_together(samples, terms, prior, seed)
+    # standard errors of the fit with the terms that are always considered
     fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
-    estimates = [*map(beside_fuller, estimates, estimate_together(samples, fuller, prior, seed)[0])]
+    fuller_estimates, _ = estimate_together(samples, fuller, prior, seed)
+    estimates = [*map(beside_fuller, estimates, fuller_estimates)]
     joints = zip(samples, terms, alone, estimates, strict=True)
     return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
 
@@ -124,10 +127,10 @@ def fit_currents(
 def fit_without_each_path(
     records: Sequence[Record], smooth: Smooth, prior: Prior, family: Sequence[Term] = FAMILY
 ) -> list[tuple[list[str], CurrentFit]]:
-    """Fits that have not seen some paths, each after the names of all recordings along these.
+    """Cross-fit: return fits without some paths, each with the names of the recordings left out.
 
-    So that nothing that judges comes from what was fitted on. At most FOLDS fits: of many paths,
-    several are left out together. None where there is one path only.
+    A prediction that judges a recording comes from a fit without its path. There are at most FOLDS
+    fits: of many paths, several are left out together; with a single path, there is none.
     """
     path = record_paths(records)
     if path.max(initial=0) == 0:
@@ -142,7 +145,7 @@ def fit_without_each_path(
 
 
 def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:
-    """The fit that has not seen a recording's path, from friction.json; of one path, the only."""
+    """Return the fit without a recording's path from friction.json, or the only one there is."""
     for fold in friction["left_out"]:
         if recording in fold["recordings"]:
             return CurrentFit.from_plain(fold["fit"])
@@ -150,9 +153,9 @@ def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:
 
 
 def breakaway_torque(fit: CurrentFit) -> Array:
-    """Coulomb friction (6,) [Nm], up to which dry friction holds a joint; at least LEAST_FRICTION.
+    """Return Coulomb friction (6,) [Nm], up to which dry friction holds a joint.
 
-    Of the terms that turn with the direction of motion, those that do not depend on the load.
+    Without its load-dependent part; at least LEAST_FRICTION.
     """
     place = [names.index("coulomb") for names in (joint.names() for joint in fit.joints)]
     torque = [
@@ -163,12 +166,12 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
 
 def torque_constants(fit: CurrentFit) -> Array:
-    """Torque constants (6,) [Nm/A] of the joints."""
+    """Return the torque constants (6,) [Nm/A] of the joints."""
     return np.array([1 / joint.estimate.coefficients[0] for joint in fit.joints])
 
 
 def predict(fit: CurrentFit, record: Record) -> Array:
-    """Motor current (N, 6) [A] of a motion without contact; the record's current is not used."""
+    """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
     currents = []
     for joint, model in enumerate(fit.joints):
         columns, held = design(record, joint, model.terms, model.presliding)
@@ -177,7 +180,7 @@ def predict(fit: CurrentFit, record: Record) -> Array:
 
 
 def band(fit: CurrentFit, moving: Mask) -> Array:
-    """Half of the 95 % band (N, 6) [A] of a low-passed prediction; moving: `smoothed_moving`."""
+    """Return half the 95 % band (N, 6) [A] of low-passed predictions; moving: `smoothed_moving`."""
     in_motion, at_rest = (
         np.array([getattr(joint, name) for joint in fit.joints])
         for name in ("band_moving", "band_rest")
@@ -186,7 +189,7 @@ def band(fit: CurrentFit, moving: Mask) -> Array:
 
 
 def parameters(fit: CurrentFit) -> list[Parameter]:
-    """Torque constants [Nm/A], offsets [Nm] and friction coefficients [Nm, Nm s/rad, ...]."""
+    """Return torque constants [Nm/A], offsets [Nm] and friction [Nm, Nm s/rad, ...]."""
     rows = []
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
@@ -219,12 +222,12 @@ def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
 def _joint_fit(
     samples: Samples, terms: tuple[Term, ...], prior: JointPrior, estimate: Estimate
 ) -> JointFit:
-    """What stands beside the estimate of a joint: friction at rest, bands, remarks."""
+    """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
     residual = left_out_residuals(samples, terms, prior)
-    if not np.isfinite(residual).any():  # the only path: of the fit itself, then
+    if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
         residual = samples.current - samples.design(terms) @ coefficients
-    # At rest dry friction holds any torque up to breakaway, and few poses show it.
+    # at rest, dry friction may be anything up to breakaway, which a few poses do not show
     sticking = COVERED * max(0.0, float(coefficients[2]))
     return JointFit(
         terms,
@@ -238,26 +241,36 @@ def _joint_fit(
 
 
 def _band(residual: Array, record: Labels) -> float:
-    """Half of a band that covers COVERED of every recording; NaN where there is none.
+    """Return half of a band that covers COVERED of the worst recording; NaN without any.
 
-    The next recording is as warm as none before: wide enough for the worst will do for most.
-    Where all are too short to say so alone, they say it together.
+    Friction changes with temperature, so the next recording may be as bad as the worst.
+    If all recordings are too short, they are taken together.
     """
     each = [np.abs(residual[record == one]) for one in np.unique(record)]
-    told = [errors for errors in each if len(errors) >= FEWEST] or [np.abs(residual)]
-    return max((float(np.quantile(e, COVERED)) for e in told if len(e) >= FEWEST), default=np.nan)
+    long = [errors for errors in each if len(errors) >= FEWEST] or [np.abs(residual)]
+    return max((float(np.quantile(e, COVERED)) for e in long if len(e) >= FEWEST), default=np.nan)
 
 
 def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[str, ...]:
+    """Return the doubts about the fit of a joint."""
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
     if moved == 0:
-        remarks.append("does not move: no friction, and the torque constant is the prior's")
+        remarks.append(
+            "does not move: its friction is unknown and its torque constant is that of the prior; "
+            "record a motion of this joint"
+        )
     elif moved == 1:
         remarks.append(ONE_PATH)
     elif moved < FEW:
-        remarks.append(f"moves along {moved} paths: how far paths differ is hardly known")
+        remarks.append(
+            f"moves along {moved} paths only: the variation between paths is hardly known; "
+            "record more paths"
+        )
     away = (estimate.coefficients[0] - prior.inverse) / prior.std
     if abs(away) > CONFLICT:
-        remarks.append(f"torque constant {abs(away):.1f} standard deviations off what was known")
+        remarks.append(
+            f"torque constant contradicts the known value by {abs(away):.1f} standard deviations: "
+            "check columns, units and robot"
+        )
     return tuple(remarks)

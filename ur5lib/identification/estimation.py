@@ -1,6 +1,6 @@
-"""The current-torque maps of all joints in one regularised estimate, and its uncertainty.
+"""Joint estimate of the six current-torque maps with a prior, and its uncertainty.
 
-Joints are related through what is known of their torque constants; the rest is theirs alone.
+The joints are related through the prior of their torque constants only.
 """
 
 from collections.abc import Sequence
@@ -19,8 +19,11 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 @dataclass(frozen=True)
 class Estimate:
-    """coefficients: (P,) of the torque [A/Nm], an offset [A] and friction terms; prior_share: (P,);
-    replicates: (B, P), under other draws of recordings; std_error: (P,), of `physical` values.
+    """The coefficients of one joint.
+
+    coefficients: (P,), of the torque [A/Nm], an offset [A] and friction terms; prior_share: (P,),
+    share of the variance from the prior; replicates: (B, P), of the bootstrap over recordings;
+    std_error: (P,), of `physical` values.
     """
 
     coefficients: Array
@@ -32,16 +35,23 @@ class Estimate:
 def estimate_together(
     samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior, seed: int = 0
 ) -> tuple[list[Estimate], int]:
-    """Estimates of the six joints, and how many recordings (or stretches) they rest on."""
+    """Estimate the six joints; return the estimates and the number of units of the bootstrap.
+
+    Units are paths, or stretches if paths are few.
+    """
+    # normal equations of each block: one Newton step from Huber's estimate
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
     sums = [_normal_equations(samples[j], terms[j], prior.of_joint(j), count) for j in range(6)]
     whole, generator = prior.over(terms), np.random.default_rng(seed)
     unit = _unit_of_block(samples, count)
     units = len(np.unique(unit[unit >= 0]))
+    # the estimate from all blocks, and the prior's share of its variance
     solution, share = _solve(sums, np.ones((1, count)), whole)
-    told = Normal(_draw_means(whole, generator), whole.precision)
-    by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), told)
-    by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), told)
+    # replicates: the prior's mean is drawn, too
+    drawn_prior = Normal(_draw_means(whole, generator), whole.precision)
+    by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), drawn_prior)  # (B, P)
+    by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), drawn_prior)  # (B, P)
+    # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for own in map(slice, [0, *ends[:-1]], ends):
         drawn = physical(by_unit[:, own]), physical(by_block[:, own])
@@ -51,10 +61,10 @@ def estimate_together(
 
 
 def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
-    """An estimate whose standard errors hold what further terms would change.
+    """Return an estimate with standard errors that contain the effect of further terms.
 
-    fuller: the estimate with these terms after the others; its standard errors and the distance
-    from it, added in quadrature.
+    fuller: the estimate with these terms after the others. The result's standard errors are those
+    of the fuller estimate and the difference of both, added in quadrature.
     """
     value, other = physical(estimate.coefficients), physical(fuller.coefficients)
     size = len(value)
@@ -63,7 +73,7 @@ def beside_fuller(estimate: Estimate, fuller: Estimate) -> Estimate:
 
 
 def physical(coefficients: Array) -> Array:
-    """From coefficients (..., P) of the current: k [Nm/A], b [Nm], and of friction [Nm, ...]."""
+    """Convert coefficients (..., P) of the current to k [Nm/A], b [Nm] and friction [Nm, ...]."""
     constant = 1 / coefficients[..., :1]
     return np.concatenate(
         [constant, -constant * coefficients[..., 1:2], constant * coefficients[..., 2:]], axis=-1
@@ -73,10 +83,10 @@ def physical(coefficients: Array) -> Array:
 def _normal_equations(
     samples: Samples, terms: Sequence[Term], prior: JointPrior, count: int
 ) -> Array:
-    """`bootstrap.block_sums` of one Newton step of Huber's estimate from where it ended.
+    """Return `bootstrap.block_sums` of one Newton step from Huber's estimate.
 
-    Samples beyond his limit pull with constant force and have no curvature. Both are in units of
-    the noise that the estimate averages over.
+    Samples beyond Huber's limit have a constant gradient and no curvature. Both are divided by the
+    noise of the estimate.
     """
     fit, moving = regress_samples(samples, terms, prior), samples.where(samples.moving)
     design = moving.design(terms)
@@ -88,12 +98,15 @@ def _normal_equations(
 
 
 def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:
-    """Coefficients (B, P) of all joints, and the prior's share of the first draw's (P,)."""
+    """Return the coefficients (B, P) of all joints, and the prior's share (P,) of the first draw.
+
+    sums: (count, P_j, P_j + 1) of each joint; counts: (B, count), of the blocks in each draw.
+    """
     size = sum(joint.shape[1] for joint in sums)
     information, right = np.zeros((len(counts), size, size)), np.zeros((len(counts), size))
     start = 0
     for joint in sums:
-        drawn = np.tensordot(counts, joint, axes=1)
+        drawn = np.tensordot(counts, joint, axes=1)  # (B, P_j, P_j + 1)
         here = slice(start, start + joint.shape[1])
         information[:, here, here], right[:, here] = drawn[..., :-1], drawn[..., -1]
         start = here.stop
@@ -102,13 +115,14 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
 
 
 def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:
-    """What the prior might as well have said, (B, P)."""
+    """Draw means (B, P) from the prior."""
     root = np.linalg.cholesky(np.linalg.inv(prior.precision))
     normal = generator.standard_normal((bootstrap.DRAWS, len(prior.mean)))
     return prior.mean + normal @ root.T
 
 
 def _unit_of_block(samples: Sequence[Samples], count: int) -> Labels:
+    """Return the unit (count,) of each block, -1 for a block without samples."""
     unit = np.full(count, -1)
     for joint in samples:
         unit[joint.block] = joint.unit

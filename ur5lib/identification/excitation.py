@@ -1,4 +1,4 @@
-"""What recordings can tell of an arm's parameters, before any fit, in words."""
+"""Which of an arm's parameters recordings determine, and which motions would determine the rest."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -31,12 +31,12 @@ GROUPS = {  # of parameters, by the words their names begin with
 
 @dataclass(frozen=True)
 class Excitation:
-    """What the motion of some recordings can tell, at a given noise of the torques.
+    """What the motion of some recordings determines at a given noise of the torques.
 
-    condition: of the regressor's columns of each group of base parameters, and of "all" together;
-    infinite where the recordings leave a column zero; combinations: how many independent
-    combinations of the base parameters are told; undetermined: the base parameters that are not
-    told by themselves, in NAMES; advice: sentences, none where everything is determined.
+    condition: condition numbers of the regressor's columns, by group of base parameters and for
+    "all"; infinite if a column is zero; combinations: number of independent combinations of the
+    base parameters that are determined; undetermined: names of the base parameters that are not;
+    advice: sentences on motions that would determine more, empty if everything is determined.
     """
 
     condition: dict[str, float]
@@ -46,7 +46,7 @@ class Excitation:
 
 
 def candidate_motions(speed: float, acceleration: float, count: int = 1000) -> dict[str, Motion]:
-    """Motions to try, (count, 6) each: positions, velocities, accelerations [rad, rad/s, rad/s²].
+    """Return motions by name, (count, 6) each: q, q̇, q̈ [rad, rad/s, rad/s²].
 
     Holding still, one joint moving, two at the same time, and all: each in random poses over the
     whole range, at random velocities up to `speed` and accelerations up to `acceleration`.
@@ -67,16 +67,16 @@ def candidate_motions(speed: float, acceleration: float, count: int = 1000) -> d
 def check_excitation(
     data: Stack, base: BaseParameters, width: Array, noise: Array, candidates: dict[str, Array]
 ) -> Excitation:
-    """What recordings tell of base parameters at a noise of (6,) [Nm], independent in each sample.
+    """Check which base parameters are determined at a noise (6,) [Nm], independent in each sample.
 
-    width: (P,), standard deviations of what is known before; candidates: regressors (N, 6, P) of
-    `candidate_motions`. What is told has less than a hundredth of its variance from what was known
-    before. A fit can find less, where its errors are correlated.
+    width: (P,), standard deviations of the prior; candidates: regressors (N, 6, P) of
+    `candidate_motions`. A parameter counts as determined if less than a hundredth of its variance
+    comes from the prior. A fit may determine less, because its errors are correlated.
     """
     rows = total(data)
-    before = ~_told(rows, base, width, noise)
+    before = ~_determined(rows, base, width, noise)
     after = {
-        motion: _told(np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise)
+        motion: _determined(np.concatenate([rows, _rows(regressor)], axis=1), base, width, noise)
         for motion, regressor in candidates.items()
     }
     return Excitation(
@@ -88,25 +88,26 @@ def check_excitation(
 
 
 def _rows(regressor: Array) -> Array:
-    """Rows (6, N, P + 1) of each joint; what they can tell does not depend on the torques."""
+    """Return rows (6, N, P + 1) of each joint, with torques of zero, which do not matter here."""
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
-def _told(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
+def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
+    """Return which base parameters (B,) rows (6, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= LARGEST_SHARE
 
 
 def _combinations(rows: Array, base: BaseParameters, width: Array, noise: Array) -> int:
-    """In how many directions the variance is left with a hundredth of what it was before."""
+    """Return the number of directions whose variance falls to a hundredth of the prior's."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     before, after = base.groups * width, base.groups @ spread
-    left = eigh(after @ after.T, before @ before.T, eigvals_only=True)
-    return int(np.sum(left <= LARGEST_SHARE))
+    ratio = eigh(after @ after.T, before @ before.T, eigvals_only=True)
+    return int(np.sum(ratio <= LARGEST_SHARE))
 
 
 def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str, float]:
-    """Condition numbers of the columns, each counted in the width of its parameter."""
+    """Return the condition numbers of the columns, each scaled by the width of its parameter."""
     columns = (weighted * width).reshape(-1, len(width))
     members = {
         group: [column for column in base.columns if NAMES[column].startswith(beginning)]
@@ -121,23 +122,23 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
 
 
 def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> list[str]:
-    """The motion that would tell most of what is unknown, then the next one for the rest."""
+    """Return a sentence on the motion that determines most of the unknown, then on the next one."""
     sentences: list[str] = []
     left = unknown
     while left.any():
         motion = max(after, key=lambda name: int(np.sum(left & after[name])))
-        told = left & after[motion]
-        if not told.any():
-            end = "nor would any of the motions tried, at this noise."
-            return [*sentences, f"The recordings do not tell {_list(base.columns[left])}; {end}"]
-        missing = _list(base.columns[told])
-        sentences.append(f"The recordings do not tell {missing}. {motion}, in many poses, would.")
-        left = left & ~told
+        gained = left & after[motion]
+        if not gained.any():
+            rest = _list(base.columns[left])
+            return [*sentences, f"at this noise, none of the motions tried would determine {rest}"]
+        missing = _list(base.columns[gained])
+        sentences.append(f"{motion} in many poses would determine {missing}")
+        left = left & ~gained
     return sentences
 
 
 def _list(columns: Iterable[int]) -> str:
-    """Parameters by the link or joint that they are of."""
+    """Return a list of parameters in words, grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
     for column in columns:
         name, owner = NAMES[column].split(" of ")

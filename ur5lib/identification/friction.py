@@ -1,7 +1,7 @@
 """Joint friction as a family of terms, each linear in its coefficients.
 
-A term gives columns (N, M) of a joint's motion; friction torque is columns times coefficients.
-Shape parameters (a velocity, a distance) are part of a term, chosen from a grid.
+A term has columns (N, M) of a joint's motion; friction torque is columns times coefficients. Shape
+parameters (a velocity, a period) belong to the term and are chosen from a grid.
 """
 
 from collections.abc import Callable
@@ -14,15 +14,18 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import starts
 
 MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is stiction
-# Slip before sliding [rad]: Coulomb torque over this is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
-# shorter ones drown in the encoder's steps. The first stands where recordings cannot tell.
+# Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
+# shorter ones are below the encoder's resolution. The first is used if cross-validation is
+# impossible.
 PRESLIDING = (3e-4, 1e-3, 1e-4)
 
 
 @dataclass(frozen=True)
 class JointMotion:
-    """One joint: q [rad], qd [rad/s], torque of the rigid-body model [Nm], and the direction of its
-    dry friction, -1 to 1, as `friction_direction`; (N,) each.
+    """Motion of one joint, (N,) each.
+
+    q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
+    1, see `friction_direction`.
     """
 
     q: Array
@@ -32,22 +35,23 @@ class JointMotion:
 
 
 def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
-    """Direction of a joint's dry friction (N,), -1 to 1: it turns over a distance, not at once.
+    """Return the direction z (N,) of a joint's dry friction, -1 to 1, which reverses gradually.
 
-    dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample; at
-    rest it stays. q: (N,) [rad]; distance: [rad]. Zero at the start of a segment, where nothing is
-    known of it.
+    dz = (|dq| / distance) (sign(dq) - z) (Dahl, 1968), solved exactly from sample to sample;
+    constant at rest. q: (N,) [rad]; distance: [rad]. Zero, as unknown, at the start of a segment.
     """
+    # z_k = e_k z_k-1 + (1 - e_k) sign(dq_k), e_k = exp(-|dq_k| / distance)
     fresh = starts(segment)
     step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
     kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
+    # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
     bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
-    turned: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
-    return turned
+    direction: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
+    return direction
 
 
 def resting(qd: Array) -> Array:
-    """How much a joint rests, 0 to 1, (N,): one within the dead zone of Equation 6.4."""
+    """Return 1 at rest, 0 in motion, (N,), with a smooth step over the dead zone of Equation 6.4."""
     return 1 - np.abs(np.tanh(qd / MOVING))
 
 
@@ -60,7 +64,7 @@ def _viscous(motion: JointMotion, _: float) -> list[Array]:
 
 
 def _load(motion: JointMotion, _: float) -> list[Array]:
-    """Coulomb friction that grows with the transmitted torque."""
+    """Return load-dependent friction: Coulomb friction in proportion to the transmitted torque."""
     return [np.abs(motion.torque) * motion.direction]
 
 
@@ -81,12 +85,12 @@ def _cubic(motion: JointMotion, _: float) -> list[Array]:
 
 
 def _asymmetric(motion: JointMotion, _: float) -> list[Array]:
-    """Viscous friction that differs with the direction; of Coulomb friction, an offset tells it."""
+    """Return direction-dependent viscous friction; that of Coulomb friction is an offset."""
     return [np.abs(motion.qd)]
 
 
 def _periodic(motion: JointMotion, cycles: float) -> list[Array]:
-    """Once or twice per turn of the joint, as a harmonic drive's flexspline causes."""
+    """Return a torque once or twice per turn of the joint, as a harmonic drive's flexspline has."""
     return [np.sin(cycles * motion.q), np.cos(cycles * motion.q)]
 
 
@@ -115,20 +119,20 @@ class Term:
     shape: float = 0.0
 
     def columns(self, motion: JointMotion) -> Array:
-        """(N, M), with M = 1 but for periodic terms."""
+        """Return the columns (N, M), M = 2 for periodic terms and 1 for all others."""
         return np.stack(KINDS[self.kind](motion, self.shape), axis=1)
 
     def expected(self, torque_max: float) -> list[float]:
-        """Standard deviation of each coefficient before any motion, in its unit.
+        """Return the prior standard deviation of each coefficient, in its unit.
 
-        torque_max: of the motor [Nm]. Gears lose some per cent of the load; what comes and goes
-        over a turn is a tenth of Coulomb friction, itself a twentieth of the largest torque.
+        torque_max: of the motor [Nm]. Gears lose some per cent of the load; the periodic torque is
+        a tenth of Coulomb friction, itself a twentieth of the largest torque.
         """
         sizes = {"load": LOAD, "periodic": PERIODIC * torque_max}
         return [sizes.get(self.kind, torque_max)] * len(self.names())
 
     def names(self) -> list[str]:
-        """Of its coefficients: the kind, its shape, and sin or cos."""
+        """Return the coefficients' names: the kind, its shape, and sin or cos."""
         name = f"{self.kind}_{self.shape:g}" if self.shape else self.kind
         return [f"{name}_sin", f"{name}_cos"] if self.kind == "periodic" else [name]
 
@@ -145,9 +149,9 @@ FAMILY = (
 
 
 def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torque: Array) -> bool:
-    """Whether friction brakes at every velocity (N,) [rad/s] under every torque (M,) [Nm].
+    """Return whether friction brakes at every velocity (N,) [rad/s] under every torque (M,) [Nm].
 
-    What depends on the position or on the sign of the velocity alone is no friction and left out.
+    Terms that are even in the velocity (asymmetric, periodic) are excluded.
     """
     even = [term.kind in ("asymmetric", "periodic") for term in terms]
     speed, load = (grid.ravel() for grid in np.meshgrid(qd, torque))

@@ -9,10 +9,10 @@ from ur5lib.timeseries.arrays import Array
 
 
 def identified_model(robot: Robot, parameters: Array, description: str) -> Model:
-    """The model of an arm whose inertial parameters are π = parameters (P,); P >= 66.
+    """Return the model of an arm with inertial parameters π = parameters (P,); P >= 66.
 
-    π as in `ur5lib.dynamics.arm.inertial_parameters`: seen from the URDF's link_k; what the flange
-    carried belongs to link 6. Raises ValueError where a mass or a rotor inertia is negative.
+    π as in `ur5lib.dynamics.arm.inertial_parameters`, in the URDF's frames link_k; a payload
+    belongs to link 6. Raises ValueError if a mass or a rotor inertia is negative.
     """
     masses, centers, inertias = [], [], []
     for link, geometry in zip(
@@ -37,5 +37,5 @@ def identified_model(robot: Robot, parameters: Array, description: str) -> Model
 
 
 def robot_yaml(robot: Robot) -> str:
-    """YAML of an arm, which `load_robot` reads."""
+    """Return an arm as YAML, which `load_robot` reads."""
     return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)

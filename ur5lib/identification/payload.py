@@ -1,8 +1,7 @@
-"""The mass on the flange, from motor currents alone.
+"""The payload's mass from motor currents alone.
 
-What an arm carries beyond its model adds a torque linear in the payload's mass and first moments.
-Friction grows with it too, so torque and friction are found in turn. How well that repeats from
-run to run, runs tell that carry nothing.
+A payload adds a torque that is linear in its mass and first moments. Friction grows with the
+torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
 """
 
 from dataclasses import dataclass, replace
@@ -18,20 +17,20 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 ROUNDS = 5
 DRAWS = 50
-GEARS = 0.03  # relative: by which the gears' efficiency differs from run to run and pose to pose
-JOINTS = 0.3  # relative: by which a joint's torque constant and gear misjudge a load, at first,
-LEFT = 0.1  # and once a run has told it
-PARTS = 3  # of a run, in each of which a load has to show
-WIDE = 100.0  # kg, kg m; what a payload may be
+GEARS = 0.03  # relative variation of the gears' efficiency between runs and poses
+JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
+LEFT = 0.1  # and after
+PARTS = 3  # of a run, each of which must show the load
+WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
 
 
 @dataclass(frozen=True)
 class Payload:
-    """parameters, std_error: (P,) of the regressor's columns [kg, kg m, ...], the mass first.
+    """Estimated payload.
 
-    The errors count the recording's blocks, other draws of the recordings fitted on, and what
-    may be known beforehand, but not how far runs differ; parts: masses [kg] by each part of the
-    run alone.
+    parameters, std_error: (P,), of the regressor's columns [kg, kg m, ...], the mass first; errors
+    from the bootstrap over the run's blocks and over the fit, without the variation between runs;
+    parts: masses [kg] from each part of the run alone.
     """
 
     parameters: Array
@@ -41,7 +40,7 @@ class Payload:
 
 @dataclass(frozen=True)
 class Load:
-    """mass, std_error [kg]; interval: 95 % [kg]; certain: whether it is there, all along."""
+    """A load: mass, std_error [kg]; interval: 95 % [kg]; certain: significant in all parts."""
 
     mass: float
     std_error: float
@@ -50,10 +49,10 @@ class Load:
 
 
 def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
-    """Standard deviation (P,) of what runs without any load seem to carry, beyond their errors.
+    """Return the standard deviation (P,) of unloaded runs' apparent loads beyond their errors.
 
-    parameters, std_error: (R, P) of unloaded runs under fits that have not seen them; paths: how
-    many trajectories they are of. Of few paths it is inflated by Student's t.
+    parameters, std_error: (R, P), of unloaded runs, each under a fit without it; paths: number of
+    their trajectories. For few paths it is multiplied by Student's t.
     """
     beyond = np.mean(parameters**2, axis=0) - np.mean(std_error**2, axis=0)
     factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
@@ -61,7 +60,7 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
 
 
 def judge(payload: Payload, spread: float) -> Load:
-    """What a payload's mass is worth; spread: of the mass from run to run [kg]."""
+    """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
     error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
     half = error * stats.norm.ppf(0.975)
@@ -70,11 +69,11 @@ def judge(payload: Payload, spread: float) -> Load:
 
 
 def joint_gains(left_over: Array, load: Array, count: int) -> Array:
-    """Return by how much less each joint's motor feels a load than it should (6,), relative.
+    """Return the relative error (6,) of each joint's torque under a load.
 
-    left_over: external torque (N, 6) [Nm] with the load taken off; load: its torque, low-passed
-    alike; count: of independent values among the samples. Torque constants of joints that bear
-    little are known badly, which a load shows. Least squares with a prior of 0 ± JOINTS.
+    left_over: external torque (N, 6) [Nm] without the load's torque; load: the load's torque,
+    low-passed alike; count: number of independent values among the samples. The torque constants
+    of joints that carry little are not well known. Least squares with a prior of 0 ± JOINTS.
     """
     known = np.isfinite(left_over + load).all(axis=1)
     left_over, load = left_over[known], load[known]
@@ -86,11 +85,12 @@ def joint_gains(left_over: Array, load: Array, count: int) -> Array:
 def estimate_payload(
     fit: CurrentFit, record: Record, regressor: Array, smooth: Smooth, seed: int = 0
 ) -> Payload:
-    """Estimate what the flange carries beyond the model behind `record.torque`.
+    """Estimate the payload that `record.torque` does not contain.
 
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
-    mass comes first. Only joints in motion count: at rest friction hides a load.
+    mass comes first. Only joints in motion count: at rest, friction hides a load.
     """
+    # regressor in units of each joint's band, low-passed, samples in motion only
     moving = smoothed_moving(record, smooth)
     scale = np.array([joint.band_moving / joint.estimate.coefficients[0] for joint in fit.joints])
     explained = smooth(regressor.reshape(len(regressor), -1), record).reshape(regressor.shape)
@@ -108,16 +108,18 @@ def estimate_payload(
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)
     nothing = np.zeros(regressor.shape[2])
+    # alternate payload and friction
     solution = nothing
     for _ in range(ROUNDS):
         solution = solve(fit, solution, once, nothing)
+    # bootstrap over fits, blocks and priors, so that undetermined parameters are uncertain
     generator = np.random.default_rng(seed)
     draws = [
         solve(
             _drawn(fit, generator),
             solution,
             generator.multinomial(len(once), once / len(once)),
-            generator.normal(nothing, WIDE),  # so that what the motion does not tell is uncertain
+            generator.normal(nothing, WIDE),
         )
         for _ in range(DRAWS)
     ]
@@ -129,7 +131,7 @@ def estimate_payload(
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:
-    """Huber's estimate from the blocks drawn, each as often as counted; known: beforehand."""
+    """Return Huber's estimate from the blocks drawn, by their counts; known: the prior's mean."""
     repeated = np.repeat(np.arange(len(block)), count[block])
     size = columns.shape[1]
     wide = Normal(known, np.eye(size) / WIDE**2)
@@ -137,7 +139,7 @@ def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known
 
 
 def _drawn(fit: CurrentFit, generator: np.random.Generator) -> CurrentFit:
-    """The fit under one other draw of recordings, the same for all joints."""
+    """Return one replicate of the fit, the same draw of recordings for all joints."""
     draw = generator.integers(len(fit.joints[0].estimate.replicates))
     joints = tuple(
         replace(

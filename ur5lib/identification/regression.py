@@ -12,9 +12,7 @@ ROUNDS = 10
 
 @dataclass(frozen=True)
 class Normal:
-    """What is known of coefficients beforehand: mean (P,), and precision (P, P), its covariance's
-    inverse.
-    """
+    """Normal prior of coefficients: mean (P,) and precision (P, P), the inverse covariance."""
 
     mean: Array
     precision: Array
@@ -22,8 +20,8 @@ class Normal:
 
 @dataclass(frozen=True)
 class Regression:
-    """Coefficients (P,); Huber's weight of each sample (n,); and a sample's variance, in which the
-    correlation of its neighbours is counted.
+    """Result of a regression: coefficients (P,); Huber's weight of each sample (n,); noise, the
+    variance of a sample, inflated for the correlation within blocks.
     """
 
     coefficients: Array
@@ -32,17 +30,19 @@ class Regression:
 
 
 def regress(columns: Array, target: Array, block: Labels, prior: Normal) -> Regression:
-    """Huber's M-estimate with a prior, by reweighted least squares.
+    """Compute Huber's M-estimate with a prior, by reweighted least squares.
 
-    columns: (n, P); target: (n,); block: (n,) labels of samples that belong together.
-    Where there are no samples, the prior stands.
+    columns: X (n, P); target: y (n,); block: (n,) labels of samples with correlated errors.
+    Without samples, the result is the prior's mean.
     """
     weight, noise = np.ones(len(target)), _positive(float(target @ target) / max(1, len(target)))
     coefficients = prior.mean
     for _ in range(ROUNDS if len(target) else 0):
-        information = columns.T @ (columns * weight[:, None]) / noise
-        right = columns.T @ (target * weight) / noise
+        # (Xᵀ W X / σ² + Λ) β = Xᵀ W y / σ² + Λ β₀
+        information = columns.T @ (columns * weight[:, None]) / noise  # (P, P)
+        right = columns.T @ (target * weight) / noise  # (P,)
         coefficients = posterior_mean(information, right, prior)
+        # W and σ² from the residuals
         residual = target - columns @ coefficients
         weight = huber_weight(residual)
         noise = _positive(noise_of_one(weight * residual, block))
@@ -50,7 +50,7 @@ def regress(columns: Array, target: Array, block: Labels, prior: Normal) -> Regr
 
 
 def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
-    """Solution (..., P) of normal equations (..., P, P), (..., P) and a prior together.
+    """Solve normal equations (..., P, P), (..., P) together with a prior: (..., P).
 
     The prior's mean may be (..., P) too.
     """
@@ -60,13 +60,13 @@ def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
 
 
 def huber_weight(residual: Array) -> Array:
-    """Weights (n,) of residuals (n,), by their median absolute deviation."""
+    """Return Huber's weights (n,) of residuals (n,), scaled by their median absolute deviation."""
     scale = _positive(1.4826 * float(np.median(np.abs(residual))))
     return np.minimum(1.0, HUBER * scale / np.maximum(np.abs(residual), scale))
 
 
 def noise_of_one(residual: Array, block: Labels) -> float:
-    """Variance that independent samples would need to sum up as those of a block do."""
+    """Return the variance of independent samples whose block sums vary as much as these do."""
     return float(np.sum(np.bincount(block, residual) ** 2) / len(residual))
 
 

@@ -1,9 +1,9 @@
-"""The inertia of the motors' rotors, as the joints feel it through the gears.
+"""The inertia of the motors' rotors, reflected through the gears.
 
-A controller's torque is that of rigid links and of rotors (erratum 8): what rigid links leave of
-it is proportional to q̈. The rotors' gyroscopic moments are not modelled. Offset and friction are
-fitted beside the inertia, though a model's torque has none: they should come out as zero, and
-otherwise tell of errors in the model of the links.
+A controller's torque is that of rigid links and rotors (erratum 8): its residual from the rigid
+links is proportional to q̈. The rotors' gyroscopic moments are not modelled. Offset and friction are
+fitted together with the inertia, though a model's torque contains none: values other than zero
+indicate errors in the model of the links.
 """
 
 from collections.abc import Sequence
@@ -16,11 +16,11 @@ from scipy.optimize import least_squares
 from ur5lib.timeseries.arrays import Array
 
 HUBER = 1.345  # standard deviations: 95 % efficient where errors are normal (Huber 1964)
-PARTS = 8  # into which a recording is cut where it is the only one
+PARTS = 8  # into which a single recording is divided
 
 
 class Terms(NamedTuple):
-    """What is fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
+    """The terms fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
 
     inertia: Array
     offset: Array
@@ -30,7 +30,7 @@ class Terms(NamedTuple):
 
 @dataclass(frozen=True)
 class RotorFit:
-    """The rotors' inertias and the terms that should be zero; NaN for a joint that kept still."""
+    """Rotor inertias and the terms that should be zero; NaN for a joint that did not move."""
 
     value: Terms
     std_error: Terms
@@ -42,10 +42,10 @@ def fit_rotor_inertia(
     """Fit residual = inertia q̈ + offset + coulomb sign(q̇) + viscous q̇, for each joint alone.
 
     residual, qd, qdd: an array (N, 6) for each recording [Nm, rad/s, rad/s²]. residual is the
-    controller's torque less that of rigid links in the same motion, all low-passed alike or none.
-    Rows with NaN are left out. Huber's loss keeps the poses in which the links' model errs most
-    from deciding. These errors are alike all through a motion and differ between motions, so the
-    standard errors are a jackknife over recordings, or over parts of the only one.
+    controller's torque minus that of rigid links in the same motion, all low-passed alike or none.
+    Rows with NaN are excluded. Huber's loss limits the influence of poses in which the links' model
+    is wrong. Such errors are similar throughout a motion and differ between motions, so the
+    standard errors are a jackknife over recordings, or over parts of a single one.
     """
     recordings = [np.stack(one, axis=2) for one in zip(residual, qd, qdd, strict=True)]
     parts = recordings if len(recordings) > 1 else np.array_split(recordings[0], PARTS)
@@ -55,18 +55,18 @@ def fit_rotor_inertia(
 
 
 def _fit(parts: Sequence[Array]) -> Array:
-    """The four terms of each joint, (4, 6); parts: (K, 6, 3) each."""
+    """Return the four terms of each joint, (4, 6); parts: (K, 6, 3) each."""
     samples = np.concatenate(parts)
     return np.stack([_fit_joint(samples[:, joint]) for joint in range(6)], axis=1)
 
 
 def _fit_joint(samples: Array) -> Array:
-    """Terms (4,) of residual, q̇ and q̈, (N, 3)."""
+    """Fit the terms (4,) of one joint to residual, q̇ and q̈, (N, 3)."""
     residual, qd, qdd = samples[np.isfinite(samples).all(axis=1)].T
     terms = np.stack([qdd, np.ones_like(qdd), np.sign(qd), qd], axis=1)
     if np.linalg.matrix_rank(terms) < terms.shape[1]:
         return np.full(terms.shape[1], np.nan)
     start = np.linalg.lstsq(terms, residual)[0]
-    deviation = np.abs(residual - terms @ start).mean()  # a median would see joints at rest
+    deviation = np.abs(residual - terms @ start).mean()  # a median would be that of rest
     scale = HUBER * np.sqrt(np.pi / 2) * deviation
     return least_squares(lambda x: (terms @ x - residual) / scale, start, loss="huber").x

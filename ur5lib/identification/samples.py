@@ -1,7 +1,7 @@
-"""Recordings as the smoothed, thinned samples on which one joint's current is fitted.
+"""Low-passed, thinned samples of recordings for the fit of each joint's current.
 
-The current and every column that explains it pass the same zero-phase low-pass, so that both sides
-of the fit stay comparable; what is fast in the measured current is noise.
+The current and all columns pass the same zero-phase low-pass, so that both sides of the fit remain
+comparable; fast changes of the measured current are noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 STEP = 0.1  # s between samples
 BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
-FEW = 5  # paths, or stretches; of fewer, smaller parts tell how far a result is certain
+FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
 STRETCH = 5  # blocks
 
 
@@ -46,7 +46,7 @@ class Record:
     current: Array
 
     def joint(self, joint: int, presliding: float) -> JointMotion:
-        """The motion of joint 0 to 5, whose friction turns over a distance [rad]."""
+        """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad]."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
         return JointMotion(q, qd, torque, friction_direction(q, self.segment, presliding))
 
@@ -59,13 +59,11 @@ Smooth = Callable[[Array, Record], Array]
 class Samples:
     """Samples of one joint from all recordings.
 
-    columns: (n, P), one below the other those of the torque, of an offset, and of `terms`, under
-    a distance of presliding [rad]; held: (n,), direction of the friction that holds a joint at
-    rest; current: (n,) [A]; moving: (n,), false at rest and while starting or stopping; block,
-    record, path: (n,) labels; recordings of one trajectory share a path: what is left out is left
-    out with all of it;
-    unit: (n,) labels of what a result's certainty is judged over: paths, or where they are few
-    stretches of 10 s, or where these are few too, blocks.
+    columns: (n, P), of the torque, an offset, and `terms`, for a distance of presliding [rad];
+    held: (n,), direction of the friction that holds a joint at rest; current: (n,) [A]; moving:
+    (n,), false at rest and while starting or stopping; block, record, path: (n,) labels; recordings
+    of one trajectory share a path and are left out together; unit: (n,) labels of the units of the
+    bootstrap: paths, or stretches of 10 s if paths are few, or blocks if stretches are few, too.
     """
 
     terms: tuple[Term, ...]
@@ -88,11 +86,11 @@ class Samples:
         return places
 
     def design(self, terms: Sequence[Term]) -> Array:
-        """(n, P): the torque, an offset, and the columns of these terms."""
+        """Return the columns (n, P) of the torque, an offset, and these terms."""
         return self.columns[:, [0, 1, *(place for term in terms for place in self._places[term])]]
 
     def where(self, rows: Mask) -> "Samples":
-        """Some of the samples."""
+        """Return the samples in a mask."""
         names = ("columns", "held", "current", "moving", "block", "record", "path", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
@@ -100,7 +98,7 @@ class Samples:
 def joint_samples(
     records: Sequence[Record], smooth: Smooth, family: Sequence[Term], presliding: Sequence[float]
 ) -> list[Samples]:
-    """Samples of joints 1 to 6, with the columns of BASE, CONSIDERED and a family of terms.
+    """Return samples of joints 1 to 6, with the columns of BASE, CONSIDERED and other terms.
 
     presliding: of each joint [rad].
     """
@@ -126,7 +124,7 @@ def joint_samples(
 
 
 def record_paths(records: Sequence[Record]) -> Labels:
-    """Labels (R,) of recordings by their trajectory."""
+    """Return labels (R,) of recordings by their trajectory."""
     return group_by_path(
         [Passed.of(own.q, own.qd, max(1, round(STEP / own.period))) for own in records]
     )
@@ -135,8 +133,8 @@ def record_paths(records: Sequence[Record]) -> Labels:
 def design(
     record: Record, joint: int, terms: Sequence[Term], presliding: float
 ) -> tuple[Array, Array]:
-    """(N, P): the torque of joint 0 to 5, an offset, and the columns of these terms; and (N,): the
-    direction of the friction that holds the joint at rest.
+    """Return the columns (N, P) of the torque of joint 0 to 5, an offset and terms, and the
+    direction (N,) of the friction that holds the joint at rest.
     """
     motion = record.joint(joint, presliding)
     ones = np.ones_like(motion.torque)
@@ -145,7 +143,7 @@ def design(
 
 
 def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
-    """Where each joint moves, (N, 6): all through the reach of the low-pass, not just now."""
+    """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
     moving = (np.abs(record.qd) > MOVING).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
     return smooth(moving, record) > 0.9
@@ -158,6 +156,7 @@ def _record_samples(
     presliding: Sequence[float],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
+    """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
     every = max(1, round(STEP / record.period))
     moving = smoothed_moving(record, smooth)[::every]
     joints = []
@@ -171,17 +170,17 @@ def _record_samples(
 
 
 def _unit(path: Labels, block: Labels) -> Labels:
-    """The largest parts of which there are enough."""
+    """Return labels of the largest parts of which there are enough: paths, stretches or blocks."""
     parts = (path, block // STRETCH)
     return next((labels for labels in parts if len(np.unique(labels)) >= FEW), block)
 
 
 def _whole(count: int) -> int:
-    """A recording's number of blocks, up to whole stretches: no stretch is of two recordings."""
+    """Round a number of blocks up to whole stretches, so that none contains two recordings."""
     return -(-count // STRETCH) * STRETCH
 
 
 def blocks(record: Record) -> Labels:
-    """Labels (N,) of stretches of BLOCK seconds that cross no segment."""
+    """Return labels (N,) of blocks of BLOCK seconds within segments."""
     running = np.arange(len(record.segment)) // max(1, round(BLOCK / record.period))
     return np.cumsum(starts(record.segment) | starts(running)) - 1

@@ -1,4 +1,4 @@
-"""Which friction terms a joint needs, judged on recordings that were left out."""
+"""Selection of friction terms by cross-validation over paths."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,18 +11,18 @@ from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, r
 from ur5lib.identification.samples import Samples
 from ur5lib.timeseries.arrays import Array
 
-# Of the left-out error's logarithm. Many terms are tried, so one has to win by three standard
-# errors over the recordings, and by a twentieth: less is not worth a term.
+# Required decrease of the logarithm of the cross-validated error: three standard errors, because
+# many terms are tried, and 5 %.
 STANDARD_ERRORS = 3.0
 GAIN = 0.05
-LOOSE = 10.0  # times the prior's spread: no term is to make up for a torque constant told wrong
-FEWEST = 20  # samples (2 s) of a recording or stretch that say how good a model is
+LOOSE = 10.0  # factor on the prior's width, so that no term compensates a wrong torque constant
+FEWEST = 20  # samples (2 s) of a unit that counts
 
 
 def choose_presliding(candidates: Sequence[Samples], prior: JointPrior) -> Samples:
-    """Of a joint's samples under several distances of presliding, those that tell most.
+    """Return a joint's samples with the presliding distance of the least cross-validated error.
 
-    They leave the least error on recordings left out; the first, where none can be.
+    Without a second path, the first are returned.
     """
 
     def error(samples: Samples) -> float:
@@ -33,22 +33,24 @@ def choose_presliding(candidates: Sequence[Samples], prior: JointPrior) -> Sampl
 
 
 def choose_terms(samples: Samples, prior: JointPrior) -> tuple[Term, ...]:
-    """BASE and the terms that a joint needs besides, one of a kind, in the order they were taken.
+    """Select friction terms of a joint: BASE and at most one term of each further kind.
 
-    Forward selection: the term that lowers the error on recordings left out the most, among those
-    that lower it for certain and leave friction dissipative; and so on until there is none.
+    Forward selection: of the terms that lower the cross-validated error significantly and keep
+    friction dissipative, the one that lowers it most is added, until there is none.
     """
     moving = samples.where(samples.moving)
     prior = replace(prior, std=LOOSE * prior.std)
     chosen: tuple[Term, ...] = BASE
     errors = left_out_errors(moving, chosen, prior)
     while len(errors) > 1:
+        # cross-validated errors with one more term
         kinds = {term.kind for term in chosen[len(BASE) :]}
         tried = {
             term: left_out_errors(moving, (*chosen, term), prior)
             for term in samples.terms[len(BASE) :]
             if term.kind not in kinds
         }
+        # those that are significantly better, and the best of them
         better = [
             term
             for term, error in tried.items()
@@ -62,21 +64,21 @@ def choose_terms(samples: Samples, prior: JointPrior) -> tuple[Term, ...]:
 
 
 def is_better(error: Array, reference: Array) -> bool:
-    """Whether errors (U,) on left-out units are smaller than others for certain."""
+    """Return whether errors (U,) on left-out units are significantly smaller than a reference."""
     gain = np.log(reference / error)
     uncertainty = gain.std(ddof=1) / np.sqrt(len(gain))
     return bool(gain.mean() > max(GAIN, STANDARD_ERRORS * uncertainty))
 
 
 def left_out_errors(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
-    """RMSE [A] on each unit with enough samples, of a fit on the other recordings."""
+    """Return the cross-validated RMSE [A] of each unit with enough samples."""
     return _errors(left_out_residuals(samples, terms, prior), samples)
 
 
 def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
-    """Measured minus predicted current (n,) [A], each path predicted from the others.
+    """Return measured minus predicted current (n,) [A], each path predicted from the others.
 
-    NaN where there is no other path.
+    NaN if there is no other path.
     """
     residual = np.full(len(samples.current), np.nan)
     present = np.unique(samples.path)
@@ -90,32 +92,35 @@ def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrio
 
 
 def regress_samples(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Regression:
-    """The regression on the torque, an offset and these terms, of the samples in motion."""
+    """Fit torque, offset and these terms to the samples in motion."""
     moving = samples.where(samples.moving)
     return regress(moving.design(terms), moving.current, moving.block, prior.over(terms))
 
 
 def held_current(samples: Samples, terms: Sequence[Term], coefficients: Array) -> float:
-    """By how much more current [A] friction holds a joint at rest than one that slides; or less.
+    """Return the current [A] of friction at rest beyond that in motion, may be negative.
 
-    Huber's slope, without offset, of what the samples at rest leave unexplained.
+    Huber's estimate of s in residual = s held, over the samples at rest.
     """
     rest = samples.where(~samples.moving)
     residual = rest.current - rest.design(terms) @ coefficients
     slope, weight = 0.0, np.ones(len(residual))
     for _ in range(ROUNDS if rest.held.any() else 0):
+        # s = Σ w h r / Σ w h²
         slope = float((weight * rest.held) @ residual / (weight @ rest.held**2))
         weight = huber_weight(residual - slope * rest.held)
     return slope
 
 
 def _errors(residual: Array, samples: Samples) -> Array:
+    """Return the RMSE [A] of each unit with enough known residuals."""
     known = np.isfinite(residual)
     units = [residual[known & (samples.unit == one)] for one in np.unique(samples.unit)]
     return np.array([np.sqrt(np.mean(rows**2)) for rows in units if len(rows) >= FEWEST])
 
 
 def _brakes(samples: Samples, terms: tuple[Term, ...], prior: JointPrior) -> bool:
+    """Return whether the fitted friction is dissipative over the samples' speeds and loads."""
     coefficients = regress_samples(samples, terms, prior).coefficients
     torque, speed = (np.abs(samples.columns[:, column]) for column in (0, 3))
     speeds = np.linspace(-1, 1, 42) * speed.max()

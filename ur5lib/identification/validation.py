@@ -1,4 +1,4 @@
-"""How far predicted currents are off, beside which baselines, and how residuals are spread."""
+"""Errors of predicted currents, baselines, and cross-validation between recordings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,8 +14,10 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Scores:
-    """Of one recording, (6,) each: RMSE of the raw current and low-passed [A], and low-passed MAE
-    [A], R² and share of samples inside the 95 % band.
+    """Scores of one recording, (6,) each.
+
+    rmse: of the raw current [A]; of the low-passed current: rmse_lowpassed, mae [A], r2, and
+    coverage, the share of samples inside the 95 % band.
     """
 
     rmse: Array
@@ -28,7 +30,7 @@ class Scores:
 def coefficients_of_constants(
     torque_constant: Array, offset: Array, coulomb: Array, viscous: Array
 ) -> Array:
-    """Coefficients (6, 4) for `baseline_current` of constants (6,) such as the thesis's.
+    """Return coefficients (6, 4) for `baseline_current` from constants (6,) such as the thesis's.
 
     torque_constant [Nm/A], offset [Nm] (Equation 6.6); coulomb [Nm], viscous [Nm s/rad] (6.2).
     """
@@ -36,7 +38,7 @@ def coefficients_of_constants(
 
 
 def least_squares_coefficients(records: Sequence[Record]) -> Array:
-    """Coefficients (6, 4) by plain least squares on all samples: a baseline."""
+    """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
     columns = np.concatenate([_baseline_columns(record) for record in records])
     current = np.concatenate([record.current for record in records])
     known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
@@ -46,7 +48,7 @@ def least_squares_coefficients(records: Sequence[Record]) -> Array:
 
 
 def baseline_current(record: Record, coefficients: Array) -> Array:
-    """Current (N, 6) [A] by Coulomb friction with a dead zone and viscous friction (Equation 6.4).
+    """Return the current (N, 6) [A] with the friction of Equation 6.4: Coulomb and viscous.
 
     coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
     """
@@ -54,7 +56,7 @@ def baseline_current(record: Record, coefficients: Array) -> Array:
 
 
 def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
-    """How well a current (N, 6) [A] is predicted; half_band: (N, 6) [A], of the low-passed one."""
+    """Score a predicted current (N, 6) [A]; half_band: (N, 6) [A], of the low-passed current."""
     error = record.current - predicted
     slow = smooth(error, record)
     measured = smooth(record.current, record)
@@ -75,9 +77,9 @@ def fitted_on_tested_on(
     terms: Sequence[tuple[Term, ...]],
     presliding: Sequence[float],
 ) -> Array:
-    """RMSE [A] in motion, (R, R, 6), of a fit on one recording alone, tested on each.
+    """Return the RMSE [A] in motion, (R, R, 6), of a fit to one recording, tested on another.
 
-    terms, presliding: (6) of `JointFit`'s. NaN where a joint does not move in both.
+    terms, presliding: those of the six `JointFit`s. NaN if a joint does not move in both.
     """
     table = np.full((len(records), len(records), 6), np.nan)
     family = list(dict.fromkeys(term for joint in terms for term in joint[len(BASE) :]))
@@ -93,7 +95,7 @@ def fitted_on_tested_on(
 
 
 def _baseline_columns(record: Record) -> Array:
-    """(N, 6, 4): torque, one, direction, velocity."""
+    """Return the baseline's columns (N, 6, 4): torque, one, direction, velocity."""
     direction = np.where(np.abs(record.qd) > MOVING, np.sign(record.qd), 0.0)
     return np.stack([record.torque, np.ones_like(record.qd), direction, record.qd], axis=2)
 
@@ -103,7 +105,7 @@ def _root_mean_square(error: Array) -> Array:
 
 
 def _mean(values: Array) -> Array:
-    """Mean of each column's finite values; NaN where there are none."""
+    """Return the mean of each column's finite values; NaN if there are none."""
     known = np.isfinite(values)
     count = np.where(known.any(axis=0), known.sum(axis=0), np.nan)
     mean: Array = np.where(known, values, 0.0).sum(axis=0) / count

@@ -28,7 +28,7 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     Raises ValueError where that is too little, or no recording.
     """
     if not ratios:
-        raise ValueError("no recording with role “fit” has motor currents")
+        raise ValueError("no recording with the role “fit” has actual_current")
     columns = [column[np.isfinite(column)] for column in np.array(ratios).T]
     controller = np.array([np.median(column) if len(column) else np.nan for column in columns])
     maker = np.array(robot.maker_torque_constants())

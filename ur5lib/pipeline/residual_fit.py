@@ -14,8 +14,8 @@ from ur5lib.timeseries.segments import unbroken
 
 TORQUES = {"tau_ext": "external_torque", "tau_observer": "observed_torque"}
 ONE_PATH = (
-    "all recordings to fit on are of one path: how far the arm's torque strays on others is not "
-    "known, so bands and gate are 6.5 times as wide as that path alone says; record another path"
+    "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
+    "bands and gate are 6.5 times as wide as that path alone suggests; record another path"
 )
 
 

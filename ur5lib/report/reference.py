@@ -54,7 +54,7 @@ def read_reference(path: str | Path | None) -> Reference:
     try:
         return Reference.model_validate(read_yaml(Path(path)))
     except (ValidationError, yaml.YAMLError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} is no file of published values: {error}") from error
+        raise InputError(f"{path} does not hold valid published values: {error}") from error
 
 
 def published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:

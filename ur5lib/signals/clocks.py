@@ -80,13 +80,13 @@ def clock_from_rotation(
     blocks of time, because neighbouring residuals are alike, and the latencies it cannot see.
     """
     if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
-        return stamps, "the record is too short to tell a clock from motion"
+        return stamps, "the record is too short to determine its clock from motion"
     if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND):
-        return stamps, "its samples are too far apart to tell a clock from motion"
+        return stamps, "the sampling rate is too low to determine the clock from motion"
     pair = _compare(time, rate, segment, device_time, gyroscope)
     starts = _search(pair, stamps)
     if not starts:
-        return stamps, "hardly any unbroken stretch is in both the device's record and the robot's"
+        return stamps, "the records of the device and the robot hardly overlap without gaps"
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
     offset_std = float(np.hypot(offset_std, LATENCY))
@@ -249,17 +249,17 @@ def _objection(clock: Clock, stamps: Clock, explained: float) -> str | None:
     apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
     if explained < EXPLAINED:
         return (
-            f"the joints explain only {max(explained, 0):.0%} of what the gyroscope's readings "
-            "vary: the arm hardly turned, or the IMU is turned or of another run"
+            f"the joints explain only {max(explained, 0):.0%} of the gyroscope's variance: the "
+            "arm hardly turned, the IMU is rotated, or its file belongs to another recording"
         )
     if abs(apart) > TRUST * stamps.offset_std or abs(drift) > MAX_DRIFT:
         return (
-            f"the gyroscope puts the start {apart:+.2f} s from the stamps' and the drift at "
-            f"{drift:+.2%}, too much to be believed: its readings may be of another run"
+            f"the gyroscope implies a start {apart:+.2f} s from the start stamps and a drift of "
+            f"{drift:+.2%}, which is implausible: its file may belong to another recording"
         )
     if clock.offset_std > stamps.offset_std:
         return (
-            f"the gyroscope tells the offset to ±{clock.offset_std:.2g} s, no better than the "
-            f"stamps' ±{stamps.offset_std:.2g} s"
+            f"the gyroscope determines the offset to ±{clock.offset_std:.2g} s, no better than "
+            f"the start stamps (±{stamps.offset_std:.2g} s)"
         )
     return None

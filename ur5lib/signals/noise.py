@@ -129,7 +129,7 @@ class _Record:
     def __init__(self, time: Array, segment: Labels, q: Array, qd: Array, period: float) -> None:
         observed = np.isfinite(q) & np.isfinite(qd)
         if np.count_nonzero(observed) < 2:
-            raise ValueError("positions and velocities of a joint are needed to tell its noise")
+            raise ValueError("a joint has no position or no velocity: its noise is unknown")
         course = CubicHermiteSpline(time[observed], q[observed], qd[observed])
         self.values = np.stack([course(time), course(time, 1) * period], axis=1)
         self.segment, self.period = segment, period

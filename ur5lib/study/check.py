@@ -36,13 +36,13 @@ def print_findings(path: Path) -> int:
     console = text_console()
     for arm in arms_without_fit(study):
         console.print(
-            f"no recording of {arm} has the role `fit`: its friction and the forces on it are not "
-            "estimated; give this role to one in which nothing touches the arm"
+            f"no recording of {arm} has the role `fit`: friction and forces cannot be estimated; "
+            "give this role to a recording in which nothing touches the arm"
         )
     there = [recording for recording in study.recordings if is_there(recording)]
     unmade = [recording.name for recording in study.recordings if recording not in there]
     if unmade:
-        console.print(f"not simulated yet: {', '.join(unmade)}; `snakemake` does it first of all")
+        console.print(f"not simulated yet: {', '.join(unmade)}; `snakemake` will simulate it first")
     if not there:
         return 0
     recordings = track(there, "reading", console=console, transient=True)
@@ -82,15 +82,15 @@ def read_study(path: Path) -> Study:
         raw = read_yaml(path)
     except OSError as error:
         raise InputError(
-            f"{path} cannot be read ({error.strerror}); correct the name, or go to its folder"
+            f"{path} cannot be read ({error.strerror}); check its name and the current folder"
         ) from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
         mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
         place = f"{path}, line {mark.line + 1}" if mark else str(path)
-        told = problem or str(error)
-        raise InputError(f"{place}: cannot be read as YAML ({told}); correct it there") from error
+        reason = problem or str(error)
+        raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
     if not isinstance(raw, dict):
-        raise InputError(f"{path} is no study; it must hold `study`, `title` and `recordings`")
+        raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
     return parse_study(raw, str(path))
 
 

@@ -22,7 +22,7 @@ try:
 except OSError as error:
     raise WorkflowError(
         f"results cannot be written to {results_folder.absolute()} ({error.strerror}); "
-        "free the name, the disk or the permission"
+        "check the name, the free disk space and the permissions"
     )
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}

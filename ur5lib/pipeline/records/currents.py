@@ -39,5 +39,5 @@ class LoadRegressor(SegmentedTable):
     def torque(self, parameters: Array) -> Array:
         """Return the torque (N, 6) [Nm] of a load's mass and first moments (4,) [kg, kg m]."""
         if self.load_regressor is None:
-            raise ValueError("without currents, no load was estimated")
+            raise ValueError("the recording has no currents, so no load was estimated")
         return self.load_regressor @ parameters

@@ -6,7 +6,7 @@ from typing import Any
 from ur5lib.report.study_results import Row, StudyResults
 
 COLUMNS = ["recording", "device", "finding", "severity", "count", "detail"]
-REMEDY = "if an IMU's samples were stamped by the same computer, name both under `hosts`"
+REMEDY = "if one computer timestamps both this device and an IMU, list both under `hosts`"
 
 
 def rows(results: StudyResults) -> Iterator[Row]:
@@ -33,12 +33,12 @@ def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
     for device, clock in clocks.items():
         row = {"device": device, "severity": "warning", "count": 1}
         errors = clock["offset_std"], clock["end_std"]
-        good_to = "good to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
+        accuracy = "accurate to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
         if clock["warning"]:
-            detail = f"{clock['warning']}; {good_to}"
+            detail = f"{clock['warning']}; {accuracy}"
             yield row | {"finding": "clock by stamps alone", "detail": detail}
         elif clock["drift"] is None:
-            detail = f"only its start stamp places it on the robot's clock: {good_to}; {REMEDY}"
+            detail = f"its clock is known from its start stamp only, {accuracy}; {REMEDY}"
             yield row | {"finding": "unknown drift", "detail": detail}
 
 
@@ -72,5 +72,5 @@ def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:
                 "finding": "same file",
                 "severity": "note",
                 "count": len(others),
-                "detail": f"byte for byte that of {', '.join(others)}; {used} here",
+                "detail": f"identical to the file of {', '.join(others)}; {used} here",
             }
