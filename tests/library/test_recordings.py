@@ -349,7 +349,7 @@ def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
 
 
 def moving_robot() -> pd.DataFrame:
-    """Half a minute of an arm whose joints swing, each at its own pace, and currents of their own."""
+    """Half a minute of an arm whose joints swing, each at its own pace by its own current."""
     time = np.arange(0, 30, PERIOD)
     pace = np.linspace(0.5, 1.1, 6)
     angle = pace * time[:, None]
