@@ -1,4 +1,4 @@
-"""What the fast tests would not notice: one token at a time is changed, and their verdict asked for.
+"""What the fast tests would not notice: one token at a time is changed, and they are asked.
 
     python tests/mutants.py --seed 0 --count 60
     python tests/mutants.py --module ur5lib/force/gate.py --count 20
@@ -17,6 +17,7 @@ import json
 import math
 import os
 import random
+import resource
 import sys
 import time
 from collections.abc import Iterator
@@ -30,7 +31,7 @@ import yaml
 
 ROOMS = [f"ur5lib/{room}/*.py" for room in ("force", "identification", "signals", "recordings")]
 TESTS = ["tests/library/test_*.py", "tests/scripts/test_*.py"]
-FAST, BUDGET, LIMIT = 3.0, 12.0, 60.0  # s: of one test, of all tests of a mutant, until it is ended
+FAST, BUDGET, LIMIT = 3.0, 12.0, 60  # s: of a test, of all of a mutant, of CPU until its end
 KNOWN = Path("tests/equivalent_mutants.yaml")
 MEASURED = Path(".pytest_cache/mutants.json")
 QUIET = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=", "-W", "ignore"]
@@ -81,7 +82,7 @@ def changes(node: ast.AST) -> Iterator[ast.AST]:
         case ast.Constant(value=bool()):
             yield ast.Constant(not node.value)
         case ast.Constant(value=int()):
-            yield ast.Constant(node.value + 1)
+            yield ast.Constant(node.value + 1 if abs(node.value) < 10 else 2 * node.value)
         case ast.Constant(value=float()):
             yield ast.Constant(2 * node.value or 1.0)
         case ast.Subscript(slice=ast.Tuple(elts=[first, second, *rest])):
@@ -119,6 +120,8 @@ def mutants(path: Path) -> Iterator[Mutant]:
             start = begins[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
             end = begins[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
             text = ast.unparse(ast.fix_missing_locations(changed))
+            if text == ast.unparse(node):  # [j, j] -> [j, j]
+                continue
             plain = isinstance(node, ast.AugAssign | ast.Constant | ast.Name | ast.Subscript)
             before, after = source[:start].decode(), source[end:].decode()
             new = before + (text if plain else f"({text})") + after
@@ -139,7 +142,7 @@ class Watch:
         self.files, self.called, self.failed = files, set[str](), ""
         self.tests: dict[str, Any] = {}
 
-    def see(self, frame: FrameType, event: str, arg: object) -> None:
+    def see(self, frame: FrameType, *_: object) -> None:
         if frame.f_code.co_filename in self.files:
             path = os.path.relpath(frame.f_code.co_filename)
             self.called.add(f"{path}:{frame.f_code.co_qualname.split('.<')[0]}")
@@ -164,7 +167,7 @@ class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def __init__(self, mutant: Mutant) -> None:
         self.mutant, self.name = mutant, mutant.module.removesuffix(".py").replace("/", ".")
 
-    def find_spec(self, name: str, path: object, target: object = None) -> Any:
+    def find_spec(self, name: str, *_: object) -> Any:
         if name == self.name:
             return importlib.util.spec_from_loader(name, self, origin=self.mutant.module)
         return None
@@ -175,8 +178,11 @@ class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(compile(self.mutant.source, path, "exec"), module.__dict__)
 
 
-def pytested(arguments: list[str], watch: Watch, mutant: Mutant | None, answer: Any) -> None:
+def pytested(
+    arguments: list[str], watch: Watch, mutant: Mutant | None, limit: int, answer: Any
+) -> None:
     """In a process of its own: run some tests, and send what came of it."""
+    resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)
     os.dup2(nothing, 2)
@@ -186,14 +192,14 @@ def pytested(arguments: list[str], watch: Watch, mutant: Mutant | None, answer: 
     answer.send((int(status), watch.failed or f"exit status {int(status)}", watch.tests))
 
 
-def asked(arguments: list[str], watch: Watch, mutant: Mutant | None, limit: float) -> Any:
+def asked(arguments: list[str], watch: Watch, mutant: Mutant | None, limit: int) -> Any:
     """Exit status, first failed test, and all tests; None where the time ran out or it died."""
     ours, theirs = FORK.Pipe(duplex=False)
-    process = FORK.Process(target=pytested, args=(arguments, watch, mutant, theirs))
+    process = FORK.Process(target=pytested, args=(arguments, watch, mutant, limit, theirs))
     process.start()
     theirs.close()
     try:
-        return ours.recv() if ours.poll(limit) else None
+        return ours.recv() if ours.poll(10 * limit) else None
     except EOFError:
         return None
     finally:
@@ -210,7 +216,7 @@ def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
         if kept.get(str(path), {}).get("edited") == edited:
             continue
         print(f"measuring {path}", file=sys.stderr)
-        status, _, ran = asked([str(path)], Watch(files), None, 600.0) or (1, "", {})
+        status, _, ran = asked([str(path)], Watch(files), None, 600) or (1, "", {})
         if status:
             print(f"{path} fails or takes too long: left out", file=sys.stderr)
         kept[str(path)] = {"edited": edited, "tests": {} if status else ran}
@@ -230,7 +236,7 @@ def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
             ranked += [(not calls[n], t["seconds"], n) for n, t in tests.items()]
     names, spent = [], 0.0
     for _, seconds, name in sorted(ranked):
-        if seconds <= FAST and spent + seconds <= BUDGET:
+        if not names or (seconds <= FAST and spent + seconds <= BUDGET):
             names.append(name)
             spent += seconds
     return names
@@ -268,9 +274,7 @@ def main() -> None:
         if (KNOWN.exists())
         else set()
     )
-    for package in {
-        path.parts[0] for path in everything
-    }:  # load once what they load from elsewhere
+    for package in {path.parts[0] for path in everything}:  # what they import is loaded once
         for path in Path(package).rglob("*.py"):
             importlib.import_module(".".join(path.with_suffix("").parts))
         for name in [name for name in sys.modules if name.split(".")[0] == package]:

@@ -54,7 +54,12 @@ from ur5lib.identification.samples import (
     record_paths,
     smoothed_moving,
 )
-from ur5lib.identification.selection import choose_terms, is_better, left_out_residuals
+from ur5lib.identification.selection import (
+    choose_presliding,
+    choose_terms,
+    is_better,
+    left_out_residuals,
+)
 from ur5lib.identification.validation import (
     baseline_current,
     coefficients_of_constants,
@@ -101,6 +106,32 @@ def test_the_terms_that_made_the_current_are_chosen(fitted: CurrentFit) -> None:
     assert len(more[2]) == 1
     assert not any((*more[:2], *more[3:]))
     assert [joint.presliding for joint in fitted.joints] == WAYS
+
+
+def test_the_distance_that_made_the_current_is_chosen() -> None:
+    """Of three, wherever it stands among them; the first, where nothing can be left out."""
+    records = [make_record(seed) for seed in range(2)]
+    tried = [joint_samples(records, smooth, (), [way] * 6)[0] for way in (1e-3, PRESLIDING, 1e-4)]
+    for own in (tried, tried[::-1], tried[1:] + tried[:1]):
+        assert choose_presliding(own, prior().of_joint(0)).presliding == PRESLIDING
+    alone = [one.where(one.record == 0) for one in tried]
+    assert choose_presliding(alone, prior().of_joint(0)) is alone[0]
+
+
+def test_draws_are_of_whole_units_or_of_blocks_within_them() -> None:
+    """Each unit is drawn as often as it has blocks; what is of no unit never is."""
+    unit = np.array([0, 0, 0, -1, 1, 1, 2])
+    generator = np.random.default_rng(0)
+    whole, within = bootstrap.draw_units(unit, generator), bootstrap.draw_blocks(unit, generator)
+    for counts in (whole, within):
+        assert counts.shape == (bootstrap.DRAWS, 7)
+        assert (counts[:, 3] == 0).all()
+        np.testing.assert_allclose(counts[:, unit >= 0].mean(axis=0), 1, atol=0.15)
+    assert (whole[:, :3] == whole[:, :1]).all()
+    assert (whole[:, [0, 4, 6]].sum(axis=1) == 3).all()
+    for one in range(3):
+        assert (within[:, unit == one].sum(axis=1) == (unit == one).sum()).all()
+    assert (within[:, 0] != within[:, 1]).any()
 
 
 def test_what_does_not_determine_a_constant_leaves_it_to_the_prior(fitted: CurrentFit) -> None:

@@ -16,6 +16,7 @@ from tests.library.made_up_torques import (
     free_run,
     torque_of,
 )
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.gate import Noise, find_contacts
@@ -195,6 +196,29 @@ def test_noise_is_the_sum_of_what_makes_it() -> None:
     taken = np.where(still, PRIOR.stiction, PRIOR.rubbing) * MODEL.breakaway
     np.testing.assert_allclose(hidden, taken**2)
     np.testing.assert_array_equal(noise.still, np.repeat(still > 0, 6, axis=1))
+
+
+def backgrounds(run: Free, told: np.ndarray, prior: ContactPrior = PRIOR) -> np.ndarray:
+    """Variance (N, 6) of the background where a sensor tells contacts."""
+    noise = Noise.of(run.states, MODEL, prior, np.zeros(run.torque.shape))
+    given = run.torque, run.jacobian, run.states, PERIOD, noise, MODEL, prior, told
+    return np.diagonal(find_contacts(*given).background.covariance, axis1=1, axis2=2)
+
+
+def test_a_push_draws_anew_what_friction_holds_at_rest(ur5: Robot) -> None:
+    """The more, the shorter pushes are; not in motion, and not where none came."""
+    for moving in (True, False):
+        run = free_run(ur5, seed=23, seconds=12.0, moving=moving)
+        during, away = (between(run.time, *part) > 0 for part in ((5.5, 6.5), (0.5, 2.0)))
+        short, long = (
+            backgrounds(run, between(run.time, 5.0, 7.0) > 0, replace(PRIOR, duration=duration))
+            for duration in (0.5, 5.0)
+        )
+        np.testing.assert_allclose(short[away], long[away], rtol=0.05)
+        if moving:
+            np.testing.assert_allclose(short, long, rtol=0.05)
+        else:
+            assert (short[during] > 1.5 * long[during]).all()
 
 
 # A sustained push, of all sizes

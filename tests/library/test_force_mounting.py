@@ -11,13 +11,14 @@ ROTATION = orientations(60, turning=0.8)
 TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1, -1]}
 
 
-def told(signs: list[int]) -> tuple[list[str], str | None]:
+def told(signs: list[int], unread: int = 0) -> tuple[list[str], str | None]:
     """Of a sensor whose axes have these signs, beside an estimate that errs."""
     reading, wrench = pushed(ROTATION, seed=0)
     offset = fit_offset(reading * [*signs, *signs], ROTATION, PERIOD, GRAVITY)
     free = reading * [*signs, *signs] - offset.reading(ROTATION, GRAVITY)
     sensor = wrench_of_environment(free, ROTATION)[:, :3]
     estimate = 0.7 * wrench[:, :3] + np.random.default_rng(1).normal(0, 2, (len(wrench), 3))
+    sensor[:unread] = estimate[unread : 2 * unread] = np.nan
     opposite = opposite_axes(sensor, estimate, ROTATION)
     return opposite, mounting_doubt(offset, opposite)
 
@@ -32,6 +33,10 @@ def test_a_sensor_upside_down_is_doubted(signs: list[int]) -> None:
     assert opposite == [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
     assert doubt is not None
     assert f"force along {', '.join(opposite)} of frame 6 is opposite" in doubt
+
+
+def test_what_was_not_read_hides_nothing() -> None:
+    assert told(TURNED["x"], unread=100) == told(TURNED["x"])
 
 
 def test_a_tool_that_pulls_upwards_is_told() -> None:

@@ -118,6 +118,13 @@ def test_a_joint_that_turns_round_reverses() -> None:
     assert (states[np.abs((time % 3) - 1.5) > 0.4] == MOVING).all()
 
 
+@pytest.mark.parametrize(("speed", "state"), [(0.029, STILL), (0.031, MOVING)])
+def test_a_joint_is_slow_below_0_03_rad_per_s(speed: float, state: int) -> None:
+    """Either way."""
+    for qd in (speed, -speed):
+        assert (states_of(np.full((300, 6), qd)) == state).all()
+
+
 def test_states_of_a_template_are_counted_on() -> None:
     """What `is_still` says holds of both models' states."""
     states = np.full((3, 6), STILL)
@@ -158,6 +165,12 @@ def test_a_joint_that_stops_draws_its_friction_anew() -> None:
     rate = fitted(Stretch(torque, states, PERIOD)).rate
     assert (rate[[SETTLING, RESTING]] >= 1.0).all()
     assert (rate[[MOVING, STILL]] < 0.3).all()
+
+
+def test_what_stays_renews_itself_in_half_a_minute() -> None:
+    """No slower, so that no offset is believed for ever."""
+    model = fitted(moving_stretch(5.0 + drift(3000, np.full(6, 0.01), 1.0, seed=11)))
+    np.testing.assert_allclose(model.rate, [1 / 30, 1 / 30, 1, 1, 1 / 30])
 
 
 def test_recordings_of_several_rates_tell_the_same() -> None:

@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.detection import pushes
@@ -181,6 +182,17 @@ def test_the_noise_of_a_sensor_is_measured() -> None:
     np.testing.assert_allclose(offset.noise, deviation, rtol=0.1)
     assert offset.free.mean() > 0.8
     np.testing.assert_allclose(offset.bias_std, deviation / np.sqrt(offset.free.sum()), rtol=0.15)
+
+
+@pytest.mark.parametrize("follows", [0.0, 0.6, 0.9])
+def test_noise_that_lasts_tells_a_bias_less_well(follows: float) -> None:
+    """As the variance of a mean of an autoregressive process has it: (1 + a) / (1 - a)."""
+    random = np.random.default_rng(4)
+    steps = random.normal(size=(20000, 6)) * np.sqrt(1 - follows**2)
+    noise = 0.005 * lfilter([1], [1, -follows], steps, axis=0)
+    offset = fit_offset(BIAS + noise, np.tile(np.eye(3), (20000, 1, 1)), PERIOD, GRAVITY)
+    expected = 0.005 * np.sqrt((1 + follows) / (1 - follows) / 20000)
+    np.testing.assert_allclose(offset.bias_std, expected, rtol=0.15)
 
 
 def test_an_hour_takes_seconds() -> None:

@@ -1,6 +1,7 @@
 """Reading recordings: nothing invented, nothing silently dropped."""
 
 import gzip
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,10 @@ from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.columns import FACTORS, expand
+from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.formats import READERS, read_recording
 from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
@@ -350,11 +353,19 @@ def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
     assert check_force_sensor(table.iloc[:20]) == []  # a tool's weight on an arm at rest
 
 
+@pytest.mark.parametrize(
+    ("step", "told"), [(1.9e-4, True), (2.1e-4, False), (0.99, False), (1.01, True)]
+)
+def test_a_step_of_no_recording_is_told(step: float, told: bool) -> None:
+    with pytest.raises(InputError, match="median step") if told else nullcontext():
+        check_pace(step * np.arange(9.0), "robot.csv")
+
+
 # Channels that contradict one another
 
 
 def moving_robot() -> pd.DataFrame:
-    """Half a minute of an arm whose joints swing, each at its own pace, and currents of their own."""
+    """Half a minute of an arm whose joints swing, each at its own pace by its own current."""
     time = np.arange(0, 30, PERIOD)
     pace = np.linspace(0.5, 1.1, 6)
     angle = pace * time[:, None]
@@ -515,6 +526,15 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
 
 
 # Files as they come
+
+
+def test_a_byte_order_mark_takes_no_digit(tmp_path: Path) -> None:
+    path = tmp_path / "numbers.csv"
+    path.write_bytes(b"\xef\xbb\xbf123.5,2\n4,5\n")
+    findings: list[Finding] = []
+    table = read_numbers(path, ["time", "a"], "robot", findings)
+    assert table.to_numpy().tolist() == [[123.5, 2], [4, 5]]
+    assert found(findings, "byte-order mark").severity == "note"
 
 
 def test_a_compressed_file_is_unpacked_and_told(recording: Path) -> None:

@@ -55,3 +55,12 @@ def test_the_ratio_is_read_at_rest_and_under_load() -> None:
 
 def test_an_arm_that_never_rests_tells_no_ratio() -> None:
     assert np.isnan(standstill_ratio(np.ones((9, 6)), np.ones((9, 6)), np.ones((9, 6)))).all()
+
+
+@pytest.mark.parametrize(("bearing", "told"), [(50, False), (51, True)])
+def test_a_joint_tells_a_ratio_that_bears_a_load_most_of_the_time(bearing: int, told: bool) -> None:
+    """Of the time at rest; and a load is more than a tenth of a newton metre."""
+    moment = np.full((100, 6), 0.09)
+    moment[:bearing] = -0.11
+    ratio = standstill_ratio(moment, moment / 8, np.zeros((100, 6)))
+    np.testing.assert_allclose(ratio, 8.0 if told else np.nan)
