@@ -23,7 +23,7 @@ NO_TAIL = Tail(a=0.0, d=0.0, cos=1.0, sin=0.0)
 
 
 class Joint(NamedTuple):
-    """Transformation from one link's frame to the next: a constant tail, then a rotation about z."""
+    """Transformation from a link's frame to the next: a constant tail, then a rotation about z."""
 
     tail: Tail
     cos: Number

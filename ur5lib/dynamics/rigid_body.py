@@ -126,7 +126,7 @@ def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
 
 
 def _composite_bodies(geometry: Geometry, parameters: Any, q: Any) -> Any:
-    """Return D: column k has the torques for q̈_k = 1, which turns all beyond joint k as one body."""
+    """Return D: column k is the torque of q̈_k = 1, which moves all links beyond it as one body."""
     bodies, rotors = split(parameters)
     chain = recursion.joints(geometry, components(q))
     entries: dict[tuple[int, int], Any] = {}

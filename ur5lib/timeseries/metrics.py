@@ -55,7 +55,7 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
 
 
 def interval_score(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
-    """Return the mean Winkler score of each column's band: width plus 2 / (1 - stated) times misses.
+    """Return the mean Winkler score of each column's band: width + 2 / (1 - stated) times misses.
 
     Lower is better; a band that is too wide or too narrow scores worse (Gneiting and
     Raftery 2007, Equation 43).
@@ -66,7 +66,7 @@ def interval_score(estimate: Array, std: Array, reference: Array, stated: float 
 
 
 def zero_interval_score(reference: Array, stated: float = 0.95) -> Array:
-    """Return the score of the band around zero that contains `stated` of each column's references."""
+    """Return the score of the band around zero with `stated` of each column's references inside."""
     half = np.nanquantile(np.abs(reference), stated, axis=0)
     scale = ndtri(0.5 + stated / 2)
     return interval_score(np.zeros_like(reference), half / scale, reference, stated)
