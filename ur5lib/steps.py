@@ -1,4 +1,4 @@
-"""What every workflow script has in common: its log, and how it fails."""
+"""The common frame of all workflow scripts: log, error messages, exit status."""
 
 import contextlib
 import os
@@ -19,9 +19,9 @@ START_UP, WHOLE = "start-up took {:.2f} s", "with it, the step took {:.2f} s of 
 def run_step(step: Step, snakemake: Any) -> None:
     """Run `step(input, output, params)` for a Snakemake job.
 
-    What it prints goes to the job's log, the traceback of an unexpected error too, between the
+    Its output and the traceback of an unexpected error go to the job's log, between the
     processor time that Python and its packages took to start and that of the whole step; the
-    terminal gets one sentence on what went wrong. Ends the process, with status 1 if the step
+    terminal shows one sentence on the error. Ends the process, with status 1 if the step
     failed.
     """
     log = Path(snakemake.log[0])
@@ -39,12 +39,12 @@ def run_step(step: Step, snakemake: Any) -> None:
             traceback.print_exc()
             _fail(f"{snakemake.rule}: {type(error).__name__}: {error} (traceback in {log})")
         print(WHOLE.format(time.process_time()))
-    # All files are closed. That Python takes torch and scipy apart again would take up to 0.4 s.
+    # all files are closed; unloading torch and scipy would take up to 0.4 s
     os._exit(0)
 
 
 def processor_times(log: str | Path) -> tuple[float, float]:
-    """What a job's log tells of start-up and of the whole step [s]; NaN where it tells nothing."""
+    """Return the processor times of start-up and the whole step [s] from a log; NaN if missing."""
     text = Path(log).read_text(encoding="utf-8")
     patterns = (line.replace("{:.2f}", r"([\d.]+)") for line in (START_UP, WHOLE))
     start_up, whole = (re.search(pattern, text) for pattern in patterns)

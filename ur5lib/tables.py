@@ -1,8 +1,8 @@
 """The pipeline's tables: the only code that reads or writes them.
 
 Signals are Parquet, one column a channel under its RTDE name with a zero-based suffix, `time` [s]
-first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written
-aside and renamed, so that no reader ever meets half of one.
+first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written to
+a temporary name and renamed, so that no reader meets an incomplete one.
 """
 
 import contextlib
@@ -80,9 +80,9 @@ UNITS = {  # of a channel, by its name without suffix
 
 
 def unit(column: str) -> str:
-    """The unit of a channel; the longest known name that the column begins with decides.
+    """Return the unit of a channel, that of the longest known name with which the column begins.
 
-    Raises ValueError when there is none.
+    Raises ValueError for an unknown channel.
     """
     if not has_unit(column):
         raise ValueError(f"column {column!r} has no known unit")
@@ -90,7 +90,7 @@ def unit(column: str) -> str:
 
 
 def has_unit(column: str) -> bool:
-    """Whether a column holds a known channel."""
+    """Return whether a column is a known channel."""
     return bool(_known_names(column))
 
 
@@ -124,28 +124,28 @@ def read_table(path: str | Path) -> pd.DataFrame:
 
 
 def columns(name: str, count: int = 6) -> list[str]:
-    """Names of a channel's columns: name_0, name_1, ..."""
+    """Return the names of a channel's columns: name_0, name_1, ..."""
     return [f"{name}_{index}" for index in range(count)]
 
 
 def channel(table: pd.DataFrame, name: str, count: int = 6) -> Array:
-    """A channel as an array (N, count) of its own."""
+    """Return a channel as a copied array (N, count)."""
     return table[columns(name, count)].to_numpy(np.float64, copy=True)
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
-    """An array (N, M), or (N, ...) flattened row by row, as named columns."""
+    """Return an array (N, M), or (N, ...) flattened row by row, as named columns."""
     flat = values.reshape(len(values), -1)
     return dict(zip(columns(name, flat.shape[1]), flat.T, strict=True))
 
 
 def labelled(values: Array, name: str, labels: Sequence[str]) -> dict[str, Array]:
-    """An array (N, M) as columns name_label, one for each of M labels."""
+    """Return an array (N, M) as columns name_label, one for each of M labels."""
     return {f"{name}_{label}": column for label, column in zip(labels, values.T, strict=True)}
 
 
 def labelled_channel(table: pd.DataFrame, name: str, labels: Sequence[str]) -> Array:
-    """Columns name_label as an array (N, M)."""
+    """Return columns name_label as an array (N, M)."""
     return table[[f"{name}_{label}" for label in labels]].to_numpy(np.float64)
 
 
@@ -160,7 +160,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 
 def write_json(data: object, path: str | Path) -> None:
-    """Write a summary; what is not a number becomes null."""
+    """Write a summary; NaN and infinity become null."""
     text = json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
     write_text(text, path)
 

@@ -16,14 +16,14 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Arm:
-    """What the equations of motion need; frame k is the Denavit-Hartenberg frame of link k.
+    """Parameters of the equations of motion; frame k is the Denavit-Hartenberg frame of link k.
 
     urdf: the arm as URDF, for `chains`;
     mass: (6,) [kg]; center_of_mass: (6, 3) [m] in frame k;
     inertia: (6, 3, 3) [kg m²] about the centre of mass, axes of frame k;
     rotor_inertia: (6,) [kg m²], seen through the gear;
     gravity: (3,) [m/s²] in the base frame;
-    parameters: (66,), π of τ = Y π, see `inertial_parameters`: what `rigid_body` computes with;
+    parameters: (66,), π of τ = Y π, see `inertial_parameters`, used by `rigid_body`;
     geometry: the lengths and twists, the same for all models; fused: see `build_arm`.
     """
 
@@ -45,12 +45,12 @@ def build_arm(
     device: str = "cpu",
     fused: bool = False,
 ) -> Arm:
-    """An arm under one of its models, e.g. "A", "B" or "C"; KeyError where it has no such model.
+    """Build an arm under one of its models, e.g. "A", "B" or "C"; KeyError for an unknown model.
 
     dtype: float64, or float32, whose results are within 1e-6 of the largest among them.
-    fused: let torch.compile make each term one loop. Its first call takes 5 to 20 s, less where it
-    was compiled before; further ones a third of the time: worth it from tens of millions of samples
-    on. Where there is no compiler, a warning, and what would run without.
+    fused: torch.compile makes each term one loop. The first call takes 5 to 20 s, less if it was
+    compiled before; further calls take a third of the time, which pays from tens of millions of
+    samples on. Without a compiler, a warning is given and the terms run uncompiled.
     """
     bodies = rigid_bodies(robot, model)
 
@@ -71,7 +71,7 @@ def build_arm(
 
 
 def geometry(robot: Robot) -> Geometry:
-    """Lengths, twists and gravity of an arm as plain numbers; right angles are exact."""
+    """Return lengths, twists and gravity of an arm as plain numbers; right angles are exact."""
 
     def exact(value: float) -> float:
         return round(value) + 0.0 if abs(value - round(value)) < 1e-15 else value
@@ -86,7 +86,7 @@ def geometry(robot: Robot) -> Geometry:
 
 
 def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
-    """π of τ = Y π, (66,) [kg, kg m, kg m²]: ten for each link, then the six rotor inertias.
+    """Return π of τ = Y π, (66,) [kg, kg m, kg m²]: ten per link, then the six rotor inertias.
 
     m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
     the URDF's link_k: origin o_(k-1), and axes that the twist α of link k turns into frame k's.

@@ -1,4 +1,4 @@
-"""Kernels over any number of samples: in batches that fit the caches, plain or fused."""
+"""Evaluation of kernels over any number of samples, in batches that fit the caches."""
 
 import warnings
 from collections.abc import Callable
@@ -10,13 +10,13 @@ from torch import Tensor
 from ur5lib.dynamics.arm import Arm
 from ur5lib.dynamics.tracing import Geometry, Kernel, straight_line
 
-# Samples at once: intermediate rows, some hundred, shall stay in the caches of a processor; a GPU
-# wants work for all its cores.
+# Samples per batch: some hundred intermediate rows should stay in the caches of a processor; a GPU
+# needs enough for all its cores.
 CPU, GPU = 1 << 14, 1 << 20
 
 
 def evaluate(arm: Arm, kernel: Kernel, *states: Tensor) -> Tensor:
-    """A kernel of (geometry, parameters, *states), for all samples.
+    """Evaluate a kernel of (geometry, parameters, *states) for all samples.
 
     states: (N, 6) each, which the kernel takes as (6, N). Returns (N, ...) of its (..., N).
     Raises ValueError where the states are not six values each of the same samples, or not of the
@@ -36,7 +36,7 @@ def evaluate(arm: Arm, kernel: Kernel, *states: Tensor) -> Tensor:
 
 
 def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:
-    """function(*states), some samples at a time: what it needs in between does not grow with N."""
+    """Evaluate function(*states) in batches, so that its memory does not grow with N."""
     count = len(states[0])
     result = torch.empty(0)
     for start in range(0, max(count, 1), size):
@@ -50,7 +50,7 @@ def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> T
 
 
 def batch_size(arm: Arm) -> int:
-    """How many samples are worth taking at once."""
+    """Return the number of samples in a batch."""
     if arm.parameters.device.type != "cpu":
         return GPU
     return CPU * torch.get_num_threads() if arm.fused else CPU
@@ -58,7 +58,7 @@ def batch_size(arm: Arm) -> int:
 
 @cache
 def _fused(kernel: Kernel, geometry: Geometry) -> Callable[..., Tensor]:
-    """The same program as one compiled loop; where that fails, told once, as it stands."""
+    """Return the program as one compiled loop; if that fails, warn once and run it uncompiled."""
     plain = straight_line(kernel, geometry)
     program: Callable[..., Tensor] = torch.compile(plain, dynamic=True)
 

@@ -1,7 +1,7 @@
 """Kinematic chains of an arm, by pytorch-kinematics.
 
-Importing it costs half as much again as torch, for what it draws with: so only poses and Jacobians
-pay for it.
+Importing it takes half as long as torch, because of its plotting packages, so it is imported only
+for poses and Jacobians.
 """
 
 from functools import cache
@@ -13,13 +13,13 @@ import torch
 
 @cache
 def serial_chain(text: str, link: int, dtype: torch.dtype, device: torch.device) -> pk.SerialChain:
-    """The chain from the base to frame k of a link, 1 to 6, of an arm as URDF."""
+    """Return the chain from the base to frame k of a link, 1 to 6, of an arm as URDF."""
     chain = pk.SerialChain(read_urdf(text, dtype), f"frame_{link}", dtype=dtype)
     return chain.to(device=device)
 
 
 def read_urdf(text: str, dtype: torch.dtype) -> pk.Chain:
-    """A kinematic chain from URDF, with the origins of its joints in full precision.
+    """Read a kinematic chain from URDF, with the origins of its joints in full precision.
 
     pytorch-kinematics reads rotations in single precision, which misplaces the UR5's flange by
     16 nm; the exact origins are put back here. The chain is a template for `pk.SerialChain`.

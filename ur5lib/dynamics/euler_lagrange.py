@@ -1,6 +1,6 @@
 """The equations of motion as the thesis derives them: from energies, by Jacobians, batched.
 
-The second derivation of what `rigid_body` computes, faster, by Newton and Euler.
+The second derivation; `rigid_body` computes the same faster, by Newton and Euler.
 """
 
 import torch
@@ -12,7 +12,7 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 
 
 def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
-    """D(q) of Equation 2.61: the sum of m J_vᵀ J_v + J_ωᵀ R I Rᵀ J_ω over links, and the rotors.
+    """Return D(q) = Σ m J_vᵀ J_v + J_ωᵀ R I Rᵀ J_ω over links, plus rotors (Equation 2.61).
 
     q: (N, 6) [rad]. Returns (N, 6, 6) [kg m²], symmetric and positive definite.
     """
@@ -27,7 +27,7 @@ def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
 
 
 def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
-    """C(q, q̇) of Equation 2.65, with the Christoffel symbols (2.66) from exact slopes of D.
+    """Return C(q, q̇) by the Christoffel symbols (2.65, 2.66) of exact derivatives of D.
 
     q, qd: (N, 6) [rad, rad/s]. Returns (N, 6, 6) [Nm s/rad].
     """
@@ -38,13 +38,14 @@ def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     units = torch.eye(6, dtype=q.dtype, device=q.device)
     slopes = [jvp(inertia, (q,), (unit.expand_as(q),))[1] for unit in units]
     slope = torch.stack(slopes, dim=1)  # ∂d_kj/∂q_i as (N, i, k, j)
+    # c_kj = ½ Σ_i (∂d_kj/∂q_i + ∂d_ki/∂q_j - ∂d_ij/∂q_k) q̇_i
     along = torch.einsum("nikj,ni->nkj", slope, qd)
     across = torch.einsum("njki,ni->nkj", slope, qd)
     return (along + across - across.mT) / 2
 
 
 def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
-    """g(q) of Equation 2.67, with P = -Σ m g0ᵀ r (erratum 2): g = -Σ m J_vᵀ g0.
+    """Return g(q) = ∂P/∂q = -Σ m J_vᵀ g0, with P = -Σ m g0ᵀ r (Equation 2.67, erratum 2).
 
     q: (N, 6) [rad]. Returns (N, 6) [Nm].
     """

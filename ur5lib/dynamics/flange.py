@@ -9,7 +9,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
-    """R_6 (N, 3, 3), o_6 (N, 3) [m] and J_g (N, 6, 6), base frame. q: (N, 6) [rad]."""
+    """Return R_6 (N, 3, 3), o_6 (N, 3) [m] and J_g (N, 6, 6), base frame. q: (N, 6) [rad]."""
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
     positions = torch.from_numpy(q)
     rotation, origin = kinematics.link_frames(arm, positions)

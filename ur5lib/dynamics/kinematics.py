@@ -15,7 +15,7 @@ from ur5lib.dynamics.orientation import zyz_angles, zyz_rates_to_angular_velocit
 
 
 def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
-    """Frames 0 (base) to 6 seen from the base (Equation 2.18).
+    """Return frames 0 (base) to 6 relative to the base (Equation 2.18).
 
     q: (N, 6) [rad]. Returns rotations R_k (N, 7, 3, 3) and origins o_k (N, 7, 3) [m].
     """
@@ -25,7 +25,7 @@ def link_frames(arm: Arm, q: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
-    """Geometric Jacobian J_g of a point (Equations 2.27, 2.29 and 2.40).
+    """Return the geometric Jacobian J_g of a point (Equations 2.27, 2.29 and 2.40).
 
     q: (N, 6) [rad]. Returns (N, 6, 6); columns of joints beyond the link are zero.
     """
@@ -34,7 +34,7 @@ def jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) ->
 
 
 def analytical_jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
-    """J_a of a point: rows 1 to 3 as J_g, 4 to 6 the rates of φ, ϑ, ψ of R_k (Equation 2.34).
+    """Return J_a of a point: rows 1 to 3 of J_g, then the rates of φ, ϑ, ψ of R_k (Equation 2.34).
 
     q: (N, 6) [rad]. Returns (N, 6, 6). The last rows grow without bound towards sin ϑ = 0 and
     are infinite or not a number there: a singularity of the angles, not of the arm.
@@ -46,14 +46,14 @@ def analytical_jacobian(arm: Arm, q: Tensor, link: int = 6, point: Tensor | None
 
 
 def velocity(arm: Arm, q: Tensor, qd: Tensor, link: int = 6, point: Tensor | None = None) -> Tensor:
-    """J_g q̇ of a point, (N, 6) [m/s, rad/s]. q, qd: (N, 6) [rad, rad/s] (Equation 2.26)."""
+    """Return J_g q̇ of a point, (N, 6) [m/s, rad/s] (2.26). q, qd: (N, 6) [rad, rad/s]."""
     return _apply(jacobian(arm, q, link, point), qd)
 
 
 def acceleration(
     arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, link: int = 6, point: Tensor | None = None
 ) -> Tensor:
-    """J_g q̈ + J̇_g q̇ of a point, (N, 6) [m/s², rad/s²], gravity left out.
+    """Return J_g q̈ + J̇_g q̇ of a point, (N, 6) [m/s², rad/s²], without gravity.
 
     q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. No angles, so no singularity of angles (erratum 1).
     """
@@ -64,7 +64,7 @@ def acceleration(
 def velocity_product_acceleration(
     arm: Arm, q: Tensor, qd: Tensor, link: int = 6, point: Tensor | None = None
 ) -> Tensor:
-    """J̇_g q̇ of a point: its acceleration where q̈ = 0, (N, 6) [m/s², rad/s²].
+    """Return J̇_g q̇ of a point, its acceleration at q̈ = 0, (N, 6) [m/s², rad/s²].
 
     q, qd: (N, 6) [rad, rad/s].
     """

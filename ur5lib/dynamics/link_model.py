@@ -21,7 +21,7 @@ class LinkModel:
 
     @property
     def parameters(self) -> Array:
-        """The inertial parameters π (66,) of τ = Y π."""
+        """Return the inertial parameters π (66,) of τ = Y π."""
         return self.arm.parameters.numpy()
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
@@ -38,7 +38,7 @@ class LinkModel:
         return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
 
     def coriolis_torque(self, q: Array, qd: Array) -> Array:
-        """Return Cᵀ(q, q̇) q̇, by which the momentum changes besides gravity and motors."""
+        """Return Cᵀ(q, q̇) q̇, a term of the momentum's rate: ṗ = τ + Cᵀ q̇ - g."""
         matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
         return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
 

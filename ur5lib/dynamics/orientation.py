@@ -6,7 +6,7 @@ from torch import Tensor
 
 
 def zyz_angles(rotation: Tensor) -> Tensor:
-    """φ, ϑ, ψ of R = R_z(φ) R_y(ϑ) R_z(ψ), 0 ≤ ϑ ≤ π (Equations 2.4 to 2.7).
+    """Return φ, ϑ, ψ of R = R_z(φ) R_y(ϑ) R_z(ψ), 0 ≤ ϑ ≤ π (Equations 2.4 to 2.7).
 
     rotation: (N, 3, 3). Returns (N, 3) [rad]. Where sin ϑ is zero to rounding, φ = 0.
     """
@@ -20,7 +20,7 @@ def zyz_angles(rotation: Tensor) -> Tensor:
 
 
 def zyz_rates_to_angular_velocity(angles: Tensor) -> Tensor:
-    """B(φ) of ω = B (φ̇, ϑ̇, ψ̇), base frame: Equation 2.33 with φ and ψ put right (erratum 1).
+    """Return B(φ) of ω = B (φ̇, ϑ̇, ψ̇), base frame: Equation 2.33 corrected (erratum 1).
 
     angles: (N, 3) [rad] as from `zyz_angles`. Returns (N, 3, 3), singular where sin ϑ = 0.
     """
@@ -35,7 +35,7 @@ def zyz_rates_to_angular_velocity(angles: Tensor) -> Tensor:
 
 
 def axis_angle(rotation: Tensor) -> tuple[Tensor, Tensor]:
-    """Unit axis l (N, 3) and angle λ (N,) [rad], 0 ≤ λ ≤ π, of rotations (N, 3, 3) (2.9, 2.10).
+    """Return unit axis l (N, 3) and angle λ (N,) [rad], 0 ≤ λ ≤ π, of R (N, 3, 3) (2.9, 2.10).
 
     By quaternions, which lose nothing near λ = 0 and λ = π. There, Equation 2.10 divides by zero:
     at λ = π, l and -l are the same rotation; at λ = 0 any axis would do, and l = z.

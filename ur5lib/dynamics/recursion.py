@@ -1,4 +1,4 @@
-"""The recursions along the arm, on single components: what the kernels are made of.
+"""The recursions along the arm, on single components, of which the kernels consist.
 
 Link k is seen from its own frame (`link_k` of the URDF): origin o_(k-1) on the axis of joint k,
 z along that axis, turned by q_k; its `Tail` leads to the Denavit-Hartenberg frame k. There, a
@@ -23,7 +23,7 @@ NO_TAIL = Tail(a=0.0, d=0.0, cos=1.0, sin=0.0)
 
 
 class Joint(NamedTuple):
-    """The way from one link's frame to the next: a constant tail, then a turn about z."""
+    """Transformation from a link's frame to the next: a constant tail, then a rotation about z."""
 
     tail: Tail
     cos: Number
@@ -31,17 +31,17 @@ class Joint(NamedTuple):
 
     @property
     def lever(self) -> Vector:
-        """From one origin to the next, seen from the link before."""
+        """Return the vector from one origin to the next, in the frame of the link before."""
         return self.tail.a, 0.0, self.tail.d
 
     def outwards(self, vector: Vector) -> Vector:
-        """A vector of the link before, seen from the link after."""
+        """Transform a vector from the frame of the link before to that of the link after."""
         x, y, z = vector
         y, z = self.tail.cos * y + self.tail.sin * z, self.tail.cos * z - self.tail.sin * y
         return self.cos * x + self.sin * y, self.cos * y - self.sin * x, z
 
     def inwards(self, vector: Vector) -> Vector:
-        """A vector of the link after, seen from the link before."""
+        """Transform a vector from the frame of the link after to that of the link before."""
         x, y, z = vector
         x, y = self.cos * x - self.sin * y, self.sin * x + self.cos * y
         return x, self.tail.cos * y - self.tail.sin * z, self.tail.sin * y + self.tail.cos * z
@@ -56,7 +56,7 @@ class Inertia(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """How a link moves: ω, α, the acceleration of its origin, and S(α) + S(ω)²."""
+    """Motion of a link: ω, α, the acceleration of its origin, and S(α) + S(ω)²."""
 
     omega: Vector
     alpha: Vector
@@ -65,7 +65,7 @@ class Motion(NamedTuple):
 
 
 class Wrench(NamedTuple):
-    """Force, and moment about the origin of the frame it is seen from."""
+    """Force, and moment about the origin, in the axes of one frame."""
 
     force: Vector
     moment: Vector
@@ -75,24 +75,24 @@ NO_WRENCH = Wrench(ZERO, ZERO)
 
 
 def components(states: Any) -> list[Number]:
-    """The six rows of (6, N)."""
+    """Return the six rows of (6, N)."""
     return [states[k] for k in range(6)]
 
 
 def split(parameters: Any) -> tuple[list[Inertia], list[Number]]:
-    """Links and rotor inertias from the parameters of an `Arm`."""
+    """Split the parameters of an `Arm` into links and rotor inertias."""
     values = [parameters[i] for i in range(66)]
     return [link_inertia(values[10 * k : 10 * k + 10]) for k in range(6)], values[60:]
 
 
 def joints(geometry: Geometry, q: Sequence[Number]) -> list[Joint]:
-    """Joints 1 to 6."""
+    """Return joints 1 to 6 at positions q."""
     tails = (NO_TAIL, *geometry.tails)
     return [Joint(tails[k], torch.cos(q[k]), torch.sin(q[k])) for k in range(6)]
 
 
 def link_inertia(parameters: Sequence[Number]) -> Inertia:
-    """From the ten parameters m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
+    """Return a link from m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
     mass, x, y, z, xx, xy, yy, xz, yz, zz = parameters
     return Inertia(mass, (x, y, z), ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
 
@@ -100,11 +100,13 @@ def link_inertia(parameters: Sequence[Number]) -> Inertia:
 def link_motions(
     chain: Sequence[Joint], gravity: Vector, qd: Sequence[Number], qdd: Sequence[Number]
 ) -> Iterator[Motion]:
-    """Outwards from the base, which accelerates against gravity."""
+    """Yield the motion of links 1 to 6, outwards from the base, which accelerates by -g0."""
     motion = Motion(ZERO, ZERO, scaled(-1.0, gravity), (ZERO, ZERO, ZERO))
     for joint, speed, change in zip(chain, qd, qdd, strict=True):
+        # a_k = a_k-1 + (S(α) + S(ω)²) r, in the frame of link k-1; then all in that of link k
         acceleration = plus(motion.acceleration, times(motion.turning, joint.lever))
         omega, alpha, acceleration = map(joint.outwards, (*motion[:2], acceleration))
+        # α_k = α_k-1 + ω_k-1 × q̇ z + q̈ z, ω_k = ω_k-1 + q̇ z
         alpha = plus(alpha, cross(omega, (0.0, 0.0, speed)), (0.0, 0.0, change))
         omega = plus(omega, (0.0, 0.0, speed))
         motion = Motion(omega, alpha, acceleration, turning(omega, alpha))
@@ -112,8 +114,10 @@ def link_motions(
 
 
 def needed_wrench(body: Inertia, motion: Motion) -> Wrench:
-    """Newton's and Euler's equations about a point that need not be the centre of mass."""
+    """Return the wrench that a motion requires, by Newton and Euler about the frame's origin."""
+    # F = m a + (S(α) + S(ω)²) m c
     force = plus(scaled(body.mass, motion.acceleration), times(motion.turning, body.moment))
+    # n = I α + ω × I ω + m c × a
     spin = plus(
         times(body.tensor, motion.alpha), cross(motion.omega, times(body.tensor, motion.omega))
     )
@@ -121,7 +125,7 @@ def needed_wrench(body: Inertia, motion: Motion) -> Wrench:
 
 
 def joint_torques(chain: Sequence[Joint], wrenches: Sequence[Wrench]) -> list[Number]:
-    """Inwards from the flange: each joint carries what the links beyond it need."""
+    """Return the joint torques, inwards from the flange: n_z of all wrenches beyond each joint."""
     total, torques = NO_WRENCH, []
     for joint, wrench in zip(reversed(chain), reversed(wrenches), strict=True):
         total = Wrench(plus(total.force, wrench.force), plus(total.moment, wrench.moment))
@@ -131,13 +135,13 @@ def joint_torques(chain: Sequence[Joint], wrenches: Sequence[Wrench]) -> list[Nu
 
 
 def wrench_inwards(joint: Joint, wrench: Wrench) -> Wrench:
-    """A wrench on the link after a joint, seen from the frame of the link before."""
+    """Transform a wrench to the frame of the link before: F = R F', n = R n' + r × F."""
     force = joint.inwards(wrench.force)
     return Wrench(force, plus(joint.inwards(wrench.moment), cross(joint.lever, force)))
 
 
 def composite_inertias(chain: Sequence[Joint], bodies: Sequence[Inertia]) -> list[Inertia]:
-    """Each link together with all links beyond it, as if they were one body."""
+    """Return each link together with all links beyond it as one body."""
     composite = [bodies[-1]]
     for joint, body in zip(reversed(chain[1:]), reversed(bodies[:-1]), strict=True):
         beyond = inertia_inwards(joint, composite[-1])
@@ -152,7 +156,7 @@ def composite_inertias(chain: Sequence[Joint], bodies: Sequence[Inertia]) -> lis
 
 
 def inertia_inwards(joint: Joint, body: Inertia) -> Inertia:
-    """A body after a joint, seen from the frame of the link before (2.45, 2.46, 2.60)."""
+    """Transform a body to the frame of the link before a joint (2.45, 2.46, 2.60)."""
     moment, p = joint.inwards(body.moment), joint.lever
     half_turned = transposed(tuple(map(joint.inwards, body.tensor)))
     turned = tuple(map(joint.inwards, half_turned))
@@ -167,7 +171,7 @@ def inertia_inwards(joint: Joint, body: Inertia) -> Inertia:
 
 
 def turning(omega: Vector, alpha: Vector) -> Matrix:
-    """S(α) + S(ω)²: a lever of a turning body to the acceleration of its end."""
+    """Return S(α) + S(ω)², which times a lever is the acceleration of its end."""
     x, y, z = omega
     return (
         (-1.0 * (y * y + z * z), x * y - alpha[2], x * z + alpha[1]),
@@ -177,35 +181,35 @@ def turning(omega: Vector, alpha: Vector) -> Matrix:
 
 
 def plus(*vectors: Vector) -> Vector:
-    """Sum of vectors."""
+    """Return the sum of vectors."""
     return tuple(reduce(add, parts) for parts in zip(*vectors, strict=True))
 
 
 def scaled(factor: Number, vector: Vector) -> Vector:
-    """A vector times a number."""
+    """Return a vector times a number."""
     return tuple(factor * part for part in vector)
 
 
 def dot(a: Vector, b: Vector) -> Number:
-    """a · b."""
+    """Return a · b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Vector, b: Vector) -> Vector:
-    """a × b."""
+    """Return a × b."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def times(matrix: Matrix, vector: Vector) -> Vector:
-    """A matrix times a vector."""
+    """Return a matrix times a vector."""
     return tuple(dot(row, vector) for row in matrix)
 
 
 def transposed(matrix: Matrix) -> Matrix:
-    """The rows of a matrix as its columns."""
+    """Return the transpose of a matrix."""
     return tuple(zip(*matrix, strict=True))
 
 
 def symmetric(matrix: Sequence[Sequence[Number]]) -> Matrix:
-    """A symmetric matrix by its upper half; what made the lower one is not computed."""
+    """Return a symmetric matrix by its upper half; the lower half is then never computed."""
     return tuple(tuple(matrix[min(i, j)][max(i, j)] for j in range(3)) for i in range(3))

@@ -14,7 +14,7 @@ from ur5lib.dynamics.tracing import Geometry, Number, stacked
 
 
 def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
-    """Y(q, q̇, q̈) of τ = Y π, (N, 6, 66), with π as `Arm.parameters`.
+    """Return Y(q, q̇, q̈) of τ = Y π, (N, 6, 66), with π as in `Arm.parameters`.
 
     q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
     The first 60 columns are those of Pinocchio's computeJointTorqueRegressor.
@@ -25,7 +25,7 @@ def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
 
 
 def _columns(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
-    """Torques of links of which one parameter is one and the others are zero."""
+    """Return Y: the torques of links with one parameter equal to one and the others zero."""
     chain = recursion.joints(geometry, components(q))
     rates = components(qd), components(qdd)
     columns: list[list[Number]] = []

@@ -24,7 +24,7 @@ UNIT_TURN = Motion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.
 def inverse_dynamics(
     arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
-    """Joint torques τ = D(q) q̈ + C(q, q̇) q̇ + g(q) - J_gᵀ wrench (Equation 2.64).
+    """Return τ = D(q) q̈ + C(q, q̇) q̇ + g(q) - J_gᵀ wrench (Equation 2.64).
 
     wrench: (N, 6) [N, Nm], on the arm, base axes, at the origin of frame 6. Returns (N, 6) [Nm].
     """
@@ -33,12 +33,12 @@ def inverse_dynamics(
 
 
 def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
-    """D(q), (N, 6, 6) [kg m²], symmetric and positive definite, rotors included."""
+    """Return D(q), (N, 6, 6) [kg m²], symmetric and positive definite, rotors included."""
     return evaluate(arm, _composite_bodies, q)
 
 
 def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
-    """C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, 6, 6) [Nm s/rad].
+    """Return C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, 6, 6) [Nm s/rad].
 
     They are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for each
     joint and C half its slope. A quadratic form has a central difference without error, at any
@@ -54,12 +54,12 @@ def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
 
 
 def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
-    """g(q) of Equation 2.67, (N, 6) [Nm]."""
+    """Return g(q) of Equation 2.67, (N, 6) [Nm]."""
     return evaluate(arm, _at_rest, q)
 
 
 def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
-    """J_gᵀ wrench, (N, 6) [Nm]: what a wrench on the arm does at its joints.
+    """Return J_gᵀ wrench, (N, 6) [Nm], the joint torques of a wrench on the arm.
 
     wrench: (N, 6) [N, Nm], base axes, at the origin of frame 6.
     """
@@ -69,7 +69,7 @@ def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
 def forward_dynamics(
     arm: Arm, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
-    """Accelerations q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, 6) [rad/s²]; wrench as above."""
+    """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, 6) [rad/s²]; wrench as above."""
 
     def solve(q: Tensor, free: Tensor) -> Tensor:
         root = torch.linalg.cholesky(inertia_matrix(arm, q))
@@ -80,12 +80,12 @@ def forward_dynamics(
 
 
 def kinetic_energy(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
-    """½ q̇ᵀ D(q) q̇, (N,) [J], rotors included (Equation 2.61)."""
+    """Return ½ q̇ᵀ D(q) q̇, (N,) [J], rotors included (Equation 2.61)."""
     return evaluate(arm, _kinetic_energy, q, qd)
 
 
 def potential_energy(arm: Arm, q: Tensor) -> Tensor:
-    """P = -Σ m g0ᵀ r, (N,) [J], zero at the base's origin (Equation 2.63, erratum 2)."""
+    """Return P = -Σ m g0ᵀ r, (N,) [J], zero at the base's origin (Equation 2.63, erratum 2)."""
     return evaluate(arm, _potential_energy, q)
 
 
@@ -126,7 +126,7 @@ def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
 
 
 def _composite_bodies(geometry: Geometry, parameters: Any, q: Any) -> Any:
-    """A joint's unit acceleration turns all beyond it as one body; what that needs, further in."""
+    """Return D: column k is the torque of q̈_k = 1, which moves all links beyond it as one body."""
     bodies, rotors = split(parameters)
     chain = recursion.joints(geometry, components(q))
     entries: dict[tuple[int, int], Any] = {}
@@ -158,7 +158,7 @@ def _torques(
     qd: Sequence[Number],
     qdd: Sequence[Number],
 ) -> list[Number]:
-    """Recursive Newton-Euler: motions outwards, wrenches inwards; rotors only feel q̈."""
+    """Return τ by recursive Newton-Euler: motions outwards, wrenches inwards, plus J_m q̈."""
     chain = recursion.joints(geometry, q)
     motions = recursion.link_motions(chain, geometry.gravity, qd, qdd)
     wrenches = [recursion.needed_wrench(*pair) for pair in zip(bodies, motions, strict=True)]

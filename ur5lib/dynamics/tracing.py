@@ -1,8 +1,8 @@
-"""Kernels, functions of single components, made into straight-line programs.
+"""Tracing of kernels, functions of single components, into straight-line programs.
 
 A kernel takes a `Geometry` and tensors whose last dimension is the samples. It calculates with
 rows of samples, and with plain numbers where the geometry knows them: zeros, ones and lengths.
-Tracing it once leaves out products with 0 and 1, sums with 0, what no output needs, and all
+Tracing it once removes products with 0 and 1, sums with 0, unused operations, and all
 Python between the operations.
 """
 
@@ -31,7 +31,7 @@ class Tail(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """What is known of an arm before its states are: tails of links 1 to 6, gravity [m/s²]."""
+    """The constants of an arm: tails of links 1 to 6, gravity [m/s²]."""
 
     tails: tuple[Tail, ...]
     gravity: tuple[float, float, float]
@@ -39,7 +39,7 @@ class Geometry(NamedTuple):
 
 @cache
 def straight_line(kernel: Kernel, geometry: Geometry) -> fx.GraphModule:
-    """The program of a kernel for one geometry: a function of the kernel's tensors."""
+    """Return the program of a kernel for one geometry: a function of the kernel's tensors."""
     tracer = _Tracer()
     names = list(signature(kernel).parameters)[1:]
     inputs = [tracer.create_proxy("placeholder", name, (), {}) for name in names]
@@ -49,7 +49,7 @@ def straight_line(kernel: Kernel, geometry: Geometry) -> fx.GraphModule:
 
 
 def stacked(values: Iterable[Number], like: Number) -> Any:
-    """Rows (m, N) from m numbers, as long as `like`: some hold for all samples, some are zero."""
+    """Stack m numbers as rows (m, N) of the length of `like`; constants are broadcast."""
     zeros = torch.zeros_like(like)
     rows = [zeros if _is(value, 0) else value for value in values]
     return torch.stack(torch.broadcast_tensors(like, *rows)[1:])
@@ -67,7 +67,7 @@ class _Tracer(fx.Tracer):
 
 
 class _Term(fx.Proxy):
-    """An operation of the program to be, unless 0 or 1 makes it none."""
+    """An operation of the traced program; operations with 0 and 1 are simplified."""
 
     tracer: "_Tracer"
 
@@ -105,7 +105,7 @@ class _Term(fx.Proxy):
     def _recorded(
         self, operation: Callable[..., Any], *operands: Number, **options: Number
     ) -> Number:
-        """The same operation on the same operands is done once."""
+        """Record an operation; the same on the same operands is recorded once."""
         nodes = tuple(getattr(operand, "node", operand) for operand in operands)
         key = (operation, *nodes, *options.items())
         if key not in self.tracer.known:
@@ -115,7 +115,7 @@ class _Term(fx.Proxy):
 
 
 def _is_product(value: Number) -> bool:
-    """Of two rows or values of tensors, which one operation can multiply and add."""
+    """Return whether a value is a product of two rows, which addcmul can multiply and add."""
     return (
         isinstance(value, _Term)
         and value.node.target is operator.mul

@@ -33,7 +33,7 @@ def pseudo_inertias(parameters: Array) -> Array:
 
 
 def smallest_eigenvalues(parameters: Array) -> Array:
-    """Return the pseudo-inertias' least eigenvalues (6,) [kg]: bodies have positive ones (Wensing)."""
+    """Return the pseudo-inertias' least eigenvalues (6,) [kg], positive for bodies (Wensing)."""
     return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
 
 

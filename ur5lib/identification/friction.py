@@ -51,7 +51,7 @@ def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
 
 
 def resting(qd: Array) -> Array:
-    """Return 1 at rest, 0 in motion, (N,), with a smooth step over the dead zone of Equation 6.4."""
+    """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
     return 1 - np.abs(np.tanh(qd / MOVING))
 
 

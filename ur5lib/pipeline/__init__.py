@@ -1,1 +1,1 @@
-"""What lies in results/, and what the workflow's steps do with it."""
+"""The workflow's steps on typed records of the tables in results/."""

@@ -1,4 +1,4 @@
-"""What an arm carries beyond its description: in truth, and as its controller was told."""
+"""The payload of an arm: the actual one, and the one configured in its controller."""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Carried:
-    """The payload that hangs on the flange, who says so, and the one the controller reckons with.
+    """The payload on the flange, its source, and the one configured in the controller.
 
     Currents feel `payload`; `target_moment` contains `told`. None: nothing.
     """
@@ -23,7 +23,7 @@ class Carried:
 
 
 def carried(declared: Payload | None, signals: Signals) -> Carried:
-    """Return what a recording's arm carries: as the study declares it, else by RTDE's channels."""
+    """Return the payload of a recording's arm: from the study, else from RTDE's channels."""
     told = told_payload(signals)
     if declared is not None:
         return Carried(declared, "study", told)
@@ -53,7 +53,7 @@ def _medians(values: Array | None, count: int) -> Any:
 
 
 def load_account(load: Carried) -> dict[str, Any]:
-    """Return the payload, its source, and the one that the controller was given, as plain data."""
+    """Return the payload, its source, and the controller's payload, as plain data."""
     payloads = {"payload": load.payload, "told": load.told}
     plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
     return plain | {"source": load.source}

@@ -21,7 +21,7 @@ Gains = tuple[Array, Array]
 
 
 def tracking_of(signals: Signals) -> Tracking | None:
-    """Return targets and what the joints made of them; None where one was not recorded."""
+    """Return targets and measured motion; None if one was not recorded."""
     recorded = {
         name: getattr(signals, name)
         for name in ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd")
@@ -42,7 +42,7 @@ def published_gains(robot: Robot) -> dict[str, Gains]:
 def gain_summary(
     tracking: Tracking, joints: list[JointGains], published: Mapping[str, Gains]
 ) -> dict[str, Any]:
-    """Return the estimated gains and what published ones cost beside them, as in gains.json."""
+    """Return the estimated gains and the cost of published ones, as in gains.json."""
     noise = np.stack([joint.noise for joint in joints])
     costs = {
         name: closed_loop.tracking_cost(tracking, *gains, noise)

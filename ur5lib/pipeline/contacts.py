@@ -1,4 +1,4 @@
-"""Contacts by each estimate: alarms, what the sensor says of them, the smallest force found."""
+"""Contacts by each estimate: alarms, comparison with the sensor, smallest detectable force."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -34,7 +34,7 @@ Kind = Callable[[Span], dict[str, Any]]
 def detected(
     forces: Forces, sensor: SensorWrenches, thresholds: Mapping[str, float], kind: Kind
 ) -> dict[str, Any]:
-    """Return the alarms of each estimate, and what the sensor says of them, as in detection.json.
+    """Return the alarms of each estimate and their comparison with the sensor, for detection.json.
 
     kind: whether an alarm is a contact or a load.
     """
@@ -64,7 +64,7 @@ def load_finder(
     residuals: Mapping[str, Any],
     prior: ContactPrior,
 ) -> Kind:
-    """Return what says of a contact whether it is a load that was grasped, and of which mass.
+    """Return a function that decides whether a contact is a grasped load, and estimates its mass.
 
     residuals: residuals.json.
     """

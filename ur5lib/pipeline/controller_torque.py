@@ -1,4 +1,4 @@
-"""The controller's own torque, `target_moment`, as what identification explains."""
+"""The controller's torque, `target_moment`, as the target of identification."""
 
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What is known of an arm's torque constants before its currents are fitted."""
+"""Prior of an arm's torque constants."""
 
 from collections.abc import Sequence
 
@@ -16,16 +16,16 @@ WIDTHS = (0.3, 0.1, 0.1)
 
 
 def controllers_ratio(signals: Signals, motion: Motion) -> Array:
-    """Return the controller's own torque constants (6,) [Nm/A], NaN where none are shown."""
+    """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined."""
     if signals.target_moment is None or signals.target_current is None:
         return np.full(6, np.nan)
     return standstill_ratio(signals.target_moment, signals.target_current, motion.qd)
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
-    """Return what the maker and the controller's ratios of recordings (6,) [Nm/A] say.
+    """Return the prior from the manufacturer and the controller's ratios (6,) [Nm/A] of recordings.
 
-    Raises ValueError where that is too little, or no recording.
+    Raises ValueError if they do not suffice, or without recordings.
     """
     if not ratios:
         raise ValueError("no recording with the role “fit” has actual_current")

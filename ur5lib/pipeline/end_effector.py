@@ -38,7 +38,7 @@ def as_calibrated(
     calibration: ImuCalibration,
     design: Butterworth,
 ) -> tuple[Array, dict[str, Array], Array]:
-    """Return what the calibrated IMU felt, J_g q̈ + J̇_g q̇ at its place by each motion, both (N, 6)
+    """Return the calibrated IMU's acceleration, and J_g q̈ + J̇_g q̇ there by each motion, (N, 6)
     and low-passed without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
 
     robot: under the recording's gravity.
@@ -61,7 +61,7 @@ def as_calibrated(
 def as_published(
     robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
 ) -> tuple[Array, dict[str, Array]]:
-    """Return what the IMU felt and Euler angles' accelerations, (N, 6), as in Section 5.5: an IMU
+    """Return accelerations of IMU and Euler angles, (N, 6), as in Section 5.5: an IMU
     without calibration at the origin of frame 6, a causal filter, and angles by Equation 2.33 as
     printed and put right.
 
@@ -120,7 +120,7 @@ def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Arra
 
 
 def acceleration_errors(accelerations: Accelerations) -> dict[str, Any]:
-    """Return the MAE by estimate and component against what was felt, and that of zero."""
+    """Return the MAE by estimate and component against the IMU, and that of zero."""
     published, ours = accelerations.published_felt, accelerations.felt
     if published is None or ours is None:
         return {}

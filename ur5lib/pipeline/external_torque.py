@@ -1,4 +1,4 @@
-"""The torque that the measured current has beyond the one that motion without contact needs."""
+"""External torque: measured current against that of the same motion without contact."""
 
 from ur5lib.force.external_torque import external_torque, without_edges
 from ur5lib.identification.samples import Record, Smooth
@@ -19,5 +19,5 @@ def smoothed_external_torque(
 
 
 def edge(record: Record, cutoff: float) -> int:
-    """Return how many samples at the ends of a stretch a low-pass [Hz] knows from one side only."""
+    """Return the number of samples at the ends of a stretch where a low-pass [Hz] extrapolates."""
     return round(0.5 / cutoff / record.period)

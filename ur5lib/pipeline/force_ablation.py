@@ -1,4 +1,4 @@
-"""What each part of the force estimate is worth in contact."""
+"""Ablation of the force estimate: its error in contact without one part."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_er
 def variants(
     problem: Problem, jacobian: Array, prior: ContactPrior, reference: Array
 ) -> dict[str, tuple[Array, Array]]:
-    """Return wrench and standard deviation of F̂ᵐᵃᵖ, whole and with one part replaced or left out.
+    """Return wrench and standard deviation of F̂ᵐᵃᵖ, complete and with one part replaced or omitted.
 
     jacobian: (N, 6, 6); reference: the sensor's force (N, 3) [N].
     """

@@ -20,7 +20,7 @@ WHOLE = Ablation()
 
 
 class Problem(NamedTuple):
-    """An external torque with its motion, and what is known of it without contact."""
+    """An external torque with its motion, and its residual model without contact."""
 
     input: ForceInput
     model: ResidualModel

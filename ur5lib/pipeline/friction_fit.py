@@ -36,7 +36,7 @@ def friction_summary(
 
 
 def _without_replicates(fit: dict[str, Any]) -> dict[str, Any]:
-    """Return a fit as plain data that predicts, but no longer says how certain it is."""
+    """Return a fit as plain data without its bootstrap replicates, sufficient for predictions."""
     for joint in fit["joints"]:
         joint["estimate"]["replicates"] = joint["estimate"]["replicates"][:1]
     return fit

@@ -23,7 +23,7 @@ from ur5lib.identification.identified_model import identified_model
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-RESOLUTION = 1e-3  # Nm: what the excitation check takes a torque to be good to
+RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
 
@@ -69,7 +69,7 @@ def identification_summary(
     parameters: Array,
     blocks: list[Block],
 ) -> dict[str, Any]:
-    """Return base parameters, what consistency costs, and what no recording determines."""
+    """Return base parameters, errors with and without consistency, and undetermined parameters."""
     motions = candidate_motions(SPEED, ACCELERATION)
     candidates = {
         name: np.concatenate([model.regressor(*motion) for model in models])

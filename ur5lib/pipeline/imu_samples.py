@@ -1,4 +1,4 @@
-"""What the IMU of a recording and its joints say of one another."""
+"""Samples of a recording's IMU and joints for the calibration."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any

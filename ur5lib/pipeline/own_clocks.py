@@ -1,4 +1,4 @@
-"""What each device's start stamp and motion say of its clock, as own_clocks.json."""
+"""Clocks of a recording's devices from start stamps and motion, as own_clocks.json."""
 
 from collections.abc import Mapping
 from dataclasses import asdict

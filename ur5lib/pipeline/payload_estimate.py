@@ -1,4 +1,4 @@
-"""The payload that a recording's currents show beyond the known one."""
+"""The undeclared payload, estimated from a recording's currents."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
@@ -32,7 +32,7 @@ def judged_load(
     known: Mapping[str, Any],
     role: str,
 ) -> dict[str, Any]:
-    """Return what the arm carries beyond what is known, and whether it is taken into account.
+    """Return the undeclared payload, and whether it is included in the prediction.
 
     unloaded: payload.json of the recordings to fit on, of so many paths; known: torques.json. A
     load that is certain is taken, unless the study declares another, or the recording is one to fit

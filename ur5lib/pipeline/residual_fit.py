@@ -1,4 +1,4 @@
-"""How far the external torque is from zero where nothing touches the arm, as residuals.json."""
+"""Residual models of the external torque without contact, as residuals.json."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,10 +22,10 @@ ONE_PATH = (
 def residual_summary(
     recordings: Sequence[tuple[Currents, Motion]], breakaway: Array, paths: int, cutoff: float
 ) -> dict[str, Any]:
-    """Return the residual model of each external torque, or why there is none.
+    """Return the residual model of each external torque, or the reason why there is none.
 
-    recordings: to fit on, without contact, of so many paths, predicted by fits that have not seen
-    their own; breakaway: (6,) [Nm]; cutoff: of the torques [Hz].
+    recordings: those to fit, without contact, predicted by fits without their own path; paths:
+    their number; breakaway: (6,) [Nm]; cutoff: of the torques [Hz].
     """
     summary: dict[str, Any] = {}
     for name, field in TORQUES.items():

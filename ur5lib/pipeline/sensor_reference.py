@@ -1,4 +1,4 @@
-"""The force sensor's wrench, as the estimates are compared with it."""
+"""The force sensor's wrench, with which the estimates are compared."""
 
 from dataclasses import asdict
 from typing import Any
@@ -34,7 +34,7 @@ def sensor_wrenches(
     offset: SensorOffset,
     bias_window: float,
 ) -> SensorWrenches:
-    """Return what the sensor says, the environment acting on the arm.
+    """Return the sensor's wrench of the environment on the arm, by kind.
 
     by_stamps: the reading (N, 6) placed by start stamps alone, as in the thesis; robot: under the
     recording's gravity; bias_window: [s], at the start, free of contact.
@@ -58,7 +58,7 @@ def sensor_wrenches(
 def offset_account(
     offset: SensorOffset, by_stamps: Array, signals: Signals, bias_window: float
 ) -> dict[str, Any]:
-    """Return what was taken off the reading: of kind compensated, and of kind corrected."""
+    """Return the offsets subtracted from the reading, for the kinds compensated and corrected."""
     return asdict(offset) | {
         "free": float(offset.free.mean()),
         "start_bias": bias(by_stamps, signals.time, bias_window),

@@ -41,7 +41,7 @@ def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Ar
 
 
 def motion_account(motion: SmoothedMotion) -> dict[str, Any]:
-    """Return what noise was found, and whether the innovations agree with it."""
+    """Return the estimated noise and the tests of the innovations."""
     noise = asdict(motion.encoders)
     noise["jerk"] = np.quantile(motion.encoders.jerk, [0.1, 0.5, 0.9], axis=0)
     if motion.imu is not None:

@@ -10,7 +10,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion) -> Torques:
-    """Return the torques of all link models, and what the fullest one says of the momentum.
+    """Return the torques of all link models, and the momentum terms of the fullest one.
 
     robot: under the recording's gravity; load: what it carries.
     """
@@ -35,8 +35,8 @@ def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion)
 
 
 def payload_torque(robot: Robot, load: Carried, motion: Motion) -> Array:
-    """Return what the payload adds at the measured motion, (N, 6) [Nm], beyond the one that the
-    controller was given.
+    """Return the torque (N, 6) [Nm] of the payload at the measured motion, minus that of the one
+    configured in the controller.
     """
     if load.payload == load.told:
         return 0 * motion.q

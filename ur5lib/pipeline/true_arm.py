@@ -1,4 +1,4 @@
-"""What was simulated of an arm, beside which its estimates are held."""
+"""The simulated truth of an arm, with which its estimates are compared."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -31,7 +31,7 @@ def true_friction(truth: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def true_robot(robot: Robot, truth: Mapping[str, Any]) -> Robot:
-    """Return the arm as it was simulated: under its gravity, with what it carried."""
+    """Return the arm as simulated: with its gravity and its payload."""
     for name in ("payload", "undeclared_payload"):
         payload = truth["plan"][name]
         robot = robot.carrying(payload and Payload.model_validate(payload))
@@ -57,7 +57,7 @@ def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butter
 
 
 def rigid_torques(robot: Robot, truth: Mapping[str, Any], true: Truth) -> dict[str, Array]:
-    """Return models' torques (N, 6) [Nm] at the true motion, with what the arm carried."""
+    """Return models' torques (N, 6) [Nm] at the true motion, with the arm's payload."""
     carrying = true_robot(robot, truth)
     return {
         name: LinkModel(carrying, name).inverse_dynamics(true.q, true.qd, true.qdd)

@@ -1,4 +1,4 @@
-"""Numbers as they stand in the report's tables."""
+"""Formatting of numbers in the report's tables."""
 
 from collections.abc import Iterable, Mapping
 
@@ -10,50 +10,50 @@ SMALLEST_DIFFERENCE = 5e-5  # what four decimals can show
 
 
 def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
-    """A value, or a dash where there is none."""
+    """Return the cell of a value, or a dash for NaN."""
     return Cell("–" if np.isnan(value) else fixed(value, digits), mark)
 
 
 def fixed(value: float, digits: int) -> str:
-    """A value with some decimals."""
+    """Format a value with some decimals."""
     return f"{round(value, digits) + 0.0:.{digits}f}".replace("-", "−")  # + 0.0: no −0
 
 
 def significant(value: float, digits: int) -> str:
-    """A value with some significant digits, without an exponent."""
+    """Format a value with some significant digits, without an exponent."""
     return np.format_float_positional(value, digits, fractional=False, trim="-")
 
 
 def rounded(value: float, digits: int) -> str:
-    """A value with some decimals, or a bound where they would show nothing but zeros."""
+    """Format a value with some decimals, or as a bound if they would all be zeros."""
     if 0 < abs(value) < 0.5 * 10**-digits:
         return f"< {10**-digits:.{digits}f}"
     return fixed(value, digits)
 
 
 def signed(value: float, digits: int, unit: str = "") -> Cell:
-    """A difference, with its sign."""
+    """Return the cell of a difference, with its sign."""
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
 
 
 def with_error(value: float, std: float, digits: int) -> Cell:
-    """A value and its standard error."""
+    """Return the cell of a value and its standard error."""
     return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
 
 
 def interval(low: float, high: float, digits: int) -> str:
-    """From a lower to an upper end, on one line."""
+    """Format an interval without a line break."""
     return f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}"
 
 
 def joints(numbers: Iterable[float]) -> str:
-    """Joints by their numbers: joint 2; joints 1, 3."""
+    """Format joint numbers: joint 2; joints 1, 3."""
     names = [f"{number:.0f}" for number in numbers]
     return f"joint{'s' if len(names) > 1 else ''} {', '.join(names)}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:
-    """Which entry is the lowest and which the highest; none where they agree."""
+    """Mark the lowest and the highest entry; none if they agree."""
     marks: dict[str, Mark | None] = dict.fromkeys(values)
     lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
     if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:

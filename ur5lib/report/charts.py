@@ -1,4 +1,4 @@
-"""Figures that are not over time: samples over samples, filters, bands, where a link's mass is."""
+"""Figures that are not over time: scatter plots, filters, coverage of bands, masses of links."""
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
@@ -39,9 +39,9 @@ def scatter_panels(
     line: tuple[Array, Array] | None = None,
     fitted: Array | None = None,
 ) -> Drawing:
-    """Six panels, joints 1 to 6, of samples (N, 6) over (N, 6).
+    """Draw six panels, joints 1 to 6, of samples (N, 6) over (N, 6).
 
-    axes: what is along x and y, with units; a {} in them is the joint.
+    axes: labels of x and y with units; {} stands for the joint.
     line: a line (M, 6) over (M, 6); fitted: (N, 6) over the same x, in black.
     """
     if np.isnan(x).all():
@@ -61,7 +61,7 @@ def scatter_panels(
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:
-    """Residuals (N, 6), a row of panels a joint, a column each over what they may depend on."""
+    """Draw residuals (N, 6), a row of panels per joint, a column per explanatory variable."""
     if np.isnan(residual).all():
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):
@@ -79,7 +79,7 @@ def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) ->
 
 
 def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz") -> Drawing:
-    """Gain of filters over frequency, both logarithmic. gains: by label, (K,)."""
+    """Draw the gain of filters over frequency, both logarithmic. gains: by label, (K,)."""
     with matplotlib.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
         axis = figure.subplots()
@@ -96,7 +96,7 @@ def calibration_panels(
     held: Mapping[str, Mapping[str, Array]],
     components: Sequence[str],
 ) -> Drawing:
-    """What stated bands hold: a panel an estimate, a line a component; right on the diagonal.
+    """Draw actual over nominal coverage: a panel per estimate, a line per component.
 
     stated: (K,) [%]; held: by estimate and by period (the first drawn solid, the second dotted),
     (K, M) [%], a column for each of the M components.
@@ -126,11 +126,11 @@ def calibration_panels(
 
 
 def mass_panels(joints: Array, bodies: Mapping[str, MassModel]) -> Drawing:
-    """Where link models place mass, seen from the side (x, z): a panel a model.
+    """Draw the links' masses of each model from the side (x, z), one panel per model.
 
     joints: (7, 3) [m], origins of the frames.
     """
-    # Parameters that motion does not tell apart can put inertia anywhere: the arm sets the frame.
+    # undetermined parameters can have any value, so the arm sets the limits of the axes
     wide, high = ((np.min(x) - MARGIN, np.max(x) + MARGIN) for x in (joints[:, 0], joints[:, 2]))
     with matplotlib.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 2.6 * -(-len(bodies) // 3)), layout="constrained")
@@ -157,7 +157,7 @@ def mass_panels(joints: Array, bodies: Mapping[str, MassModel]) -> Drawing:
 
 
 def _ellipse(body: MassModel, link: int, colour: str) -> Ellipse:
-    """The outline of a homogeneous ellipsoid with the link's mass and inertia, seen along y.
+    """Return the outline of a homogeneous ellipsoid of the link's mass and inertia, seen along y.
 
     Its mass is spread with covariance (tr(I)/2 1 − I) / m, a fifth of its squared half-axes.
     """

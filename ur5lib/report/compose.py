@@ -64,14 +64,14 @@ SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
 class Draft(NamedTuple):
-    """A text, sentence by sentence; beside: the label of what it needs to be shown, if anything."""
+    """A text, sentence by sentence; beside: label of the table or figure that it requires."""
 
     sentences: list[list[str | Reference]]
     beside: str
 
 
 def compose(contents: Contents, results: Results) -> Document:
-    """The report of a study. Sections without evidence are left out, and the first says why."""
+    """Compose the report of a study; sections without data are omitted, the first says why."""
     first, *others = contents.sections
     sections = [Section(part.title, _blocks(part, results)) for part in others]
     kept = [part for part in sections if any(map(_is_evidence, part.blocks))]
@@ -104,7 +104,7 @@ def view(name: str) -> Callable[..., Any]:
 
 
 def _blocks(part: Part, results: Results) -> list[Block]:
-    """The blocks of a section, without sentences on what is not there."""
+    """Return the blocks of a section, without sentences about missing tables and figures."""
     drafts = [*_drafts(part, results)]
     shown = {block.label for block in drafts if isinstance(block, Table | Picture)}
     blocks = [_said(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
@@ -112,7 +112,7 @@ def _blocks(part: Part, results: Results) -> list[Block]:
 
 
 def _said(draft: Draft, shown: set[str]) -> Paragraph | None:
-    """The sentences of a text that mention nothing but what is shown, if it is to be shown."""
+    """Return the sentences of a text that mention only tables and figures that are shown."""
     kept = [
         sentence
         for sentence in draft.sentences
@@ -126,7 +126,7 @@ def _said(draft: Draft, shown: set[str]) -> Paragraph | None:
 
 
 def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
-    """Blocks, and texts that depend on what else is shown."""
+    """Yield blocks, and texts that depend on other blocks."""
     for wanted in part.blocks:
         if not isinstance(wanted, Repeated):
             yield from _single(wanted, results)
@@ -204,7 +204,7 @@ def _is_evidence(block: Block | Draft) -> bool:
 
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
-    """Which recordings no arm made, if any."""
+    """Return a notice of simulated recordings, if any."""
     simulated = [recording["name"] for recording in recordings if recording.get("simulate")]
     if not simulated:
         return ""

@@ -1,4 +1,4 @@
-"""What the report holds and in which order, as data: `contents.yaml`.
+"""The contents of the report as data: `contents.yaml`.
 
 A block is text, sentences or a list that a view makes of the results, a table that a view makes,
 a figure that a rule drew, an equation, or a part that is repeated for each recording or arm that
@@ -26,7 +26,7 @@ class Text(Strict):
 
 
 class Sentences(Strict):
-    """Paragraphs, one a sentence or more, that a view writes."""
+    """Paragraphs written by a view."""
 
     sentences: str
 
@@ -47,7 +47,7 @@ class Tabular(Strict):
 
 
 class Figure(Strict):
-    """A figure that a rule drew: figures/<of>/<figure>.svg; left out where it shows nothing."""
+    """A figure of a rule: figures/<of>/<figure>.svg; omitted if it is empty."""
 
     figure: str
     rule: str
@@ -80,7 +80,7 @@ class Repeated(Strict):
 
 
 class Part(Strict):
-    """A section; `absent` says why, where the study's data give it nothing to show."""
+    """A section; `absent`: the reason that is given if the study has no data for it."""
 
     title: str
     absent: str = ""
@@ -95,6 +95,6 @@ class Contents(Strict):
 
 @cache
 def contents() -> Contents:
-    """The report's contents, from the file beside this one."""
+    """Return the report's contents from `contents.yaml`."""
     text = Path(__file__).with_name("contents.yaml").read_text(encoding="utf-8")
     return Contents.model_validate(yaml.safe_load(text))

@@ -10,7 +10,7 @@ POINTS = 1400  # about two for each dot across a printed page
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """At most about `points` rows of time (N,) and values (N, M) with the same envelope.
+    """Return about `points` rows, at most, of time (N,) and values (N, M) with the same envelope.
 
     Rows are taken together in buckets; of each stay the lowest and the highest value of every
     column, in the order they came, at the times of the bucket's first and middle row. Rows with
@@ -27,7 +27,7 @@ def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, A
 
 
 def _envelope(time: Array, values: Array, size: int) -> tuple[Array, Array]:
-    """The same of one stretch; the last bucket is filled with its last row."""
+    """Decimate one stretch; the last bucket is filled with its last row."""
     if np.isnan(time[0]):
         return time, values
     missing = -len(time) % size

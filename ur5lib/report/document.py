@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 Mark = Literal["lowest", "highest"]
-UNDETERMINED = "undetermined"  # stands for a number that the data do not tell
+UNDETERMINED = "undetermined"  # replaces a number that the data do not determine
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A table's cell; `mark` tells the smallest and the largest error of its row."""
+    """A table's cell; `mark`: whether it is the smallest or the largest error of its row."""
 
     text: str
     mark: Mark | None = None
@@ -127,7 +127,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Document:
-    """A whole report; `notice`: what every page must say, if anything."""
+    """A complete report; `notice`: text on every page, if any."""
 
     title: str
     subtitle: str
@@ -135,7 +135,7 @@ class Document:
     notice: str = ""
 
     def numbered(self) -> "Document":
-        """The same document with tables and figures counted from 1, and mentions that say so.
+        """Return the document with tables and figures numbered from 1, also where mentioned.
 
         Mentions of what is not in the document raise KeyError.
         """
@@ -164,12 +164,12 @@ class Document:
         return replace(self, sections=sections)
 
     def blocks(self) -> Iterator[Block]:
-        """All blocks, in order."""
+        """Yield all blocks, in order."""
         for section in self.sections:
             yield from section.blocks
 
     def as_data(self) -> dict[str, Any]:
-        """The document as plain data, for templates; paths become text."""
+        """Return the document as plain data, for templates; paths become text."""
         data: dict[str, Any] = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
         for block, fields in zip(self.blocks(), plain, strict=True):

@@ -1,10 +1,10 @@
-"""Findings of one kind as one row."""
+"""Grouping of findings of one kind."""
 
 import pandas as pd
 
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
-    """Findings of one kind as one row: counts summed, details that differ in a place said once."""
+    """Group findings of one kind in one row: counts summed, repeated parts of details once."""
     kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
     grouped = kinds.agg({"count": "sum", "detail": lambda details: _said_once(list(details))})
     return grouped.reset_index()

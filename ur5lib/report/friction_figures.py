@@ -1,4 +1,4 @@
-"""Currents and friction of an arm, after Figures 6.1 and 6.2, and what their fit leaves."""
+"""Currents and friction of an arm, after Figures 6.1 and 6.2, and residuals of their fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

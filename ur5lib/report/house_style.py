@@ -45,14 +45,14 @@ MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
 class Drawing(NamedTuple):
-    """A figure and the numbers that are drawn in it; no rows where there was nothing to draw."""
+    """A figure and its numbers; no rows for an empty figure."""
 
     figure: Figure
     data: pd.DataFrame
 
 
 def nothing_to_draw() -> Drawing:
-    """What stands for a figure without data."""
+    """Return the placeholder of a figure without data."""
     figure = Figure(figsize=(WIDTH, 0.5))
     figure.text(0.5, 0.5, "not recorded", ha="center", va="center")
     return Drawing(figure, pd.DataFrame())

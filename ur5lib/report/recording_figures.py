@@ -37,7 +37,7 @@ STATES = {  # symbol, unit
 
 
 def tracking_figure(signals: Signals, closed_loop: ClosedLoop, robot: Robot, state: str) -> Drawing:
-    """Return Figure 5.9 (state q) or 5.10 (qd): what the loop misses, and what the targets miss."""
+    """Return Figure 5.9 (state q) or 5.10 (qd): errors of the closed loop and of the targets."""
     gains = robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
     looped = getattr(closed_loop, state).get(gains)
     series: Series = {}
@@ -68,7 +68,7 @@ def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
 
 
 def current_figure(signals: Signals, currents: Currents) -> Drawing:
-    """Return the measured current and the one that motion without contact needs."""
+    """Return the measured current and that predicted for motion without contact."""
     series: Series = {}
     measured = None
     if signals.actual_current is not None:
@@ -145,7 +145,7 @@ def _wrench(sensor: SensorWrenches, values: Array | None) -> Array | None:
 
 
 def errors(series: Series, reference: Array | None) -> Series | None:
-    """Return what every other series misses of the one that is the reference."""
+    """Return the errors of all other series against the reference."""
     if reference is None or len(series) < 2:
         return None
     return {

@@ -1,4 +1,4 @@
-"""Published values and errata, to stand beside what a study finds."""
+"""Published values and errata, for comparison with a study's results."""
 
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ class Printed(Strict):
 
 
 class Erratum(Strict):
-    """An error in the published work, and what is done about it here."""
+    """An error in the published work, and its treatment here."""
 
     place: str
     error: str
@@ -38,14 +38,14 @@ class Erratum(Strict):
 
 
 class Reference(Strict):
-    """What is published about the recordings of a study."""
+    """Published values of the recordings of a study."""
 
     printed: Printed = Printed()
     errata: tuple[Erratum, ...] = ()
 
 
 def read_reference(path: str | Path | None) -> Reference:
-    """Read a file of published values; without one, nothing is published.
+    """Read a file of published values; empty without a path.
 
     Raises InputError when the file is wrong.
     """
@@ -58,7 +58,7 @@ def read_reference(path: str | Path | None) -> Reference:
 
 
 def published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:
-    """The values that a table prints of a recording: none of another one."""
+    """Return a table's printed values of a recording; empty for any other recording."""
     if printed is None or printed.recording != recording:
         return {}
     return dict(printed.values)

@@ -21,7 +21,7 @@ PLAIN = " '!$()*+,-./:;=?@[]_~"  # what may stand in a data URI as it is
 
 
 def write_html(document: Document, path: str | Path) -> None:
-    """One self-contained HTML file: styles and figures inside, nothing fetched, no script."""
+    """Write a self-contained HTML file, with styles and figures, without links or scripts."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -39,7 +39,7 @@ def write_html(document: Document, path: str | Path) -> None:
 
 
 def write_pdf(document: Document, path: str | Path) -> None:
-    """The same document as PDF; typst reads nothing outside a temporary folder."""
+    """Write the same document as PDF; typst reads only a temporary folder."""
     data = document.as_data()
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
@@ -57,7 +57,7 @@ def _blocks(data: dict[str, Any], kind: str) -> list[dict[str, Any]]:
 
 
 def _drawn(equations: list[str]) -> list[Markup]:
-    """Equations as SVG in the colour of the text around them."""
+    """Render equations as SVG in the colour of the surrounding text."""
     if not equations:
         return []
     pages = "\n#pagebreak()\n".join(f"$ {equation} $" for equation in equations)
@@ -67,7 +67,7 @@ def _drawn(equations: list[str]) -> list[Markup]:
 
 
 def _coloured(svg: str, index: int) -> str:
-    """An equation's SVG with names that no other has, in the text's colour."""
+    """Return an equation's SVG with unique names, in the text's colour."""
     svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>equation{index}-", svg)
     return svg.replace('fill="#000000"', 'fill="currentColor"').replace(
         'stroke="#000000"', 'stroke="currentColor"'
@@ -75,5 +75,5 @@ def _coloured(svg: str, index: int) -> str:
 
 
 def _data_uri(path: str) -> str:
-    """A figure inside the page, as text: base64 would be a third larger."""
+    """Return a figure as a data URI, as text: base64 would be a third larger."""
     return "data:image/svg+xml," + quote(Path(path).read_text(encoding="utf-8"), safe=PLAIN)

@@ -15,7 +15,7 @@ MOST_ROWS = 60  # of a table; the file it was made from has all
 
 
 class Body(NamedTuple):
-    """What a view makes of the results: a table's header and rows."""
+    """Result of a view: a table's header and rows."""
 
     header: list[str]
     rows: list[list[Cell]]
@@ -41,20 +41,20 @@ class Results:
     left_out: Sequence[str] = ()
 
     def roles(self) -> dict[str, str]:
-        """The role of each recording."""
+        """Return the role of each recording."""
         return {recording["name"]: recording["role"] for recording in self.study["recordings"]}
 
     def with_role(self, role: str) -> list[str]:
-        """Names of the recordings with a role."""
+        """Return the names of the recordings with a role."""
         return [name for name, other in self.roles().items() if other == role]
 
     def printed(self, table: str, column: str = "printed") -> list[str]:
-        """Names of the recordings of which a table has printed values."""
+        """Return the names of the recordings with printed values in a table."""
         rows = self.tables[table]
         return [*rows.loc[rows[column].notna(), "recording"].unique()]
 
     def robots(self) -> list[str]:
-        """The arms of the study."""
+        """Return the arms of the study."""
         return sorted({recording["robot"] for recording in self.study["recordings"]})
 
     def whole(self, table: str) -> Body:
@@ -67,7 +67,7 @@ class Results:
         return Body([str(name).replace("_", " ") for name in rows], cells)
 
     def rows(self, table: str, **values: Any) -> pd.DataFrame:
-        """The rows of a table that have these values."""
+        """Return the rows of a table with these values."""
         rows = self.tables[table]
         for column, value in values.items():
             rows = rows[rows[column] == value]
@@ -75,5 +75,5 @@ class Results:
 
 
 def shown(names: Sequence[str]) -> list[str]:
-    """As many recordings as a report has room for."""
+    """Return as many recordings as a report has room for."""
     return [*dict.fromkeys(names)][:MOST_SHOWN]

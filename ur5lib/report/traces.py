@@ -33,7 +33,7 @@ ERRORS = "error of {}"
 
 
 class Panel(NamedTuple):
-    """What one of the six panels is about: in plain text, as mathematics, its unit."""
+    """The quantity of one of the six panels: in plain text, as mathematics, its unit."""
 
     name: str
     symbol: str
@@ -41,12 +41,12 @@ class Panel(NamedTuple):
 
 
 def joint_quantity(symbol: str, unit: str) -> list[Panel]:
-    """Panels of a quantity that each joint has."""
+    """Return the panels of a quantity of each joint."""
     return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in range(1, 7)]
 
 
 def cartesian_quantity(linear: tuple[str, str, str], angular: tuple[str, str, str]) -> list[Panel]:
-    """Panels of a quantity with x, y, z; linear, angular: name, symbol and unit."""
+    """Return the panels of a quantity with x, y, z; linear, angular: name, symbol and unit."""
     return [
         Panel(f"{name}{axis}", f"{symbol}_{axis}", unit)
         for name, symbol, unit in (linear, angular)
@@ -62,7 +62,7 @@ ACCELERATION = cartesian_quantity(("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\om
 
 @dataclass(frozen=True)
 class Traces:
-    """What is drawn over time (N,) [s]; where time is NaN, there is a gap.
+    """Series drawn over time (N,) [s]; NaN in time is a gap.
 
     series, errors: by label, values (N, 6) and a style; errors get panels under the values'.
     band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where no force can be
@@ -77,7 +77,7 @@ class Traces:
 
 
 def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
-    """A column of panels for joints 1, 3, 5 and 2, 4, 6, or for linear and angular quantities."""
+    """Draw columns of panels: joints 1, 3, 5 and 2, 4, 6, or linear and angular quantities."""
     if not traces.series:
         return nothing_to_draw()
     thin = _decimated(traces)
@@ -100,7 +100,7 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
 
 
 def _decimated(traces: Traces) -> Traces:
-    """The same envelope with fewer samples."""
+    """Return the traces with fewer samples and the same envelope."""
     errors = traces.errors or {}
     values = [values for values, _ in [*traces.series.values(), *errors.values()]]
     time, thin = decimate(traces.time, np.hstack([*values, *(traces.band or ())]))
@@ -112,7 +112,7 @@ def _decimated(traces: Traces) -> Traces:
 
 
 def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
-    """A figure with axes of the values and of the errors, in the order of the panels."""
+    """Return a figure with axes of the values and of the errors, in the order of the panels."""
     pairs = 2 if traces.errors else 1
     height = 4.7 if traces.errors else 3.8
     figure = Figure(figsize=(WIDTH, height))
@@ -146,7 +146,7 @@ def _style(name: str, i: int) -> dict[str, Any]:
 
 
 def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
-    """One for all panels; a style that has a colour for each joint shows them all."""
+    """Draw one legend for all panels; a style with a colour per joint shows them all."""
     handles: dict[str, Any] = {}
     for label, (_, style) in {**traces.series, **_unlike(traces)}.items():
         lines = tuple(Line2D([], [], **_style(style, i)) for i in range(6))
@@ -166,12 +166,12 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
 
 
 def _unlike(traces: Traces) -> Series:
-    """Errors whose label says more than which series errs."""
+    """Return the errors whose label is not that of a series."""
     return {k: v for k, v in (traces.errors or {}).items() if k not in traces.series}
 
 
 def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
-    """What is drawn, a column for each line."""
+    """Return the drawn numbers, a column for each line."""
     drawn = dict(_columns(traces.series, "{}", panels))
     drawn |= _columns(traces.errors or {}, ERRORS, panels)
     if traces.band:
@@ -187,13 +187,13 @@ def _columns(series: Series, name: str, panels: Sequence[Panel]) -> Iterator[tup
 
 
 def _gaps(time: Array) -> tuple[Array, Array]:
-    """Where gaps begin and end: the times around those that are NaN."""
+    """Return the times at which gaps begin and end."""
     inside = np.flatnonzero(np.isnan(time[1:-1])) + 1
     return time[inside - 1], time[inside + 1]
 
 
 def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
-    """Where stretches begin and end."""
+    """Return the times at which stretches begin and end."""
     known = np.isfinite(time) & (where == 1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]])))
     return time[edges[::2]], time[edges[1::2] - 1]

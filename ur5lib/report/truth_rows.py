@@ -27,7 +27,7 @@ Files = Mapping[str, str]  # paths of one arm's or one recording's results
 
 
 def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
-    """Yield rows about what was fitted to several recordings, where all have one truth.
+    """Yield rows about parameters fitted to several recordings with a common truth.
 
     files: described, rotors, identification, calibration and friction of an arm.
     """
@@ -66,7 +66,7 @@ def recording_rows(files: Files, truth: Mapping[str, Any], design: Butterworth) 
 
 
 def torque_rows(robot: Robot, truth: Mapping[str, Any], true: Truth) -> Iterator[Row]:
-    """Yield the RMSE of models' torques at the true motion, against what the simulated arm took."""
+    """Yield the RMSE of models' torques at the true motion, against those of the simulated arm."""
     rigid = true.motor_torque - true.friction_torque + true.contact_torque
     for model, torque in rigid_torques(robot, truth, true).items():
         for row in truth_table.errors("torque", JOINTS, ["Nm"] * 6, rigid, torque):

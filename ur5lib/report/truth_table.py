@@ -60,7 +60,7 @@ def values(
 def errors(
     quantity: str, index: Sequence[object], units: Sequence[str], truth: Array, estimate: Array
 ) -> Iterator[Row]:
-    """A row for each column (N, M) of a series: its RMSE, and that of an estimate of zero."""
+    """Yield a row for each column (N, M) of a series: its RMSE, and that of an estimate of zero."""
     kept = np.isfinite(estimate).all(axis=1) & np.isfinite(truth).all(axis=1)
     off, zero = (_rms(array[kept]) for array in (estimate - truth, truth))
     for name, unit, found, baseline in zip(index, units, off, zero, strict=True):
@@ -69,14 +69,14 @@ def errors(
 
 
 def shares(quantity: str, index: Sequence[object], stated: float, inside: Array) -> Iterator[Row]:
-    """A row for each column of a series: how much of it lies in a band that states a share."""
+    """Yield a row for each column of a series: the coverage of its band."""
     for name, share in zip(index, inside, strict=True):
         row: Row = {"quantity": quantity, "index": name, "unit": "1"}
         yield row | {"truth": stated, "estimate": share}
 
 
 def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
-    """Offset [s] and drift [ppm] of each device, from clocks.json and the truth."""
+    """Yield offset [s] and drift [ppm] of each device, from clocks.json and the truth."""
     for device, found in clocks.items():
         true = truth["clocks"][device]
         for quantity, unit, scale, key in (
@@ -91,7 +91,7 @@ def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[
 
 
 def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
-    """RMSE of q̈ by method, and how much of it lies inside two of its standard deviations."""
+    """Yield the RMSE of q̈ by method, and the coverage of two standard deviations."""
     for method, motion in motions.items():
         if len(motion.time):
             found, true = motion.qdd, truth.qdd
@@ -104,7 +104,7 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
 
 
 def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
-    """RMSE of the end effector's acceleration; truth: (N, 6), low-passed as the estimates."""
+    """Yield the RMSE of the end effector's acceleration; truth: (N, 6), low-passed alike."""
     felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
     for method, found in (felt | accelerations.acceleration).items():
         about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
@@ -112,7 +112,7 @@ def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Ro
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
-    """RMSE, MAE and share inside the 95 % band of each estimate that states a band."""
+    """Yield RMSE, MAE and coverage of the 95 % band of each estimate with a band."""
     true, index = truth.wrench, WRENCH
     for method in (name for name in COMPARED if name in forces.std):
         found, std = forces.wrench[method], forces.std[method]
@@ -140,7 +140,7 @@ def rotor_rows(rotors: Mapping[str, Any], truth: Sequence[float]) -> Iterator[Ro
 
 
 def imu_rows(calibration: Mapping[str, Any], imu: Mapping[str, Any]) -> Iterator[Row]:
-    """Mounting, tilt of the base and gyroscope bias, from imu.json's "all" and the IMU's plan."""
+    """Yield mounting, tilt of the base and gyroscope bias, from imu.json's "all" and the plan."""
     for name, unit, truth in (
         ("mounting", "rad", np.deg2rad(imu["mounting_deg"])),
         ("tilt", "rad", np.zeros(2)),
@@ -152,7 +152,7 @@ def imu_rows(calibration: Mapping[str, Any], imu: Mapping[str, Any]) -> Iterator
 
 
 def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[Row]:
-    """Base parameters that the data determine, from identification.json; truth: π (P,)."""
+    """Yield base parameters that the data determine, from identification.json; truth: π (P,)."""
     for row in identification.get("parameters", []):
         if row["determined"]:
             true = [float(np.array(row["weights"]) @ truth)]

@@ -9,7 +9,7 @@ PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of what the numbers depend on."""
+    """Return the versions of the software on which the numbers depend."""
     return {"Python": platform.python_version()} | {
         name: metadata.version(name) for name in PACKAGES
     }

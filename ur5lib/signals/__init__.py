@@ -1,1 +1,1 @@
-"""Clocks, resampling, low-pass, motion."""
+"""Device clocks, resampling, smoothed motion, IMU."""

@@ -1,4 +1,4 @@
-"""How a device's clock runs against the robot's."""
+"""The relation of a device's clock to the robot's: offset and drift."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -11,29 +11,28 @@ from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.segments import by_segment
 
 GAP = 5.0  # mean steps of a device; a longer one is a gap
-BAND, ORDER = 4.0, 4  # Hz; below it an arm moves, above it it shakes
-REACH, TRUST = 10.0, 5.0  # stamps' standard errors: how far is searched, and how far is believed
-MAX_DRIFT = 0.01  # far more than a quartz drifts
+BAND, ORDER = 4.0, 4  # Hz; motion of the arm is below, vibration above
+REACH, TRUST = 10.0, 5.0  # stamps' standard errors: range of the search, and of plausible offsets
+MAX_DRIFT = 0.01  # far above the drift of a quartz
 EXPLAINED = 0.8  # least share of the gyroscope's variance that the joints must explain
-BLOCKS = 8  # of the jackknife: few, so that each is longer than what correlates the residuals
+BLOCKS = 8  # of the jackknife: few, so that each is longer than the residuals' correlation time
 SAMPLES = 20  # least number in a block
-# What no jackknife of one recording sees [s]: clocks found from gyroscope and accelerometer of one
-# IMU differ by 3 to 7 ms; over a recording the clock wanders about its straight line, which tilts
-# it.
+# Errors that a jackknife of one recording does not contain [s]: clocks from gyroscope and
+# accelerometer of one IMU differ by 3 to 7 ms; and a clock wanders about a straight line.
 LATENCY, WANDER = 0.005, 0.004
-# Standard deviation of a drift that nothing tells. A quartz is good to 1e-4, but a host's software
-# counts a device's stamps: the only host whose drift is known, the thesis's, is off by 0.0033.
+# Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
+# host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
 UNKNOWN_DRIFT = 0.003
-BY_STAMPS, BY_MOTION = "start stamps", "angular rate"  # how an offset was found
-NOTHING = 1e-30  # (rad/s)²: keeps a perfect fit, or a dead gyroscope, from infinity
+BY_STAMPS, BY_MOTION = "start stamps", "angular rate"  # methods
+NOTHING = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
 
 
 @dataclass(frozen=True)
 class Clock:
     """t_robot = offset + (1 + drift) t_device, both counted from their own start stamps.
 
-    offset, offset_std: [s]; drift, drift_std: dimensionless, None where it was not estimated;
-    method: how it was found.
+    offset, offset_std: [s]; drift, drift_std: dimensionless, None if not estimated; method: source
+    of the offset.
     """
 
     offset: float
@@ -43,11 +42,11 @@ class Clock:
     method: str
 
     def device_time(self, time: Array) -> Array:
-        """What the device's clock shows at the robot's times (N,) [s]."""
+        """Return the device's time at the robot's times (N,) [s]."""
         return (time - self.offset) / (1 + (self.drift or 0.0))
 
     def end_std(self, duration: float) -> float:
-        """Standard error [s] at the end of a recording of this duration [s].
+        """Return the standard error [s] at the end of a recording of this duration [s].
 
         A drift that was not estimated counts as 0 ± UNKNOWN_DRIFT.
         """
@@ -56,7 +55,7 @@ class Clock:
 
 
 def clock_from_stamps(offset: float, std: float) -> Clock:
-    """The clock that two start stamps tell [s]; they say nothing of a drift."""
+    """Return the clock of start stamps `offset` [s] apart; its drift is unknown."""
     return Clock(offset, std, None, None, BY_STAMPS)
 
 
@@ -68,16 +67,16 @@ def clock_from_rotation(
     gyroscope: Array,
     stamps: Clock,
 ) -> tuple[Clock, str | None]:
-    """The clock under which a gyroscope felt the turning that the joints tell.
+    """Estimate the clock for which a gyroscope measures the angular velocity of the joints.
 
     time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6,
     R_6^T J_w qd; segment: (N,) labels of unbroken stretches; device_time: (M,) [s], increasing;
-    gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: where to search.
-    Returns the clock and None, or the stamps' and why the turning does not tell a better one.
+    gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: centre of the search.
+    Returns the clock and None, or the clock of the stamps and the reason for it.
 
     Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
     rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
-    blocks of time, because neighbouring residuals are alike, and the latencies it cannot see.
+    blocks of time, as neighbouring residuals are correlated, widened by LATENCY and WANDER.
     """
     if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
         return stamps, "the record is too short to determine its clock from motion"
@@ -87,6 +86,7 @@ def clock_from_rotation(
     starts = _search(pair, stamps)
     if not starts:
         return stamps, "the records of the device and the robot hardly overlap without gaps"
+    # best clock, its standard errors, and the share of variance it explains
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
     offset_std = float(np.hypot(offset_std, LATENCY))
@@ -99,7 +99,7 @@ def clock_from_rotation(
 
 
 def even_samples(time: Array, values: Array) -> tuple[Array, Array]:
-    """A device's record at even steps of its own clock: (K,) [s] and (K, C), NaN inside gaps.
+    """Resample a device's record at even steps of its clock: (K,) [s] and (K, C), NaN in gaps.
 
     time: (M,) [s], increasing in irregular steps; values: (M, C).
     """
@@ -110,7 +110,7 @@ def even_samples(time: Array, values: Array) -> tuple[Array, Array]:
 
 
 def interpolate(at: Array, time: Array, values: Array) -> Array:
-    """A device's record (M, C) at other times (K,), linearly; NaN in gaps and beyond its ends."""
+    """Interpolate a device's record (M, C) linearly at times (K,); NaN in gaps and outside."""
     if len(time) < 2:
         return np.full((len(at), values.shape[1]), np.nan)
     result = np.column_stack(
@@ -122,15 +122,15 @@ def interpolate(at: Array, time: Array, values: Array) -> Array:
 
 
 def _longest_step(time: Array) -> float:
-    """The longest step of a device [s] that is no gap."""
+    """Return the longest step of a device [s] that is no gap."""
     return GAP * float(np.diff(time).mean())
 
 
 @dataclass(frozen=True)
 class _Pair:
-    """Both sides in the same band.
+    """Angular velocities of robot and device, low-passed alike.
 
-    time: (N,) and rate: (N, 3), the robot's, as many samples as the band needs; own: (M,),
+    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; own: (M,),
     gyroscope: (M, 3) and its derivative slope: (M, 3), the device's on its own clock.
     """
 
@@ -144,25 +144,29 @@ class _Pair:
 def _compare(
     time: Array, rate: Array, segment: Labels, device_time: Array, gyroscope: Array
 ) -> _Pair:
+    """Low-pass both sides alike, and thin the robot's."""
+    # the robot's ω, at some 4 samples per period of the band's upper end
     period = float(np.median(np.diff(time)))
     rate = _in_band(rate, segment, period)
+    every = max(1, int(1 / (4 * BAND * period)))
+    kept = np.flatnonzero(np.isfinite(rate).all(axis=1))[::every]
+    # the gyroscope, at even steps of its own clock
     own, even = even_samples(device_time, gyroscope)
     step = own[1] - own[0]
     even = _in_band(even, np.zeros(len(own), dtype=np.int64), step)
-    kept = np.flatnonzero(np.isfinite(rate).all(axis=1))[:: max(1, int(1 / (4 * BAND * period)))]
     return _Pair(time[kept], rate[kept], own, even, np.gradient(even, step, axis=0))
 
 
 def _in_band(values: Array, segment: Labels, period: float) -> Array:
-    """Low-passed without delay; NaN near the ends of a stretch, where the filter has to guess."""
+    """Low-pass without delay; NaN near the ends of a stretch, where the filter extrapolates."""
     lowpass = partial(inner_lowpass, rate=1 / period, order=ORDER, cutoff=BAND)
     return by_segment(lowpass, values, segment)
 
 
 def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Gyroscope minus ω under a clock (offset, drift): (N', 3).
+    """Return the device's times (N',) [s], gyroscope minus ω (N', 3), and their rows (N',).
 
-    Before it, the device's times (N',) [s]; after it, their rows (N',): those that both saw.
+    clock: offset and drift. Rows are those of the robot's samples that both sides recorded.
     """
     own = (pair.time - clock[0]) / (1 + clock[1])
     misfit = interpolate(own, pair.own, pair.gyroscope) - pair.rate
@@ -171,10 +175,12 @@ def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
 
 
 def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
-    """Columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3) they explain."""
+    """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
     own, misfit, rows = _misfit(pair, clock)
-    slope = interpolate(own, pair.own, pair.slope)[:, :, None] / (1 + clock[1])
-    turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # ω × θ
+    # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
+    slope = interpolate(own, pair.own, pair.slope)[:, :, None] / (1 + clock[1])  # (N', 3, 1)
+    # ω × θ and b
+    turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # (N', 3, 3)
     bias = np.broadcast_to(np.eye(3), turned.shape)
     columns = np.concatenate([slope, slope * own[:, None, None], turned, bias], axis=2)
     known = np.isfinite(slope).all(axis=(1, 2))
@@ -182,41 +188,47 @@ def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
 
 
 def _solve(columns: Array, misfit: Array) -> Array:
-    """Least squares (P,) of columns (N, 3, P) to misfit (N, 3); zero where nothing tells."""
+    """Solve least squares (P,) of columns (N, 3, P) to misfit (N, 3); zero if undetermined."""
     A = columns.reshape(-1, columns.shape[2])
     return np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True) @ (A.T @ misfit.ravel())
 
 
 def _search(pair: _Pair, stamps: Clock) -> list[Array]:
-    """Clocks (offset, drift) around the stamps' to start a fit from: wherever offsets fit best."""
+    """Return clocks (offset, drift) to start a fit from: local minima over the offset.
+
+    The misfit is computed on a grid around the stamps' offset; per offset, the best drift counts.
+    """
     length = float(np.ptp(pair.time)) if len(pair.time) else 0.0
     reach, step = REACH * stamps.offset_std, 1 / (4 * BAND)
     offsets = stamps.offset + np.arange(-reach, reach + step, step)
-    # Neighbouring drifts move the ends of the record by one step of the offset each.
+    # neighbouring drifts shift the ends of the record by one step of the offset
     drifts = np.linspace(-MAX_DRIFT, MAX_DRIFT, 3 + 2 * int(MAX_DRIFT * length / (2 * step)))
 
-    def left_over(clock: Array) -> float:
-        """The misfit's variance: its mean is the bias, and a small rotation hardly counts here."""
+    def variance(clock: Array) -> float:
+        """Return the misfit's variance: without its mean, the bias; θ hardly matters here."""
         misfit = _misfit(pair, clock)[1]
         enough = max(SAMPLES * BLOCKS, len(pair.time) // 2)
         return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf
 
-    left = np.array([[left_over(np.array([o, d])) for d in drifts] for o in offsets])
-    best = np.pad(left.min(axis=1), 1, constant_values=np.inf)
+    misfit = np.array([[variance(np.array([o, d])) for d in drifts] for o in offsets])
+    # offsets whose best misfit is not above that of their neighbours
+    best = np.pad(misfit.min(axis=1), 1, constant_values=np.inf)
     valleys = np.isfinite(best[1:-1]) & (best[1:-1] <= np.minimum(best[:-2], best[2:]))
-    return [np.array([offsets[row], drifts[left[row].argmin()]]) for row in np.flatnonzero(valleys)]
+    rows = np.flatnonzero(valleys)
+    return [np.array([offsets[row], drifts[misfit[row].argmin()]]) for row in rows]
 
 
 def _choose(pair: _Pair, starts: list[Array], stamps: Clock) -> tuple[Array, Array, Array]:
-    """The best fit from any start: clock, columns and residuals.
+    """Return the best fit from any start: clock, columns and residuals.
 
-    A periodic motion fits as well one period on; so the stamps count as a measurement too.
+    A periodic motion fits equally well one period later, so the stamps count as a measurement, too.
     """
 
     def cost(fit: tuple[Array, Array, Array]) -> float:
         clock, _, residual = fit
         if len(residual) < SAMPLES * BLOCKS:
             return np.inf
+        # -2 log likelihood: n log σ² + ((offset - stamps) / std)²
         independent = 2 * BAND * float(np.ptp(pair.time))
         deviation = (clock[0] - stamps.offset) / stamps.offset_std
         return independent * float(np.log(np.mean(residual**2) + NOTHING)) + deviation**2
@@ -225,7 +237,7 @@ def _choose(pair: _Pair, starts: list[Array], stamps: Clock) -> tuple[Array, Arr
 
 
 def _fit(pair: _Pair, clock: Array) -> tuple[Array, Array, Array]:
-    """Gauss-Newton from a clock nearby: the best clock, columns and residuals there."""
+    """Fit by Gauss-Newton from a clock nearby: clock, columns and residuals there."""
     for _ in range(10):
         columns, misfit = _linearise(pair, clock)
         change = _solve(columns, misfit)
@@ -234,7 +246,7 @@ def _fit(pair: _Pair, clock: Array) -> tuple[Array, Array, Array]:
 
 
 def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
-    """Standard errors of offset and drift, from leaving out one block of time after another."""
+    """Return the standard errors of offset and drift by a jackknife over blocks of time."""
     blocks = np.array_split(np.arange(len(columns)), BLOCKS)
     changes = [
         _solve(np.delete(columns, block, axis=0), np.delete(residual, block, axis=0))
@@ -245,7 +257,7 @@ def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
 
 
 def _objection(clock: Clock, stamps: Clock, explained: float) -> str | None:
-    """Why the turning does not determine the clock, if so."""
+    """Return why the motion does not determine the clock; None if it does."""
     apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
     if explained < EXPLAINED:
         return (

@@ -1,4 +1,4 @@
-"""The clock of a recording's device, by the best that its signals allow."""
+"""The clock of a recording's device: from its gyroscope if it has one, else from start stamps."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -18,19 +18,19 @@ def device_clock(
     robot: tuple[Array, Labels, Array],
     frames: tuple[Array, Array],
 ) -> tuple[Clock, str | None]:
-    """Return how a device's clock runs against the robot's, and why only its stamps show it, if so.
+    """Return a device's clock, and why it is from its start stamp alone, if it is.
 
-    device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], where it has one;
+    device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], if it has one;
     start: its stamp's `seconds` and `std`; robot: time (N,) [s], segment (N,) and q (N, 6) [rad],
     repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
-    A gyroscope is compared with the angular rate of frame 6. Other devices feel no motion that
-    could be distinguished from contact: their stamps stand.
+    A gyroscope is compared with the angular rate of frame 6. Other devices measure no motion that
+    could be distinguished from contact, so their start stamps are used.
     """
     stamps = clock_from_stamps(start["seconds"], start["std"])
     if gyroscope is None:
         return stamps, None
     (time, segment, q), (rotation, jacobian) = robot, frames
-    # Not the controller's velocities: they come some ms after the positions.
+    # not the controller's velocities, which lag the positions by some ms
     qd = by_segment(partial(differentiate, period=period(time)), q, segment)
     omega = np.einsum("nij,nj->ni", jacobian[:, 3:], qd)
     return clock_from_rotation(

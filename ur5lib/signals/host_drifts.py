@@ -1,4 +1,4 @@
-"""What the clocks of all devices of one host share, from the recordings that tell it."""
+"""Drift and start common to the clocks of all devices of one host."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -12,12 +12,12 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class HostDrift:
-    """How a host's clock runs against the robot's.
+    """Drift and start of a host's clock relative to the robot's.
 
-    devices: those on this host; drift: its mean over recordings, std_error: of that mean, spread:
-    standard deviation from one recording to the next, all dimensionless; start, start_std_error,
-    start_spread: the same of how much later a device's clock begins than start stamps say [s];
-    recordings: names of those that tell.
+    devices: those on this host; drift: mean over recordings, std_error: of that mean, spread:
+    standard deviation between recordings, all dimensionless; start, start_std_error, start_spread:
+    the same for the delay of a device's clock relative to the start stamps [s]; recordings: names
+    of those used.
     """
 
     devices: list[str]
@@ -33,30 +33,29 @@ class HostDrift:
 def pool_drifts(
     clocks: Mapping[str, Mapping[str, Any]], hosts: Mapping[str, Sequence[str]]
 ) -> dict[str, HostDrift]:
-    """Each host's drift, from those of its devices' clocks that motion told.
+    """Return each host's drift and start from the clocks that were estimated by motion.
 
-    clocks: by recording and device, as in own_clocks.json; hosts: the devices of each host. A
-    clock of start stamps tells no drift, and an IMU that felt another motion tells no clock. Hosts
-    of which nothing is told are left out.
+    clocks: by recording and device, as in own_clocks.json; hosts: the devices of each host. Hosts
+    without a clock that was estimated by motion are left out.
     """
     found = {}
     for host, devices in hosts.items():
-        told = dict(_told(clocks, devices))
-        if told:
+        known = dict(_by_motion(clocks, devices))
+        if known:
             names = ("drift", "drift_std", "offset", "offset_std", "stamps")
             drift, std, offset, offset_std, stamps = (
-                np.array([clock[name] for clock in told.values()]) for name in names
+                np.array([clock[name] for clock in known.values()]) for name in names
             )
-            # The robot's own start stamp is off too, by what all devices of a host then share.
+            # the error of the robot's own start stamp is common to all devices
             start = pool(offset - stamps, offset_std)
-            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(told))
+            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(known))
     return found
 
 
-def _told(
+def _by_motion(
     clocks: Mapping[str, Mapping[str, Any]], devices: Sequence[str]
 ) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    """Recordings in which motion told the clock of one of the devices, and that clock."""
+    """Yield recordings in which motion determines the clock of one of the devices; the clock."""
     for recording, own in clocks.items():
         for device in devices:
             if device in own and own[device]["method"] == BY_MOTION:
@@ -64,17 +63,19 @@ def _told(
 
 
 def pool(value: Array, std: Array) -> tuple[float, float, float]:
-    """Mean, its standard error, and the spread of what K recordings tell (DerSimonian, Laird 1986).
+    """Return mean, standard error and spread of K values, random effects (DerSimonian, Laird 1986).
 
-    value, std: (K,), with their own standard errors. The spread is what the values differ beyond
-    those; a single recording shows none, and its own error stands for it.
+    value, std: (K,), with their own standard errors. The spread is the standard deviation beyond
+    these; for a single value it is that value's standard error.
     """
     if len(value) == 1:
         return float(value[0]), float(std[0]), float(std[0])
+    # spread² = (χ² - (K - 1)) / (Σ w - Σ w² / Σ w), w = 1 / std²
     weight = std**-2.0
     misfit = weight @ (value - np.average(value, weights=weight)) ** 2
     scale = weight.sum() - (weight**2).sum() / weight.sum()
     spread = float(np.sqrt(max(0.0, (misfit - len(value) + 1) / scale)))
+    # mean with w = 1 / (std² + spread²)
     weight = 1 / (std**2 + spread**2)
     return float(np.average(value, weights=weight)), float(weight.sum() ** -0.5), spread
 
@@ -82,11 +83,12 @@ def pool(value: Array, std: Array) -> tuple[float, float, float]:
 def settle_clocks(
     own: Mapping[str, Mapping[str, Any]], drifts: Mapping[str, HostDrift], duration: float
 ) -> dict[str, dict[str, Any]]:
-    """The clocks of a recording's devices, as in clocks.json.
+    """Return the clocks of a recording's devices, as in clocks.json.
 
-    own: what each device's start stamp and motion tell, as in own_clocks.json; drifts: of the
-    hosts; duration: of the recording [s]. A clock that motion told stays; one of start stamps
-    takes the drift of its host where that is known. `end_std` is what it may be off at the end [s].
+    own: clocks from each device's start stamp and motion, as in own_clocks.json; drifts: of the
+    hosts; duration: of the recording [s]. A clock that was estimated by motion is kept; one of
+    start stamps takes the drift and start of its host if known. `end_std` is the standard error at
+    the end [s].
     """
     settled = {}
     for device, entry in own.items():
@@ -100,14 +102,14 @@ def settle_clocks(
 
 
 def read_clock(entry: Mapping[str, Any]) -> Clock:
-    """The clock of an entry of clocks.json or own_clocks.json."""
+    """Return the clock of an entry of clocks.json or own_clocks.json."""
     return Clock(**{field.name: entry[field.name] for field in fields(Clock)})
 
 
 def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:
-    """A clock of start stamps with its host's start and drift; any other as it is.
+    """Return a clock of start stamps with its host's start and drift; any other unchanged.
 
-    Those of this one recording are off by the mean's error, by the spread, and by the wander.
+    Their errors are those of the mean, the spread between recordings, and the wander.
     """
     if clock.method == BY_MOTION:
         return clock

@@ -1,4 +1,4 @@
-"""One recording as a calibration of its IMU uses it."""
+"""One recording as input of the IMU's calibration."""
 
 from functools import partial
 
@@ -21,20 +21,21 @@ def imu_record(
     place: tuple[Array, Array],
     design: Butterworth,
 ) -> ImuRecord:
-    """Return what the joints predict and the IMU read, both low-passed without delay.
+    """Return the joints' predictions and the IMU's readings, both low-passed without delay.
 
     time, segment: (N,); q: (N, 6) [rad]; frames: R_6 (N, 3, 3) and J_g (N, 6, 6); readings: (N, 6),
     accelerometer and gyroscope [m/s², rad/s]; place: the IMU in frame 6 (3,) [m], and gravity (3,)
-    [m/s²], base frame. Rows where either side is missing, and ends where the filter guesses, are
-    left out.
+    [m/s²], base frame. Rows where either side is missing, and ends where the filter extrapolates,
+    are left out.
     """
     (rotation, jacobian), (point, gravity), step = frames, place, period(time)
     lowpass = partial(inner_lowpass, rate=1 / step, **design._asdict())
     change = partial(differentiate, period=step)
-    # The controller's velocities come some ms after the positions that R_6 and J_g are of.
+    # not the controller's velocities, which lag the positions, R_6 and J_g by some ms
     qd = by_segment(change, q, segment)
     velocity = point_velocity(rotation, jacobian, qd, point)
     acceleration = by_segment(change, velocity[:, :3], segment)
+    # f = R_6ᵀ (a - g0) and ω = R_6ᵀ J_w q̇ in frame 6, and both readings
     sides = [
         np.einsum("nji,nj->ni", rotation, acceleration - gravity),
         np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),

@@ -1,4 +1,4 @@
-"""Noise from innovations, and whether the innovations are white."""
+"""Noise of the encoders from innovations, and tests of the innovations."""
 
 from dataclasses import dataclass
 
@@ -16,17 +16,17 @@ from ur5lib.timeseries.segments import unbroken
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
 JERK_WINDOW = 0.13  # s, over which an intensity is taken as constant
-RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording; no noise is less
-NOTHING = 1e-20  # keeps perfect data from a likelihood without bound
+RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
+NOTHING = 1e-20  # keeps the likelihood of perfect data bounded
 LAGS = 10  # of the portmanteau test
-# Logarithms of jerk and velocity precision beside the positions' noise, and the lag in cycles.
+# Logarithms of jerk and velocity precision relative to the positions' noise, and lag in cycles.
 BOUNDS = [(-12.0, 6.0), (-8.0, 8.0), (-1.0, 1.0)]
 SIMPLEX = np.array([[-2.8, 0.2, 0.0], [-1.3, 0.2, 0.0], [-2.8, -0.8, 0.0], [-2.8, 0.2, 0.25]])
 
 
 @dataclass(frozen=True)
 class EncoderNoise:
-    """What drives the joints, and what their encoders add.
+    """Process noise of the joints and measurement noise of their encoders.
 
     jerk: (N, 6) [rad/s³/√Hz], intensity of white jerk at each sample; position: (6,) [rad] and
     velocity: (6,) [rad/s], standard deviations; lag: (6,) [s] of the measured velocity.
@@ -40,11 +40,11 @@ class EncoderNoise:
 
 @dataclass(frozen=True)
 class InnovationTest:
-    """Are normalised innovations what they should be: of variance one, and white?
+    """Tests of normalised innovations: variance one, and whiteness.
 
-    variance: (M,), mean squares, and variance_limits: (M, 2), where 95 % of them would lie;
-    portmanteau: (M,), Ljung-Box statistic, and portmanteau_limit, which 5 % would exceed;
-    consistent, white: (M,), whether they pass.
+    variance: (M,), mean squares; variance_limits: (M, 2), their 95 % interval; portmanteau: (M,),
+    Ljung-Box statistic; portmanteau_limit: its 95 % point; consistent, white: (M,), whether the
+    variance and the whiteness pass.
     """
 
     variance: Array
@@ -56,13 +56,13 @@ class InnovationTest:
 
 
 def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderNoise:
-    """Noise under which the innovations of a joint's Kalman filter are likeliest.
+    """Estimate the noise by maximum likelihood of the innovations of each joint's Kalman filter.
 
     time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, 6) [rad,
-    rad/s], NaN where missing. Raises ValueError where a joint has no velocities.
+    rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
 
-    Maximum likelihood (Schweppe) of position, velocity and lag with one jerk for all times; then,
-    with a bank of jerks, the posterior mean of log jerk in a window about each sample.
+    Position, velocity and lag maximise the likelihood (Schweppe) with one jerk for all times; then,
+    with a bank of jerks, the posterior mean of log jerk is taken in a window around each sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [_joint_noise(time, segment, *joint, period) for joint in zip(q.T, qd.T, strict=True)]
@@ -71,7 +71,7 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
 
 
 def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
-    """Test normalised innovations (N, M); NaN where there was none.
+    """Test normalised innovations (N, M), NaN where nothing was measured.
 
     Mean square against χ²; autocorrelation over LAGS lags within segments by Ljung and Box.
     """
@@ -92,12 +92,13 @@ def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
 def _joint_noise(
     time: Array, segment: Labels, q: Array, qd: Array, period: float
 ) -> tuple[Array, float, float, float]:
-    """Jerk (N,), position, velocity and lag of one joint."""
+    """Estimate jerk (N,), position, velocity and lag of one joint."""
     record = _Record(time, segment, q, qd, period)
 
     def cost(parameters: Array) -> float:
+        # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
         logdet, square = record.deviance(*_ratios(parameters))
-        return logdet + 2 * float(np.log(square[record.told].mean() + NOTHING))
+        return logdet + 2 * float(np.log(square[record.valid].mean() + NOTHING))
 
     best = minimize(
         cost,
@@ -108,7 +109,7 @@ def _joint_noise(
     ).x
     _, precision, lag = _ratios(best)
     _, square = record.deviance(*_ratios(best))
-    position = max(float(np.sqrt(square[record.told].mean() / 2)), RESOLUTION)
+    position = max(float(np.sqrt(square[record.valid].mean() / 2)), RESOLUTION)
     velocity = max(position / (precision * period), RESOLUTION)
     return (
         record.local_jerk(position, position / (velocity * period), lag),
@@ -119,6 +120,7 @@ def _joint_noise(
 
 
 def _ratios(parameters: Array) -> tuple[float, float, float]:
+    """Return jerk, velocity precision and lag from the optimiser's parameters (3,)."""
     jerk, precision, lag = parameters
     return float(np.exp(jerk)), float(np.exp(precision)), float(lag)
 
@@ -133,26 +135,29 @@ class _Record:
         course = CubicHermiteSpline(time[observed], q[observed], qd[observed])
         self.values = np.stack([course(time), course(time, 1) * period], axis=1)
         self.segment, self.period = segment, period
-        # What was filled in tells of its successor: neither that nor the next is an innovation.
+        # a filled value depends on its successor: neither's innovation is valid
         after_observed = np.concatenate([[False], observed[:-1] & (np.diff(segment) == 0)])
-        self.told = observed & after_observed
+        self.valid = observed & after_observed
 
     def deviance(self, jerk: float, precision: float, lag: float) -> tuple[float, Array]:
-        """log |S| and eᵀ S⁻¹ e (N,) of the innovations e of the steady Kalman filter.
+        """Return log |S| and eᵀ S⁻¹ e (N,) of the innovations e of the steady Kalman filter.
 
-        jerk, precision: of jerk and velocity, beside positions' noise of one; lag: in cycles.
+        jerk, precision: of jerk and velocity, relative to the positions' noise; lag: in cycles.
         """
+        # x⁺ = F x + w, z = H x + v, x = [q, q̇ T, q̈ T²]
         F = np.array([[1, 1, 0.5], [0, 1, 1], [0, 0, 1]])
         H = np.array([[1, 0, 0], [0, precision, -precision * lag]])
+        # steady covariance P of the prediction, S = H P Hᵀ + 1, K = F P Hᵀ S⁻¹
         P = solve_discrete_are(F.T, H.T, jerk**2 * jerk_covariance(1.0), np.eye(2))
         S = H @ P @ H.T + np.eye(2)
         K = F @ P @ H.T @ np.linalg.inv(S)
+        # x⁺ = (F - K H) x + K z
         innovations = self._innovations(F - K @ H, K, H)
         square = np.einsum("ni,ij,nj->n", innovations, np.linalg.inv(S), innovations)
         return float(np.linalg.slogdet(S)[1] - 2 * np.log(precision)), square
 
     def _innovations(self, A: Array, K: Array, H: Array) -> Array:
-        """Innovations (N, 2) of x⁺ = A x + K z; each segment starts with what it first measures."""
+        """Return innovations (N, 2) of x⁺ = A x + K z; segments start at their first value."""
         scale = np.array([1, H[1, 1]])
         filters = [signal.ss2tf(A, K, -H, np.eye(2), input=index) for index in (0, 1)]
         innovations = np.empty_like(self.values)
@@ -166,27 +171,29 @@ class _Record:
         return innovations
 
     def local_jerk(self, position: float, precision: float, lag: float) -> Array:
-        """Jerk intensity about each sample (N,)."""
+        """Return the jerk intensity around each sample (N,)."""
+        # log |S| + eᵀ S⁻¹ e under each jerk of the bank
         ratios = JERKS * self.period**2.5 / position
         deviances = [self.deviance(ratio, precision, lag) for ratio in ratios]
         surprise = np.stack([logdet + square / position**2 for logdet, square in deviances], axis=1)
+        # posterior p(jerk) ∝ exp(-½ Σ) over the window, and the mean of log jerk
         count = round(JERK_WINDOW / self.period)
-        surprise = moving_mean(np.where(self.told[:, None], surprise, 0), self.segment, count)
+        surprise = moving_mean(np.where(self.valid[:, None], surprise, 0), self.segment, count)
         weight = softmax(-count * surprise / 2, axis=1)
         return np.exp(weight @ np.log(JERKS))
 
 
 def jerk_covariance(step: Array | float) -> Array:
-    """Covariance (..., 3, 3) that a jerk held over a step [s], of intensity one, adds to q, q̇, q̈.
+    """Return the covariance (..., 3, 3) of q, q̇, q̈ after a step [s] of a jerk of intensity one.
 
-    Held, not white within the step: so q̇ changes by the integral of q̈ and by nothing else.
+    The jerk is constant within the step, not white, so that q̇ changes by exactly the integral of q̈.
     """
     gained = np.asarray(step)[..., None] ** np.array([2.5, 1.5, 0.5]) / np.array([6, 2, 1])
     return gained[..., :, None] * gained[..., None, :]
 
 
 def moving_mean(values: Array, segment: Labels, count: int) -> Array:
-    """Mean of the finite values about each row within its segment, zero where there are none."""
+    """Return the mean of the finite values around each row in its segment, zero without any."""
     result = np.empty_like(values)
     for rows in unbroken(segment):
         known = np.isfinite(values[rows])

@@ -13,12 +13,12 @@ PASSED, STOPPED = 0.8, 60.0  # share of the robot's Nyquist frequency; dB from t
 
 
 def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
-    """A device's channels at the robot's times, without aliases.
+    """Resample a device's channels at the robot's times without aliasing.
 
     device: `time` [s] on its own clock, increasing, and channels; time: (N,) [s].
     A device that samples faster than the robot is low-passed without delay below the robot's
     Nyquist frequency; a slower one is interpolated linearly. In the device's gaps, before its
-    first sample and after its last the result is NaN: nothing is invented.
+    first sample and after its last, the result is NaN.
     """
     own, at = device["time"].to_numpy(), clock.device_time(time)
     channels = device.drop(columns="time")
@@ -29,17 +29,17 @@ def resample(device: pd.DataFrame, clock: Clock, time: Array) -> pd.DataFrame:
         grid, even = even_samples(own, values)
         smooth = _below_nyquist(grid, even, rate)
         known = np.isfinite(smooth).all(axis=1)
-        # A cubic: a line between samples would take 5 % of what moves at 30 Hz.
+        # a cubic, because linear interpolation would damp 30 Hz by 5 %
         cubic = CubicSpline(grid[known], smooth[known])(at)
         result = np.where(np.isnan(result), np.nan, cubic)
     return pd.DataFrame(result, columns=channels.columns)
 
 
 def _below_nyquist(grid: Array, even: Array, rate: float) -> Array:
-    """A device's even samples (K, C), low-passed for a robot that samples at `rate` [Hz].
+    """Low-pass a device's even samples (K, C) below the Nyquist frequency of `rate` [Hz].
 
-    A symmetric window of finite length: it has no phase, hardly rings at a push, and leaves
-    straight lines as they are, up to the ends.
+    The filter is a symmetric window of finite length: no phase, hardly any ringing at a push, and
+    straight lines remain unchanged, up to the ends.
     """
     own_rate = 1 / (grid[1] - grid[0])
     count, beta = signal.kaiserord(STOPPED, (1 - PASSED) * rate / own_rate)

@@ -53,7 +53,7 @@ def print_findings(path: Path) -> int:
 
 
 def text_console(**settings: Any) -> Console:
-    """A console that prints text from outside as it is: no markup, no names of pictures."""
+    """Return a console that prints text from outside unchanged, without markup or emoji names."""
     return Console(markup=False, emoji=False, **settings)
 
 
@@ -71,13 +71,13 @@ def print_tables(
 
 
 def is_there(recording: Recording) -> bool:
-    """Whether a recording can be looked at; a simulated one may be still to be made."""
+    """Return whether a recording can be checked; a simulated one may not exist yet."""
     files = [Path(recording.folder) / name for name in recording.file_names()]
     return getattr(recording, "simulate", None) is None or all(file.is_file() for file in files)
 
 
 def read_study(path: Path) -> Study:
-    """A study from its YAML file."""
+    """Read a study from its YAML file."""
     try:
         raw = read_yaml(path)
     except OSError as error:
@@ -95,7 +95,7 @@ def read_study(path: Path) -> Study:
 
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
-    """A recording's quality.json and own_clocks.json; of an unusable one, the error is all."""
+    """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
     arm = load_robot(robot_path(recording.robot))
     try:
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
@@ -105,7 +105,7 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
 
 
 def unusable(error: InputError) -> dict[str, Any]:
-    """The quality.json of a recording that cannot be read."""
+    """Return the quality.json of a recording that cannot be read."""
     finding = Finding("robot", "unusable", "error", 1, str(error))
     return {"devices": [], "files": {}, "findings": [finding.as_row()]}
 
@@ -113,7 +113,7 @@ def unusable(error: InputError) -> dict[str, Any]:
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
     if not intake.sensors:
         return {}
-    from ur5lib.dynamics.flange import flange_kinematics  # torch, where there is a clock to tell
+    from ur5lib.dynamics.flange import flange_kinematics  # imports torch, needed only for a clock
 
     robot = Signals.from_table(intake.robot)
     rotation, _, jacobian = flange_kinematics(arm, robot.actual_q)
@@ -123,7 +123,7 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
 def settled(
     study: Study, qualities: Mapping[str, Any], own: Mapping[str, Any]
 ) -> dict[str, dict[str, Any]]:
-    """Each recording's clocks.json, by name, from all their own_clocks.json and quality.json."""
+    """Return each recording's clocks.json from the own_clocks.json and quality.json of all."""
     free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(
@@ -144,7 +144,7 @@ def settled(
 
 
 def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
-    """One section a recording."""
+    """Return a table of the findings, with one section per recording."""
     table = Table("recording", "finding", "count", "what it means", title="Findings")
     table.columns[0].overflow = "fold"
     findings = group_findings(quality)

@@ -1,1 +1,1 @@
-"""Arrays of samples: what every room stands on."""
+"""Arrays of samples: filters, derivatives, Kalman smoothing, metrics, segments."""

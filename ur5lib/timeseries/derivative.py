@@ -1,4 +1,4 @@
-"""Joint motion from filtered encoders."""
+"""Numerical derivatives."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def differentiate(values: Array, period: float) -> Array:
-    """Derivative of uniform samples by central differences, one-sided at the ends.
+    """Return the derivative of uniform samples by central differences, one-sided at the ends.
 
     values: (N, M); period: [s]. Returns (N, M); NaN where there are fewer than two samples.
     """

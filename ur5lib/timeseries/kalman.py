@@ -1,4 +1,4 @@
-"""The Kalman smoother of a linear system that changes from sample to sample."""
+"""Kalman smoother of a linear time-varying system."""
 
 from dataclasses import dataclass
 
@@ -25,11 +25,13 @@ class LinearSystem:
 
 
 def smooth(system: LinearSystem) -> tuple[Array, Array, Array]:
-    """States (N, X) given all measurements, covariances (N, X, X), normalised innovations (N, M).
+    """Return states (N, X), covariances (N, X, X) and normalised innovations (N, M).
 
-    Raises numpy.linalg.LinAlgError where a state is known without error, which nothing is.
+    States and covariances are those given all measurements. Raises numpy.linalg.LinAlgError if a
+    state has no uncertainty.
     """
     prior, posterior, innovations = _filter(system)
+    # cov(x_k, x_k-1) = F_k P_k-1
     cross = system.F[1:] @ posterior[1][:-1]
     return *rts_pass(cross, prior, posterior), innovations
 
@@ -37,7 +39,7 @@ def smooth(system: LinearSystem) -> tuple[Array, Array, Array]:
 def _filter(
     system: LinearSystem,
 ) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
-    """filterpy's EKF through all samples: priors, posteriors and innovations.
+    """Run filterpy's EKF through all samples: return priors, posteriors and innovations.
 
     Priors and posteriors are each a mean (N, X) and a covariance (N, X, X).
     """
@@ -49,11 +51,12 @@ def _filter(
     measured = np.isfinite(system.z)
     for k, seen in enumerate(measured):
         ekf.F, ekf.Q = system.F[k], system.Q[k]
-        ekf.predict()
+        ekf.predict()  # x = F x, P = F P Fᵀ + Q
         prior[0][k], prior[1][k] = ekf.x, ekf.P
         if seen.any():
             H = system.H[k, seen]
             ekf.update(system.z[k, seen], lambda _, H=H: H, H.dot, R=np.diag(system.R[k, seen]))
+            # (z - H x) / sqrt diag(S)
             innovations[k, seen] = ekf.y / np.sqrt(np.diagonal(ekf.S))
         posterior[0][k], posterior[1][k] = ekf.x, ekf.P
     return prior, posterior, innovations

@@ -21,7 +21,7 @@ THESIS_CURRENT = Butterworth(5, 1.454)
 
 
 def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
-    """Butterworth low-pass run forwards and backwards: no delay, and -6 dB at the cut-off.
+    """Apply a Butterworth low-pass forwards and backwards: no delay, and -6 dB at the cut-off.
 
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist. Both ends
     are continued by their reflection in the end point, so that lines stay lines.
@@ -32,7 +32,7 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
 
 
 def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
-    """Butterworth low-pass run forwards from rest, as the thesis's scripts did: it delays.
+    """Apply a Butterworth low-pass forwards from rest, with delay, as the thesis's scripts did.
 
     values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist.
     """
@@ -40,7 +40,7 @@ def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arr
 
 
 def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
-    """As `zero_phase_lowpass`, NaN within 1/cutoff of the ends, where the filter has to guess."""
+    """Apply `zero_phase_lowpass`; NaN within 1/cutoff of the ends, where it extrapolates."""
     edge = round(rate / cutoff)
     result = np.full_like(values, np.nan)
     if len(values) > 2 * edge:
@@ -50,7 +50,7 @@ def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arra
 
 
 def frequency_response(frequency: Array, rate: float, order: int, cutoff: float) -> Array:
-    """Gain of one pass (K,) at frequencies (K,) [Hz] (Equation 5.12); of both, its square.
+    """Return the gain (K,) of one pass at frequencies (K,) [Hz] (Equation 5.12); two: its square.
 
     rate, cutoff: [Hz]. Raises ValueError for a cut-off beyond Nyquist.
     """

@@ -1,4 +1,4 @@
-"""How far an estimate is from its reference."""
+"""Error measures of an estimate against its reference."""
 
 import numpy as np
 from scipy.special import ndtri
@@ -7,17 +7,17 @@ from ur5lib.timeseries.arrays import Array
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:
-    """MAE of each column, over the rows where both are finite (Equations 5.1, 6.12)."""
+    """Return the MAE of each column, over the rows where both are finite (Equations 5.1, 6.12)."""
     return np.nanmean(np.abs(reference - estimate), axis=0)
 
 
 def largest_error(estimate: Array, reference: Array) -> Array:
-    """Largest absolute error of each column (Equation 6.13)."""
+    """Return the largest absolute error of each column (Equation 6.13)."""
     return np.nanmax(np.abs(reference - estimate), axis=0)
 
 
 def correlation(estimate: Array, reference: Array) -> Array:
-    """Pearson correlation of each column, NaN where one of both is constant."""
+    """Return the Pearson correlation of each column, NaN if either is constant."""
     both = np.isfinite(estimate) & np.isfinite(reference)
     x = np.where(both, estimate, np.nan)
     y = np.where(both, reference, np.nan)
@@ -28,7 +28,7 @@ def correlation(estimate: Array, reference: Array) -> Array:
 
 
 def skill(estimate: Array, reference: Array) -> Array:
-    """1 - MAE / MAE of zero, of each column: 0 is no better than saying "none", 1 is perfect."""
+    """Return 1 - MAE / MAE of zero of each column: 0 is no better than zero, 1 is perfect."""
     zero = mean_absolute_error(
         np.zeros_like(reference), np.where(np.isfinite(estimate), reference, np.nan)
     )
@@ -37,7 +37,7 @@ def skill(estimate: Array, reference: Array) -> Array:
 
 
 def slope(estimate: Array, reference: Array) -> Array:
-    """Slope of each column of the estimate over its reference, least squares through the origin.
+    """Return each column's slope over its reference, by least squares through the origin.
 
     An estimate that shows 0.8 of every force has a slope of 0.8.
     """
@@ -47,7 +47,7 @@ def slope(estimate: Array, reference: Array) -> Array:
 
 
 def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
-    """Share of each column's references inside the band that states to hold `stated` of them."""
+    """Return the share of each column's references inside the band of nominal coverage `stated`."""
     band = ndtri(0.5 + stated / 2) * std
     both = np.isfinite(estimate) & np.isfinite(std) & np.isfinite(reference)
     inside = both & (np.abs(reference - estimate) <= band)
@@ -55,9 +55,9 @@ def coverage(estimate: Array, std: Array, reference: Array, stated: float = 0.95
 
 
 def interval_score(estimate: Array, std: Array, reference: Array, stated: float = 0.95) -> Array:
-    """Mean Winkler score of each column's band: its width, and 2 / (1 - stated) times each miss.
+    """Return the mean Winkler score of each column's band: width + 2 / (1 - stated) times misses.
 
-    Lower is better; a band gains nothing by being wider or narrower than it should (Gneiting and
+    Lower is better; a band that is too wide or too narrow scores worse (Gneiting and
     Raftery 2007, Equation 43).
     """
     half = ndtri(0.5 + stated / 2) * std
@@ -66,7 +66,7 @@ def interval_score(estimate: Array, std: Array, reference: Array, stated: float 
 
 
 def zero_interval_score(reference: Array, stated: float = 0.95) -> Array:
-    """The score of the band around zero that holds just `stated` of each column's references."""
+    """Return the score of the band around zero with `stated` of each column's references inside."""
     half = np.nanquantile(np.abs(reference), stated, axis=0)
     scale = ndtri(0.5 + stated / 2)
     return interval_score(np.zeros_like(reference), half / scale, reference, stated)

@@ -1,4 +1,4 @@
-"""Which recordings pass the same trajectory: those are one sample of the world, not two."""
+"""Grouping of recordings by trajectory: those of one path are not independent."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from scipy.spatial import cKDTree
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
-SLOW = 0.03  # rad/s, below which a joint may as well rest
-SAME = 0.9  # share of a run that the other passes too
+SLOW = 0.03  # rad/s, below which a joint counts as resting
+SAME = 0.9  # least common share of two runs of one path
 
 
 def place(q: Array, qd: Array) -> Array:
-    """States (N, 12) in which a distance of one is as far as two may lie apart.
+    """Return scaled states (N, 12), in which states nearer than 1 count as equal.
 
     q, qd: (N, 6) [rad, rad/s].
     """
@@ -24,17 +24,17 @@ def place(q: Array, qd: Array) -> Array:
 
 
 def nearest(places: Array, of: Array) -> tuple[Mask, NDArray[np.intp]]:
-    """Whether each state (N, 12) lies near one of others (M, 12), and which is nearest (N,)."""
+    """Return whether each state (N, 12) is near one of others (M, 12), and the nearest (N,)."""
     distance, index = cKDTree(of).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index
 
 
 @dataclass(frozen=True)
 class Passed:
-    """What a run passes: `place` at samples in motion, or of a run that rests all along at rest.
+    """States on the path of a run: `place` at samples in motion, or all if the run rests.
 
-    every: of how many samples one is looked for along another run; that one shows all of its own,
-    for fast runs pass far more than a distance of one between samples that are thinned.
+    every: step of the samples that are searched in another run. The other run is not thinned,
+    because thinned samples of fast runs are further apart than 1.
     """
 
     places: Array
@@ -43,7 +43,7 @@ class Passed:
 
     @classmethod
     def of(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
-        """Of positions and velocities (N, 6) at all samples; NaN rows are left out."""
+        """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         known = np.isfinite(q + qd).all(axis=1)
         moving = known & (np.abs(qd) > SLOW).any(axis=1)
         rows = moving if moving.any() else known
@@ -51,25 +51,25 @@ class Passed:
 
     @cached_property
     def tree(self) -> cKDTree:
-        """The places, to be searched."""
+        """Return the search tree of the places."""
         return cKDTree(self.places)
 
     def same(self, other: "Passed") -> bool:
-        """Whether one passes nearly all of what the other does."""
+        """Return whether one run contains nearly all states of the other."""
         if self.moves != other.moves or not len(self.places) or not len(other.places):
             return False
         return max(self.within(other), other.within(self)) >= SAME
 
     def within(self, other: "Passed") -> float:
-        """Share of this run that the other passes too."""
+        """Return the share of this run's states that the other contains."""
         distance, _ = other.tree.query(self.places[:: self.every], distance_upper_bound=1.0)
         return float(np.isfinite(distance).mean())
 
 
 def group_by_path(runs: Sequence[Passed]) -> Labels:
-    """Labels (R,) of runs by trajectory, from 0.
+    """Return labels (R,) of runs by trajectory, from 0.
 
-    A part of a longer run is of its trajectory, and so is what is the same by way of a third.
+    Part of a longer run belongs to its trajectory; being of one trajectory is transitive.
     """
     labels = np.arange(len(runs))
     for one in range(len(runs)):

@@ -50,32 +50,32 @@ wildcard_constraints:
 
 
 def result(name):
-    """Path of a file that each recording has, with the recording as a wildcard."""
+    """Return the path of a recording's file, with the recording as a wildcard."""
     return f"{RESULTS}/recordings/{{recording}}/{name}"
 
 
 def results(name, recordings=RECORDINGS):
-    """Paths of a file that each recording has, one for each recording."""
+    """Return the paths of a file of each of some recordings."""
     return [f"{RESULTS}/recordings/{recording}/{name}" for recording in recordings]
 
 
 def parameter(name):
-    """Path of a file that each arm has, with the arm as a wildcard."""
+    """Return the path of an arm's file, with the arm as a wildcard."""
     return f"{RESULTS}/parameters/{{robot}}/{name}"
 
 
 def parameters(name):
-    """Paths of a file that each arm has, one for each arm."""
+    """Return the paths of a file of each arm."""
     return [f"{RESULTS}/parameters/{robot}/{name}" for robot in ROBOTS]
 
 
 def parameter_of(name):
-    """The same file of the arm that a recording is of."""
+    """Return a function of the path of a file of a recording's arm."""
     return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).robot}/{name}"
 
 
 def fitted_on(wildcards):
-    """Names of the recordings that an arm's parameters are fitted on."""
+    """Return the names of an arm's `fit` recordings."""
     return [
         name
         for name, recording in RECORDINGS.items()
@@ -84,14 +84,14 @@ def fitted_on(wildcards):
 
 
 def fitted_results(name):
-    """The same file of each recording that an arm's parameters are fitted on."""
+    """Return the paths of a file of each of an arm's `fit` recordings."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{recording}/{name}" for recording in fitted_on(wildcards)
     ]
 
 
 def results_of_fitted(name):
-    """The same file of each recording that the arm of a recording is fitted on."""
+    """Return the paths of a file of each `fit` recording of a recording's arm."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{other}/{name}"
         for other, recording in RECORDINGS.items()
@@ -100,7 +100,7 @@ def results_of_fitted(name):
 
 
 def contact_free(wildcards):
-    """Names of an arm's recordings in which nothing touches it."""
+    """Return the names of an arm's contact-free recordings."""
     return [
         name
         for name, recording in RECORDINGS.items()
@@ -109,14 +109,14 @@ def contact_free(wildcards):
 
 
 def free_results(name):
-    """The same file of each of these."""
+    """Return the paths of a file of each of an arm's contact-free recordings."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{recording}/{name}" for recording in contact_free(wildcards)
     ]
 
 
 def other_contact_free(wildcards):
-    """Names of the arm's other recordings in which nothing touches it."""
+    """Return the names of the arm's other contact-free recordings."""
     return [
         other
         for other, recording in RECORDINGS.items()
@@ -127,7 +127,7 @@ def other_contact_free(wildcards):
 
 
 def contact_free_results(name):
-    """The same file of each of these."""
+    """Return the paths of a file of each of the arm's other contact-free recordings."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{other}/{name}" for other in other_contact_free(wildcards)
     ]
@@ -138,35 +138,35 @@ def recording_of(wildcards):
 
 
 def what_was_recorded(wildcards):
-    """What a reader needs to know of a recording: nothing of what it is used for."""
+    """Return the description of a recording for its reader, without its use in the study."""
     unread = {"name", "role", "robot", "gravity", "payload", "simulate"}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 
 
 def gravity_of(wildcards):
-    """Gravity in the base frame of a recording [m/s²]; None: as in the arm's description."""
+    """Return gravity in the base frame of a recording [m/s²]; None: as described for the arm."""
     return gravities([wildcards.recording])[0]
 
 
 def gravities(names):
-    """The same of several recordings."""
+    """Return gravity in the base frames of several recordings."""
     found = [RECORDINGS[name].gravity for name in names]
     return [gravity and list(gravity) for gravity in found]
 
 
 def fitted_gravities(wildcards):
-    """The same of each recording that an arm's parameters are fitted on."""
+    """Return gravity in the base frames of an arm's `fit` recordings."""
     return gravities(fitted_on(wildcards))
 
 
 def payload_of(wildcards):
-    """What the study says that a recording's arm carries, as JSON; empty where it says nothing."""
+    """Return the payload that the study declares for a recording, as JSON; empty without one."""
     payload = recording_of(wildcards).known_payload()
     return payload.model_dump_json() if payload else ""
 
 
 def raw_files(name):
-    """The files that a recording names, or everything below its folder."""
+    """Return the files that a recording names, or all files below its folder."""
     folder = Path(RECORDINGS[name].folder)
     named = [folder / file for file in RECORDINGS[name].file_names()]
     if name in SIMULATED:
@@ -176,7 +176,7 @@ def raw_files(name):
 
 
 def way_points(name):
-    """The file of way-points that a simulated recording follows, where there is one."""
+    """Return the file of way-points of a simulated recording, if any."""
     given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
     return {"way_points": given} if isinstance(given, str) else {}
 
@@ -187,7 +187,7 @@ def arm_file(wildcards):
 
 
 def code(step):
-    """The script of a step and the library modules it uses, directly or not."""
+    """Return the script of a step and all library modules that it uses."""
     script = f"workflow/scripts/{step}.py"
     modules, unseen = set(), {script}
     while unseen:
@@ -198,7 +198,7 @@ def code(step):
 
 @cache
 def imported_modules(path):
-    """Files of the ur5lib modules that a Python file imports; nothing is imported for it."""
+    """Return the files of ur5lib modules that a Python file imports, without importing them."""
     names = set()
     for node in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module:
@@ -218,7 +218,7 @@ def outputs_in(folder):
 
 
 def drawings(folder, names):
-    """Figures of a folder, each with its numbers beside it."""
+    """Return the figures of a folder, each with its numbers as CSV."""
     figures = {
         name: report(
             f"{folder}/{name}.svg",
@@ -233,7 +233,7 @@ def drawings(folder, names):
 
 
 def tables(names):
-    """Tables of results."""
+    """Return the tables of results."""
     return {
         name: report(
             f"{RESULTS}/tables/{name}.csv",
@@ -246,7 +246,7 @@ def tables(names):
 
 
 def of_every_job(kind):
-    """The output, the log or the benchmark of every job of the rules so far."""
+    """Return the output, log or benchmark of all jobs of the rules above."""
     only = {"ablate_forces": TOUCHED}
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
     patterns = {

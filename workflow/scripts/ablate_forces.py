@@ -1,4 +1,4 @@
-"""What each part of the force estimate is worth in contact: its error with that part left out."""
+"""Ablation of the force estimate: its error in contact without one part."""
 
 from typing import Any
 

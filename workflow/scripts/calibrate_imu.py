@@ -1,4 +1,4 @@
-"""Mounting, tilt and gyroscope bias of an arm's IMU, from its recordings for fitting."""
+"""Mounting, tilt and gyroscope bias of an arm's IMU, from its `fit` recordings."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Estimates from simulated recordings beside the truth: the only step that is given it."""
+"""Estimates from simulated recordings against the truth, which no other step reads."""
 
 from typing import Any
 

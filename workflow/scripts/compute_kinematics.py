@@ -1,4 +1,4 @@
-"""Pose of frame 6, its Jacobian, and how near a singularity the arm is, for each sample."""
+"""Pose and Jacobian of frame 6 and its smallest singular value, for each sample."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Contacts by each estimate: alarms, what the sensor says of them, the smallest force found."""
+"""Contacts by each estimate: alarms, comparison with the sensor, smallest detectable force."""
 
 from typing import Any
 

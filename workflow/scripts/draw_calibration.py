@@ -1,4 +1,4 @@
-"""What the stated bands of the force estimates hold, in contact and free."""
+"""Actual over nominal coverage of the force estimates' bands, in contact and free."""
 
 from typing import Any
 
@@ -30,7 +30,7 @@ def draw_calibration(input: Any, output: Any, params: Any) -> None:
 
 
 def shares_held(rows: pd.DataFrame, components: list[str]) -> Array:
-    """What bands hold [%], (bands, components), on the mean over the recordings."""
+    """Return the coverage [%] of bands, (bands, components), averaged over the recordings."""
     mean = rows.groupby("component")[[f"coverage{band}" for band in BANDS]].mean()
     return 100 * mean.reindex(components).to_numpy().T
 

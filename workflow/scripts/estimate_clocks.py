@@ -1,4 +1,4 @@
-"""What each device's start stamp and motion say of its clock."""
+"""Clocks of a recording's devices from start stamps and motion."""
 
 from typing import Any
 

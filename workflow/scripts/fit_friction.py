@@ -1,4 +1,4 @@
-"""The map from motion to motor current: torque constants and friction, over recordings to fit."""
+"""The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""How far the external torque is from zero where nothing touches the arm."""
+"""Residual models of the external torque without contact."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Rotor inertia of each joint, from what rigid links leave of the controller's torque."""
+"""Rotor inertia of each joint, from the controller's torque minus that of rigid links."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The rigid-body model behind the controller's torque, as one more model of the arm."""
+"""The rigid-body model identified from the controller's torque, as a further model of the arm."""
 
 from typing import Any
 

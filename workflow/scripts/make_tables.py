@@ -1,4 +1,4 @@
-"""The study's tables of results, from what every recording and every arm came to."""
+"""The study's tables of results, from the results of all recordings and arms."""
 
 from importlib import import_module
 from typing import Any

@@ -1,4 +1,4 @@
-"""The drift of each host, from contact-free recordings in which motion told a clock."""
+"""The drift of each host, from contact-free recordings with a clock estimated by motion."""
 
 from dataclasses import asdict
 from typing import Any

@@ -1,4 +1,4 @@
-"""Read what the devices wrote, and put the robot's frames back on a uniform grid."""
+"""Read the devices' files, and repair the robot's frames on a uniform grid."""
 
 import json
 from typing import Any

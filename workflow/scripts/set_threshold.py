@@ -1,4 +1,4 @@
-"""From which odds on a contact is called one: few alarms where nothing touches the arm."""
+"""Threshold on the odds of contact, with few alarms in contact-free recordings."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the motor currents say of torque."""
+"""Predicted currents, and the torques from motor currents."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Estimates of the contact wrench, and what the force sensor says."""
+"""Estimates of the contact wrench, and the force sensor's wrenches."""
 
 from dataclasses import dataclass
 

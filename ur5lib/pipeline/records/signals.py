@@ -1,4 +1,4 @@
-"""What the devices measured."""
+"""Signals of all devices."""
 
 from dataclasses import dataclass
 
@@ -47,7 +47,7 @@ class Signals(SegmentedTable):
 
     @property
     def imu(self) -> Array:
-        """Readings of accelerometer and gyroscope (N, 6); ValueError without an IMU."""
+        """Return accelerometer and gyroscope (N, 6); ValueError without an IMU."""
         if self.accelerometer is None or self.gyroscope is None:
             raise ValueError("the recording has no IMU")
         return np.concatenate([self.accelerometer, self.gyroscope], axis=1)

@@ -100,7 +100,7 @@ class Table:
 
     @property
     def period(self) -> float:
-        """The cycle [s]."""
+        """Return the cycle [s]."""
         return period(self.time)
 
     @classmethod

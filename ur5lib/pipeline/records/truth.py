@@ -1,4 +1,4 @@
-"""What was simulated."""
+"""The simulated truth."""
 
 from dataclasses import dataclass
 from typing import Self

@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def ablation_rows(recording: str, ablation: Mapping[str, Any]) -> Iterator[Row]:
-    """The error in contact with each part of the estimate left out, from ablation.json."""
+    """Yield the error in contact without each part of the estimate, from ablation.json."""
     for variant, figures in ablation.items():
         for i, component in enumerate(("Fx", "Fy", "Fz")):
             yield {

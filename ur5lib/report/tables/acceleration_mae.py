@@ -18,7 +18,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 def acceleration_errors(
     recording: str, summary: Mapping[str, Any], printed: PrintedTable | None
 ) -> Iterator[Row]:
-    """MAE of the end effector's acceleration against the IMU, from accelerations.json."""
+    """Yield the MAE of the end effector's acceleration against the IMU, from accelerations.json."""
     values = published(printed, recording)
     for estimate, errors in summary["errors"].items():
         for index, (component, mae) in enumerate(errors["mae"].items()):

@@ -27,7 +27,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def contact_error_rows(recording: str, summary: Mapping[str, Any]) -> Iterator[Row]:
-    """What each estimate misses of each contact that the sensor saw, from forces.json."""
+    """Yield the errors of each estimate in each contact at the sensor, from forces.json."""
     for estimate, contacts in summary.get("contacts", {}).items():
         for row in contacts:
             yield {"recording": recording, "estimate": estimate, **row}

@@ -30,7 +30,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def contact_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
-    """Each alarm: when, the largest force in it, and the mass of a load, from detection.json."""
+    """Yield each alarm: its time, largest force, and the mass of a load, from detection.json."""
     for estimate, found in detection.items():
         for alarm in found["raised"]:
             values = zip("xyz", alarm["force"], alarm["force_std"], strict=True)

@@ -1,4 +1,4 @@
-"""RMSE of a fit on one recording alone, tested on each."""
+"""RMSE of a fit to one recording, tested on another."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def cross_validation_rows(robot: str, friction: Mapping[str, Any]) -> Iterator[Row]:
-    """RMSE of a fit on one recording alone, tested on each, from friction.json."""
+    """Yield the RMSE of a fit to one recording, tested on another, from friction.json."""
     names = friction["from"]
     for fitted, tested_rows in zip(names, friction.get("cross_validation", []), strict=True):
         for tested, rmse in zip(names, tested_rows, strict=True):

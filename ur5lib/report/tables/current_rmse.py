@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def current_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
-    """How well each model predicts a recording's currents, from currents.json."""
+    """Yield the errors of each model's prediction of a recording's currents, from currents.json."""
     for model, scores in currents["scores"].items():
         for joint in range(6):
             yield {

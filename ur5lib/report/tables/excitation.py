@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def excitation_rows(robot: str, identification: Mapping[str, Any]) -> Iterator[Row]:
-    """How well the recordings excite an arm, from identification.json."""
+    """Yield the excitation of each arm by its recordings, from identification.json."""
     found = identification.get("excitation")
     if found:
         yield {

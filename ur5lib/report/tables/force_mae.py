@@ -46,7 +46,7 @@ def force_errors(
     printed_mae: PrintedTable | None,
     printed_max: PrintedTable | None,
 ) -> Iterator[Row]:
-    """Errors of the force estimates against the sensor, from forces.json."""
+    """Yield the errors of the force estimates against the sensor, from forces.json."""
     tables = {"mae": published(printed_mae, recording), "max": published(printed_max, recording)}
     for kind, estimates in summary["errors"].items():
         for estimate, periods in estimates.items():
@@ -71,7 +71,7 @@ def force_errors(
 
 
 def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, str]:
-    """Which components an estimate tells: its skill in contact is above zero, for certain."""
+    """Return which components are determined: the skill in contact is significantly above zero."""
     if not in_contact:
         return {}
     skills = in_contact.get("skill_low", in_contact["skill"])

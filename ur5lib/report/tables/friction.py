@@ -28,7 +28,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def friction_rows(robot: str, arm: Robot, friction: Mapping[str, Any]) -> Iterator[Row]:
-    """Torque constants, offsets and friction beside the thesis's, from friction.json."""
+    """Yield torque constants, offsets and friction, and the thesis's values, from friction.json."""
     published = _published(arm)
     for row in friction.get("parameters", []):
         name, joint = row["name"], row["joint"]

@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def gain_rows(recording: str, gains: Mapping[str, Any]) -> Iterator[Row]:
-    """The gains that a recording tells, from gains.json: a value only where it is determined.
+    """Yield the gains of a recording, from gains.json: a value only if it is determined.
 
     low and high: of the range that fits equally well, empty where it reaches a search bound.
     """

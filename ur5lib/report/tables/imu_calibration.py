@@ -1,4 +1,4 @@
-"""What all recordings for fitting say of an arm's IMU."""
+"""Calibration of an arm's IMU from all `fit` recordings."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -15,7 +15,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def calibration_rows(robot: str, known: Mapping[str, Any]) -> Iterator[Row]:
-    """What all recordings for fitting tell of an arm's IMU, from imu.json."""
+    """Yield the calibration of an arm's IMU from all `fit` recordings, from imu.json."""
     found = known.get("all", {})
     for quantity, unit in (("mounting", "rad"), ("tilt", "rad"), ("gyroscope_bias", "rad/s")):
         for axis, value, std in zip(

@@ -1,4 +1,4 @@
-"""What the flange carries beyond the known payload."""
+"""The undeclared payload on the flange."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -26,7 +26,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def payload_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
-    """What the flange carries beyond the known payload, from currents.json; none at rest."""
+    """Yield the undeclared payload on the flange, from currents.json; none at rest."""
     if load := currents.get("load"):
         low, high = load["interval"]
         center = zip("xyz", load["center_of_mass"], strict=True)

@@ -29,7 +29,7 @@ def finding_rows(
 
 
 def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
-    """Devices that only start stamps place on the robot's clock."""
+    """Yield devices whose clock is known from start stamps only."""
     for device, clock in clocks.items():
         row = {"device": device, "severity": "warning", "count": 1}
         errors = clock["offset_std"], clock["end_std"]
@@ -43,7 +43,7 @@ def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _doubted_sensor(forces: Mapping[str, Any]) -> Iterator[Row]:
-    """A force sensor that contradicts the motor currents or its tool's weight, or whose bias may be
+    """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
     a push.
     """
     for doubted in ("mounting", "offset"):
@@ -58,7 +58,7 @@ def _doubted_sensor(forces: Mapping[str, Any]) -> Iterator[Row]:
 
 
 def _copies(recording: str, qualities: Mapping[str, Any]) -> Iterator[Row]:
-    """Device files that are byte for byte those of another recording."""
+    """Yield device files that are identical to those of another recording."""
     for device, checksum in qualities[recording]["files"].items():
         others = [
             other

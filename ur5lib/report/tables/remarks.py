@@ -1,4 +1,4 @@
-"""What fits say of themselves, by joint, and why one made nothing."""
+"""Remarks of the fits by joint, and reasons of fits that failed."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -20,7 +20,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def remark_rows(robot: str, steps: Mapping[str, Mapping[str, Any]]) -> Iterator[Row]:
-    """What fits say of themselves, by joint, and why one made nothing; steps: summaries by name."""
+    """Yield remarks of the fits by joint, and reasons of failed fits; steps: summaries by name."""
     for step, summary in steps.items():
         for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
             yield {"robot": robot, "step": step, "remark": remark}

@@ -26,7 +26,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def rotor_rows(robot: str, rotors: Mapping[str, Any]) -> Iterator[Row]:
-    """Rotor inertias and the terms that should be zero, from rotor_inertia.json."""
+    """Yield rotor inertias and the terms that should be zero, from rotor_inertia.json."""
     if not rotors["from"]:
         return
     value, std = rotors["value"], rotors["std_error"]
