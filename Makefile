@@ -13,7 +13,7 @@ thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), 
 	snakemake --configfile workflow/studies/thesis.yaml
 
 test: lint ## run every check
-	pytest
+	OMP_NUM_THREADS=1 pytest  # two processes share the work already
 
 lint: .venv/ready ## check style and types
 	pre-commit run --all-files

@@ -36,10 +36,13 @@ def told_payload(signals: Signals) -> Payload | None:
     Centre of mass and inertia are zero where they were not recorded. None where no mass was
     recorded, or none is carried.
     """
-    if signals.payload is None or not np.nanmedian(signals.payload) > 0:
+    if signals.payload is None:
+        return None
+    (mass,) = _medians(signals.payload[:, None], 1)
+    if mass <= 0:
         return None
     return Payload(
-        mass=float(np.nanmedian(signals.payload)),
+        mass=mass,
         center_of_mass=_medians(signals.payload_cog, 3),
         inertia=_medians(signals.payload_inertia, 6),
     )
@@ -47,7 +50,7 @@ def told_payload(signals: Signals) -> Payload | None:
 
 def _medians(values: Array | None, count: int) -> Any:
     """Return the median of each of some columns, zero where it was not recorded."""
-    if values is None:
+    if values is None or not np.isfinite(values).any():
         return (0.0,) * count
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
 

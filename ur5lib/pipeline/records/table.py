@@ -94,7 +94,7 @@ def channels(name: str, unit: str, labels: tuple[str, ...], keys: tuple[str, ...
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """SegmentedTable on the robot's uniform grid; time: (N,) [s]."""
+    """A table of samples on the robot's uniform grid; time: (N,) [s]."""
 
     time: Array = channel("time", "s")
 
