@@ -98,6 +98,15 @@ def test_the_standard_errors_hold() -> None:
         assert 0.6 < std.mean() / error.std() < 1.7
 
 
+def test_no_sample_of_a_slow_robot_is_wasted() -> None:
+    """At 25 Hz each counts: 10 s are enough, though of a fast one a fraction would do."""
+    own, slow = record(trajectory), slice(0, 1250, 5)
+    given = TIME[slow], own.rate[slow], own.segment[slow], own.device_time, own.gyroscope
+    clock, reason = clock_from_rotation(*given, STAMPS)
+    assert reason is None
+    assert clock.offset == pytest.approx(OFFSET, abs=0.02)
+
+
 @pytest.mark.parametrize("offset", [-0.9, -0.45, 0.3, 0.45])
 def test_a_wrong_stamp_is_mended_or_reported(offset: float) -> None:
     """Up to half a second, five standard errors, from the stamps; beyond, they stand."""

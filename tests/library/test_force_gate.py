@@ -221,6 +221,15 @@ def test_a_push_draws_anew_what_friction_holds_at_rest(ur5: Robot) -> None:
             assert (short[during] > 1.5 * long[during]).all()
 
 
+def test_what_stiction_holds_does_not_follow_a_push(ur5: Robot) -> None:
+    """At rest a free arm's torque stays where it was: a push of 15 N is none of its drift."""
+    run = free_run(ur5, seed=23, seconds=12.0, moving=False, scale=0.1)
+    estimate = run.pushed(push(run, 2, 15.0, 5.0, 7.0)).estimate()
+    during, before = between(run.time, 5.2, 6.8) > 0, run.time < 4.5
+    assert probability(estimate)[during].mean() > 0.92
+    assert probability(estimate)[before].max() < 0.1
+
+
 # A sustained push, of all sizes
 
 

@@ -74,6 +74,8 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
     assert offset.mass == pytest.approx(MASS, abs=5 * offset.mass_std)
     assert offset.mass_std < 0.01 * MASS
     np.testing.assert_allclose(offset.center(), CENTER, atol=0.002)
+    off = np.abs(offset.moment_arm - MASS * CENTER)
+    np.testing.assert_array_less(off, 5 * offset.moment_arm_std + 1e-4, strict=True)
 
 
 def test_the_compensated_wrench_is_the_push() -> None:

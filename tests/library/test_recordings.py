@@ -66,6 +66,8 @@ def test_a_clean_recording_is_read_whole(recording: Path) -> None:
     placed = place_sensors(raw, [])
     assert placed["force"][1].seconds == pytest.approx(0.005, abs=1e-6)
     assert placed["imu"][1].seconds == pytest.approx(0, abs=0.05)  # six digits of 5.5e7 ms
+    assert placed["force"][1].std == pytest.approx(np.hypot(0.005, 0.003))
+    assert placed["imu"][1].std == pytest.approx(np.hypot(0.005, 0.1))
     saved = np.loadtxt(recording / "csv_files" / "log_q_actual.csv", delimiter=",")
     np.testing.assert_array_equal(robot[[f"actual_q_{j}" for j in range(6)]], saved[:, 1:])
 
@@ -125,6 +127,18 @@ def test_a_channel_without_a_row_is_refused_by_name(recording: Path, text: str) 
         r"log_q_actual.csv, line 1: (no complete row of|expected) 7 numbers .*; .*record it again"
     )
     with pytest.raises(InputError, match=message):
+        read(recording)
+
+
+@pytest.mark.parametrize(("count", "step"), [(125, 0.0039), (125, 0.003), (2, 0.001)])
+def test_a_channel_faster_than_half_a_cycle_is_refused(
+    recording: Path, count: int, step: float
+) -> None:
+    """However short: its times are not in seconds."""
+    path = recording / "csv_files" / "log_q_actual.csv"
+    rows = [line.split(",", 1)[1] for line in path.read_text().splitlines()[:count]]
+    path.write_text("".join(f"{k * step:.4f},{row}\n" for k, row in enumerate(rows)))
+    with pytest.raises(InputError, match=r"log_q_actual.csv: the median step"):
         read(recording)
 
 
