@@ -61,7 +61,7 @@ INSIDE = 0.9  # share of a push above which it has come on
 
 @dataclass(frozen=True)
 class Recording:
-    """One recording of a built study: as the study describes it, and its files."""
+    """One recording of a built study: its description and its files."""
 
     entry: dict[str, Any]
     folder: Path
@@ -69,11 +69,11 @@ class Recording:
 
     @property
     def name(self) -> str:
-        """As in the study."""
+        """Return its name in the study."""
         return str(self.entry["name"])
 
     def file(self, name: str) -> str:
-        """Path of a file that the study made of it."""
+        """Return the path of one of its result files."""
         return str(self.folder / name)
 
 
@@ -87,12 +87,12 @@ class Study:
 
     @property
     def fit(self) -> list[Recording]:
-        """Those to fit on."""
+        """Return the recordings to fit."""
         return [own for own in self.recordings if own.entry["role"] == "fit"]
 
 
 def main() -> None:
-    """Print alarms a minute and what pushes come out as."""
+    """Print alarms a minute and the estimates of trial pushes."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
     options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
@@ -106,7 +106,7 @@ def main() -> None:
 
 
 def compare(title: str, known: Study, quick: bool) -> None:
-    """Leave out path after path, then all recordings but one."""
+    """Print the results of folds without each path, then of folds with a single recording."""
     few = 1 if quick else None
     paths = sorted({own.path for own in known.fit})[:few]
     folds = [(f"without path {path + 1}", *without(known, path)) for path in paths]
@@ -126,7 +126,7 @@ def compare(title: str, known: Study, quick: bool) -> None:
 
 
 def read_study(folder: Path, robot: str) -> Study:
-    """The recordings of an arm in which nothing touches it and no load was found."""
+    """Return an arm's contact-free recordings without a load."""
     plan = yaml.safe_load((folder / "configuration.yaml").read_text())
     entries = [
         entry
@@ -149,7 +149,7 @@ def read_study(folder: Path, robot: str) -> Study:
 
 
 def without(study: Study, path: int) -> tuple[list[Recording], list[Recording]]:
-    """Recordings to fit on, and those to try: all of the path that is left out."""
+    """Return recordings to fit, and those to test: all of the path that is left out."""
     return (
         [own for own in study.fit if own.path != path],
         [own for own in study.recordings if own.path == path],
@@ -157,28 +157,28 @@ def without(study: Study, path: int) -> tuple[list[Recording], list[Recording]]:
 
 
 def validated(study: Study) -> list[Recording]:
-    """Recordings that are not fitted on, nor of a path that is."""
+    """Return recordings that are neither fitted nor of a fitted path."""
     seen = {own.path for own in study.fit}
     return [own for own in study.recordings if own.path not in seen]
 
 
 class Fold:
-    """The workflow's steps from friction to threshold, fitted on some recordings alone."""
+    """The workflow's steps from friction to threshold, fitted to some recordings only."""
 
     def __init__(self, study: Study, fitted: list[Recording], folder: Path) -> None:
         self.study, self.fitted, self.folder = study, fitted, folder
         self.step = {name: step_of(name) for name in STEPS}
 
     def own(self, recording: Recording, name: str) -> str:
-        """A file that this fold makes of a recording."""
+        """Return the path of this fold's file of a recording."""
         return str(self.folder / f"{recording.name}.{name}")
 
     def shared(self, name: str) -> str:
-        """A file that this fold makes of all."""
+        """Return the path of this fold's file of all recordings."""
         return str(self.folder / name)
 
     def build(self, tested: list[Recording]) -> None:
-        """Fit, and estimate the forces of all recordings; raises InputError where it is refused."""
+        """Fit, and estimate the forces of all recordings; raises InputError if it fails."""
         fit = self.study.settings["fit_friction"]
         self.run(
             "fit_friction",
@@ -212,7 +212,7 @@ class Fold:
         )
 
     def payload(self, own: Recording) -> None:
-        """What the currents tell of a load."""
+        """Estimate the payload of a recording."""
         self.run(
             "estimate_payload",
             self.inputs_of(own),
@@ -222,7 +222,7 @@ class Fold:
         )
 
     def currents(self, own: Recording, role: str) -> None:
-        """The external torque of a recording."""
+        """Compute the external torque of a recording."""
         self.run(
             "predict_currents",
             self.inputs_of(own)
@@ -239,7 +239,7 @@ class Fold:
         )
 
     def forces(self, own: Recording, others: list[Recording]) -> None:
-        """All estimates of a recording's forces."""
+        """Compute all force estimates of a recording."""
         self.run(
             "estimate_forces",
             {
@@ -258,16 +258,16 @@ class Fold:
         )
 
     def inputs_of(self, own: Recording) -> dict[str, Any]:
-        """What both steps on currents read."""
+        """Return the inputs of both steps on currents."""
         tables = {name: own.file(f"{name}.parquet") for name in TABLES}
         return tables | {"friction": self.shared("friction.json"), "arm": str(self.study.arm)}
 
     def run(self, name: str, *files_and_params: dict[str, Any]) -> None:
-        """A step with its input, output and params."""
+        """Run a step with its input, output and params."""
         self.step[name](*(SimpleNamespace(**own) for own in files_and_params))
 
     def alarms(self, tested: list[Recording]) -> pd.DataFrame:
-        """A row for each recording and estimate: alarms, minutes, of them minutes in alarm."""
+        """Return a row for each recording and estimate: alarms, minutes, and minutes in alarm."""
         thresholds = read_json(self.shared("threshold.json"))
         rows = []
         for own in tested:
@@ -284,13 +284,13 @@ class Fold:
 
 
 def step_of(name: str) -> Any:
-    """A step's function, from the workflow's script."""
+    """Return a step's function from the workflow's script."""
     script = Path(__file__).parents[1] / "workflow" / "scripts" / f"{name}.py"
     return runpy.run_path(str(script))[name]
 
 
 def report_alarms(label: str, found: pd.DataFrame) -> None:
-    """A line for each estimate, and one for each recording with alarms."""
+    """Print a line for each estimate, and one for each recording with alarms."""
     print(label)
     for name, part in found.groupby("estimate"):
         count, minutes, lasted = part[["alarms", "minutes", "in_alarm"]].sum()
@@ -304,7 +304,7 @@ def report_alarms(label: str, found: pd.DataFrame) -> None:
 
 
 def refusal(fold: Fold, tested: list[Recording]) -> str | None:
-    """Build a fold; return why it made nothing, None where it did."""
+    """Build a fold; return why it failed, else None."""
     try:
         fold.build(tested)
     except (InputError, np.linalg.LinAlgError) as error:
@@ -318,7 +318,7 @@ Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 
 def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, list[Recording]]]:
-    """Folds whose files are there, and what is tried in each; prints all alarms, or why none is."""
+    """Yield each fold that was built, with its tests; print its alarms, or why it failed."""
     found = []
     for label, fitted, tested in tried:
         with tempfile.TemporaryDirectory() as folder:
@@ -334,7 +334,7 @@ def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, 
 
 
 def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
-    """Slope and coverage of each push that is put onto a recording."""
+    """Return slope and coverage of each push that is added to a recording."""
     motion, residuals = (
         read_table(own.file("motion.parquet")),
         read_json(fold.shared("residuals.json")),
@@ -362,14 +362,14 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def sustained(time: Array, step: float) -> Array:
-    """A push of height 1 from START on (N,), as the low-pass behind the torques shows it."""
+    """Return a push of height 1 from START on (N,), low-passed like the torques."""
     end = min(START + LONGEST, time[-1] - MARGIN)
     box = ((time >= START) & (time < end)).astype(float)[:, None]
     return zero_phase_lowpass(box, rate=1 / step, order=ORDER, cutoff=CUTOFF)[:, 0]
 
 
 def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Array) -> Array:
-    """Wrench (N, 6) of a force along an axis of the base, at a point off the flange.
+    """Return the wrench (N, 6) of a force along a base axis, at a point off the flange.
 
     The point lies `lever` [m] along x of frame 6; rotation: R_6, (N, 3, 3).
     """
@@ -381,7 +381,7 @@ def wrench_of(profile: Array, axis: int, size: float, lever: float, rotation: Ar
 def figures(
     wrench: Array, std: Array, true: Array, where: Array, run: ForceInput
 ) -> dict[str, float]:
-    """Of the force in its direction: mean share that is told, in motion and at rest; coverage."""
+    """Return the estimated share of the force along its direction, and its coverage, by motion."""
     axis = int(np.argmax(np.abs(true[where][0, :3])))
     inside = np.abs(wrench - true)[:, :3] <= 1.96 * std[:, :3]
     still = is_still(run.states)
@@ -396,7 +396,7 @@ def figures(
 
 
 def report_pushes(rows: pd.DataFrame) -> None:
-    """Slopes over the sizes, and the share of samples in their band by size."""
+    """Print slopes over the sizes, and the coverage by size."""
     for name in ("moving", "still"):
         part = rows[rows[f"{name}_s"] >= 1]
         if part.empty:
@@ -410,13 +410,13 @@ def report_pushes(rows: pd.DataFrame) -> None:
 
 
 def held(part: pd.DataFrame, name: str) -> pd.Series:
-    """Share of the time in which the band holds."""
+    """Return the share of the time in which the band contains the force."""
     seconds = part[f"{name}_s"]
     return part[[f"{name}_along", f"{name}_all"]].mul(seconds, axis=0).sum() / seconds.sum()
 
 
 def print_slopes(part: pd.DataFrame, name: str) -> None:
-    """Least squares through the origin: pooled, and each recording and direction on its own."""
+    """Return slopes by least squares through the origin: pooled, and by recording and direction."""
 
     def slope(own: pd.DataFrame) -> float:
         weight = own["size"] ** 2 * own[f"{name}_s"]

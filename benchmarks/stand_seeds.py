@@ -1,8 +1,8 @@
-"""What comes back from the virtual test stand, seed by seed, and how often its intervals hold.
+"""Estimates from the virtual test stand by seed, and the coverage of their intervals.
 
 Three recordings to fit are simulated for each seed, and one that is pushed; motion, posture and
 all noise are drawn anew, and files are read as real ones are. Counted are, for each quantity, the
-values whose stated 95 % interval holds the truth, and the largest error; of the contact wrench the
+values whose 95 % interval contains the truth, and the largest error; of the contact wrench the
 share inside its 95 % band and the error, beside that of an estimate of zero, over whole recordings
 and while in contact.
 """
@@ -66,7 +66,7 @@ PUSHES = [
 
 
 def main() -> None:
-    """Print how many intervals hold the truth, and how much of the wrench lies in its band."""
+    """Print how many intervals contain the truth, and the coverage of the wrench's band."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
     options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
@@ -90,7 +90,7 @@ def main() -> None:
 
 @dataclass(frozen=True)
 class Taken:
-    """A simulated recording: signals, the IMU's readings and start, the truth's two files."""
+    """A simulated recording: signals, the IMU's readings and start, and the truth."""
 
     robot: Robot
     signals: pd.DataFrame
@@ -101,12 +101,12 @@ class Taken:
 
     @cached_property
     def kinematics(self) -> tuple[Array, Array, Array]:
-        """R_6, o_6 and J_g at the measured positions."""
+        """Return R_6, o_6 and J_g at the measured positions."""
         return flange_kinematics(self.robot, channel(self.signals, "actual_q"))
 
     @cached_property
     def record(self) -> Record:
-        """Smoothed motion, its torque under the true model, the measured current."""
+        """Return smoothed motion, its torque under the true model, and the measured current."""
         time, segment = (self.signals[name].to_numpy() for name in ("time", "segment"))
         measured = (channel(self.signals, f"actual_{name}") for name in ("q", "qd", "current"))
         q, qd, current = measured
@@ -119,7 +119,7 @@ class Taken:
 
 
 def taken(plan: dict[str, Any]) -> Taken:
-    """Simulated, and read as a real recording is."""
+    """Simulate a recording, and read it like a real one."""
     robot = load_robot(robot_path("ur5"))
     wanted = SimulatedRecording.model_validate(plan | {"imu": {}})
     with tempfile.TemporaryDirectory() as folder:
@@ -133,7 +133,7 @@ def taken(plan: dict[str, Any]) -> Taken:
 
 
 def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
-    """Three recordings to fit, and one that is pushed, each about another posture."""
+    """Return plans of three recordings to fit and one with pushes, each around another posture."""
     drawn = []
     for draw in range(100 * seed, 100 * seed + 4):
         posture = POSTURE + np.random.default_rng(draw).uniform(-0.4, 0.4, 6)
@@ -143,7 +143,7 @@ def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
 
 
 def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
-    """Rows of all estimates beside the truth, from the recordings of one seed."""
+    """Yield rows of all estimates and the truth, from the recordings of one seed."""
     *fitted, pushed = (taken(plan) for plan in plans(seed, seconds))
     yield from device_rows(fitted)
     yield from map_rows(fit := fitted_map(fitted), fitted[0].summary)
@@ -151,7 +151,7 @@ def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
 
 
 def device_rows(fitted: list[Taken]) -> Iterator[Row]:
-    """Rows of clocks, rotor inertias and the IMU."""
+    """Yield rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
     clocks = [
         device_clock(own.imu, own.start, own.signals, *own.kinematics[::2])[0] for own in fitted
@@ -165,18 +165,18 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
 
 
 def map_rows(fit: CurrentFit, truth: dict[str, Any]) -> Iterator[Row]:
-    """Rows of torque constants and friction."""
+    """Return rows of torque constants and friction."""
     return truth_table.friction_rows({"parameters": [*map(asdict, parameters(fit))]}, truth)
 
 
 def torque_of(robot: Robot, model: str, states: Any) -> Array:
-    """Torque (N, 6) [Nm] of a model at q, q̇, q̈ (N, 6)."""
+    """Return the torque (N, 6) [Nm] of a model at q, q̇, q̈ (N, 6)."""
     arm = build_arm(robot, model)
     return inverse_dynamics(arm, *(torch.from_numpy(state.copy()) for state in states)).numpy()
 
 
 def rotors(robot: Robot, recordings: list[Taken]) -> dict[str, Any]:
-    """Rotor inertias from what rigid links leave of the controller's torque at the targets."""
+    """Fit rotor inertias to the controller's torque minus that of rigid links at the targets."""
     parts = []
     for own in recordings:
         states = [channel(own.signals, f"target_{name}") for name in ("q", "qd", "qdd")]
@@ -188,7 +188,7 @@ def rotors(robot: Robot, recordings: list[Taken]) -> dict[str, Any]:
 
 
 def imu_of(own: Taken, clock: Any) -> Any:
-    """What a recording's IMU and joints tell of its mounting."""
+    """Return the samples of a recording's IMU and joints for the calibration."""
     rotation, _, jacobian = own.kinematics
     read = resample(own.imu, clock, own.signals["time"].to_numpy())
     kinematics = pd.DataFrame(named(rotation, "R6") | named(jacobian, "J"))
@@ -198,19 +198,19 @@ def imu_of(own: Taken, clock: Any) -> Any:
 
 
 def fitted_map(recordings: list[Taken]) -> CurrentFit:
-    """The map from motion to current."""
+    """Fit the map from motion to current."""
     records = [own.record for own in recordings]
     return fit_currents(records, smoother(ORDER, CUTOFF), known(recordings))
 
 
 def known(recordings: list[Taken]) -> Prior:
-    """What is known of the torque constants beforehand."""
+    """Return the prior of the torque constants."""
     ratios = [controllers_ratio(own.signals, own.record.qd) for own in recordings]
     return prior_of(recordings[0].robot, ratios)
 
 
 def residuals(fit: CurrentFit, free: list[Taken]) -> ResidualModel:
-    """What is left without contact, by fits that have not seen the path (`fit_residuals`)."""
+    """Fit the residual model to torques predicted by fits without the path (`fit_residuals`)."""
     records = [own.record for own in free]
     unseen = fit_without_each_path(records, smoother(ORDER, CUTOFF), known(free))
     fits = {name: own for names, own in unseen for name in names}
@@ -225,7 +225,7 @@ def residuals(fit: CurrentFit, free: list[Taken]) -> ResidualModel:
 
 
 def pushed_rows(fit: CurrentFit, free: list[Taken], pushed: Taken) -> Iterator[Row]:
-    """F^map beside the truth, over all of a recording and over what is in contact."""
+    """Yield errors of F^map over all samples of a recording and over those in contact."""
     step = pushed.record.period
     torque, states, segment = external(fit, pushed.record)
     given = torque, pushed.kinematics[2], states, segment, step
@@ -242,7 +242,7 @@ def pushed_rows(fit: CurrentFit, free: list[Taken], pushed: Taken) -> Iterator[R
 
 
 def external(fit: CurrentFit, record: Record) -> tuple[Array, Any, Any]:
-    """External torque [Nm], joint states and segments of a recording."""
+    """Return external torque [Nm], joint states and segments of a recording."""
     smooth = smoother(ORDER, CUTOFF)
     torque = left_over(record, predict(fit, record), torque_constants(fit), smooth, CUTOFF)
     return torque, joint_states(record.qd, record.segment, record.period), record.segment

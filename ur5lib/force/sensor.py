@@ -255,7 +255,7 @@ def _covariance(terms: Array, residual: Array, noise: Array) -> Array:
     whitened = (terms / scale[:, None]).reshape(-1, 10)
     correlation = 0.0
     if len(residual) > 1:
-        correlation = (residual[1:] * residual[:-1]).mean() / (residual**2).mean()
+        correlation = float((residual[1:] * residual[:-1]).mean() / (residual**2).mean())
     inflated = (1 + correlation) / max(1 - correlation, 1e-9)
     return np.linalg.pinv(whitened.T @ whitened) * inflated
 
