@@ -257,7 +257,7 @@ def _covariance(terms: Array, residual: Array, noise: Array) -> Array:
     if len(residual) > 1:
         correlation = float((residual[1:] * residual[:-1]).mean() / (residual**2).mean())
     inflated = (1 + correlation) / max(1 - correlation, 1e-9)
-    return np.linalg.pinv(whitened.T @ whitened) * inflated
+    return np.asarray(np.linalg.pinv(whitened.T @ whitened) * inflated, dtype=np.float64)
 
 
 def wrench_of_environment(reading: Array, rotation: Array) -> Array:
