@@ -33,7 +33,7 @@ REFERENCE = "pinocchio"
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is measured: numbers of states, rounds, and whether fused functions are compiled."""
+    """Size of the benchmark: states, rounds, and whether fused functions are compiled."""
 
     sizes: tuple[int, ...] = (100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
     large: tuple[int, ...] = (100_000, 1_000_000, 10_000_000)
@@ -84,7 +84,7 @@ def compare_on_threads(robot: Robot, threads: int, effort: Effort) -> None:
 
 
 def torque_contenders(robot: Robot, threads: int, effort: Effort) -> dict[str, Contender]:
-    """All that compute joint torques."""
+    """Return all contenders that compute joint torques."""
     return {
         REFERENCE: pinocchio_loop(robot, pinocchio.rnea),
         "pinocchio, batched": pinocchio_batched(robot, threads),
@@ -94,7 +94,7 @@ def torque_contenders(robot: Robot, threads: int, effort: Effort) -> dict[str, C
 
 
 def inertia_contenders(robot: Robot, effort: Effort) -> dict[str, Contender]:
-    """All that compute inertia matrices."""
+    """Return all contenders that compute inertia matrices."""
 
     def crba(model: pinocchio.Model, data: pinocchio.Data, q: np.ndarray, *_: object) -> object:
         return pinocchio.crba(model, data, q)
@@ -106,7 +106,7 @@ def inertia_contenders(robot: Robot, effort: Effort) -> dict[str, Contender]:
 
 
 def ours(robot: Robot, term: Callable[..., object], effort: Effort) -> dict[str, Contender]:
-    """This library, plain and fused, in double and single precision."""
+    """Return this library's contenders, plain and fused, in double and single precision."""
 
     def contender(dtype: torch.dtype, fused: bool) -> Contender:
         arm = build_arm(robot, MODEL, dtype=dtype, fused=fused)
@@ -125,7 +125,7 @@ def ours(robot: Robot, term: Callable[..., object], effort: Effort) -> dict[str,
 
 
 def pinocchio_model(robot: Robot) -> pinocchio.Model:
-    """The arm as Pinocchio reads it."""
+    """Return the arm as a Pinocchio model."""
     bodies = rigid_bodies(robot, MODEL)
     model = pinocchio.buildModelFromXML(urdf(robot, bodies))
     model.armature = bodies.rotor_inertia
@@ -133,7 +133,7 @@ def pinocchio_model(robot: Robot) -> pinocchio.Model:
 
 
 def pinocchio_loop(robot: Robot, function: Callable[..., object]) -> Contender:
-    """One of Pinocchio's functions, called for state after state."""
+    """Return one of Pinocchio's functions, called for state after state."""
     model = pinocchio_model(robot)
     data = model.createData()
 
@@ -145,7 +145,7 @@ def pinocchio_loop(robot: Robot, function: Callable[..., object]) -> Contender:
 
 
 def pinocchio_batched(robot: Robot, threads: int) -> Contender:
-    """rneaInParallel, one call for all states."""
+    """Return rneaInParallel, one call for all states."""
     pool = pinocchio.ModelPool(pinocchio_model(robot), threads)
 
     def prepare(states: States) -> Callable[[], object]:
@@ -157,7 +157,7 @@ def pinocchio_batched(robot: Robot, threads: int) -> Contender:
 
 
 def mujoco_loop(robot: Robot) -> Contender:
-    """mj_inverse, called for state after state."""
+    """Return mj_inverse, called for state after state."""
     bodies = rigid_bodies(robot, MODEL)
     model = mujoco.MjModel.from_xml_string(urdf(robot, bodies))
     model.dof_armature[:] = bodies.rotor_inertia
@@ -177,7 +177,7 @@ def mujoco_loop(robot: Robot) -> Contender:
 
 
 def row(contenders: dict[str, Contender], size: int, rounds: int) -> list[str]:
-    """One line of a table: each contender's time a state, and how many times faster it is."""
+    """Return the columns of a table's line: each contender's time per state and relative speed."""
     states = random_states(size)
     calls = {name: prepare(states) for name, prepare in contenders.items()}
     counts = {name: min(size, LOOPED) if name in (REFERENCE, "mujoco") else size for name in calls}
@@ -193,20 +193,20 @@ def row(contenders: dict[str, Contender], size: int, rounds: int) -> list[str]:
 
 
 def random_states(size: int) -> States:
-    """Seeded q, qd, qdd."""
+    """Return random q, qd, qdd of a fixed seed."""
     random = np.random.default_rng(0)
     return [random.uniform(-3, 3, (size, 6)) for _ in range(3)]
 
 
 def seconds(call: Callable[[], object]) -> float:
-    """How long a call takes."""
+    """Return the time of a call [s]."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start
 
 
 def print_memory(robot: Robot, effort: Effort) -> None:
-    """Peak memory beyond the result of 48 bytes a state; the states themselves take none here."""
+    """Print the peak memory beyond the result of 48 bytes per state; the states take none here."""
     torch.set_num_threads(1)
     arm = build_arm(robot, MODEL)
     print("\nplain inverse dynamics, float64: peak memory of the process beyond its result [MiB]")
@@ -218,7 +218,7 @@ def print_memory(robot: Robot, effort: Effort) -> None:
 
 
 def print_gpu(robot: Robot, effort: Effort) -> None:
-    """Rate on a GPU, and its share of what the memory allows at 24 values a state."""
+    """Print the rate on a GPU, and its share of the memory's bandwidth at 24 values per state."""
     copied = torch.ones(1 << 28, device="cuda")
     bandwidth = 2 * copied.nbytes / gpu_seconds(copied.clone, effort.rounds)
     print(f"\ninverse dynamics, {torch.cuda.get_device_name()}, {bandwidth / 1e12:.2f} TB/s copied")
@@ -231,7 +231,7 @@ def print_gpu(robot: Robot, effort: Effort) -> None:
 
 
 def gpu_row(arm: Arm, size: int, bandwidth: float, rounds: int) -> str:
-    """One line of the GPU's table."""
+    """Return one line of the GPU's table."""
     dtype = arm.parameters.dtype
     states = [torch.rand(size, 6, dtype=dtype, device="cuda") for _ in range(3)]
     rate = size / gpu_seconds(lambda: inverse_dynamics(arm, *states), rounds)
@@ -241,7 +241,7 @@ def gpu_row(arm: Arm, size: int, bandwidth: float, rounds: int) -> str:
 
 
 def gpu_seconds(call: Callable[[], object], rounds: int) -> float:
-    """The median time of a call, until the GPU is done."""
+    """Return the median time of a call, until the GPU has finished."""
 
     def finished() -> None:
         call()

@@ -89,7 +89,7 @@ class Study:
 
     @property
     def fit(self) -> list[Recording]:
-        """Those to fit on."""
+        """Return the recordings to fit."""
         return [own for own in self.recordings if own.entry["role"] == "fit"]
 
     @property
@@ -99,7 +99,7 @@ class Study:
 
 
 def main() -> None:
-    """Print alarms a minute and what pushes come out as."""
+    """Print alarms a minute and the estimates of trial pushes."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
     options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
@@ -339,7 +339,7 @@ def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, 
 
 
 def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
-    """Slope and coverage of each push that is put onto a recording."""
+    """Return slope and coverage of each push that is added to a recording."""
     motion, settings = Motion.read(own.file("motion.parquet")), fold.study.settings
     currents = Currents.read(fold.own(own, "currents.parquet"))
     found = direct_problems(motion, currents, read_json(fold.shared("residuals.json")))
@@ -361,7 +361,7 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
 
 
 def sustained(time: Array, step: float, order: int, cutoff: float) -> Array:
-    """A push of height 1 from START on (N,), as the low-pass behind the torques shows it."""
+    """Return a push of height 1 from START on (N,), low-passed like the torques."""
     end = min(START + LONGEST, time[-1] - MARGIN)
     box = ((time >= START) & (time < end)).astype(float)[:, None]
     return zero_phase_lowpass(box, rate=1 / step, order=order, cutoff=cutoff)[:, 0]

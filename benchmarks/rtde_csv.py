@@ -20,7 +20,7 @@ ROUNDS = 3
 
 
 def write_recording(path: Path, count: int) -> None:
-    """A made-up recording: its stamps run on, its channels repeat every ten seconds."""
+    """Write a synthetic recording: increasing stamps, channels that repeat every ten seconds."""
     random = np.random.default_rng(0)
     names = [f"{channel}_{joint}" for channel in CHANNELS for joint in range(6)]
     rows = [",".join(f"{value:.6f}" for value in row) for row in random.normal(size=(BLOCK, 30))]
@@ -33,7 +33,7 @@ def write_recording(path: Path, count: int) -> None:
 
 
 def seconds(function: Callable[[], object]) -> float:
-    """How long a call takes."""
+    """Return the time of a call [s]."""
     start = time.perf_counter()
     function()
     return time.perf_counter() - start

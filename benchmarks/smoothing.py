@@ -43,21 +43,21 @@ class Recording:
     readings: Array
 
     def first(self, count: int) -> "Recording":
-        """Its first samples."""
+        """Return its first samples."""
         return Recording(self.q[:count], self.qd[:count], self.readings[:count])
 
     @property
     def time(self) -> Array:
-        """When the samples were taken (N,) [s]."""
+        """Return the times of the samples (N,) [s]."""
         return np.arange(len(self.q)) * PERIOD
 
     @property
     def imu_noise(self) -> Array:
-        """Standard deviations of the readings (N, 6)."""
+        """Return the standard deviations of the readings (N, 6)."""
         return np.tile(IMU_NOISE, (len(self.q), 1))
 
     def joints(self) -> LinearSystem:
-        """The equations of motion and encoders."""
+        """Return the linear system of motion and encoders."""
         count = len(self.q)
         noise = EncoderNoise(
             np.ones((count, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002)
@@ -94,7 +94,7 @@ def main() -> None:
 
 
 def made_up(samples: int) -> Recording:
-    """A recording with noise."""
+    """Return a recording with noise."""
     random = np.random.default_rng(0)
     angle = np.outer(np.arange(samples) * PERIOD, random.uniform(1, 3, 6)) + random.uniform(0, 6, 6)
     q = np.sin(angle) + 1e-4 * random.normal(size=angle.shape)
@@ -104,7 +104,7 @@ def made_up(samples: int) -> Recording:
 
 
 def by_torch(robot: Robot) -> Kinematics:
-    """This library's kinematics."""
+    """Return this library's kinematics."""
     arm = build_arm(robot, "C")
 
     def kinematics(q: Array) -> tuple[Array, Array]:
@@ -115,7 +115,7 @@ def by_torch(robot: Robot) -> Kinematics:
 
 
 def by_pinocchio(robot: Robot) -> Kinematics:
-    """Pinocchio's kinematics, of one sample."""
+    """Return Pinocchio's kinematics, of one sample."""
     model = pinocchio.buildModelFromXML(urdf(robot, rigid_bodies(robot, "C")))
     data = model.createData()
     last = model.njoints - 1
@@ -140,20 +140,20 @@ def by_pinocchio(robot: Robot) -> Kinematics:
 
 
 def batched(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
-    """States (N, 24) by this library."""
+    """Return the states (N, 24) by this library."""
     model = linearised(robot, kinematics, own.q, own.qd)
     return smooth(add_imu(own.joints(), own.time, own.readings, model, own.imu_noise))[0]
 
 
 def linearised(robot: Robot, kinematics: Kinematics, q: Array, qd: Array) -> LinearImu:
-    """The IMU's equation at these samples."""
+    """Return the IMU's equation at these samples."""
     assert robot.mounting is not None
     point = np.array(robot.mounting.imu)
     return linearise_imu(*kinematics(q), qd, point, np.eye(3), -np.array(robot.gravity))
 
 
 def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
-    """States (N, 24) as they are usually written: sample after sample, then back."""
+    """Return the states (N, 24) by plain loops: sample after sample, then back."""
     start, q, qd = first_two(robot, kinematics, own), own.q, own.qd
     ekf = ExtendedKalmanFilter(24, 18)
     ekf.x, ekf.P, ekf.R = np.zeros(24), np.zeros((24, 24)), np.diag(start.R[0])
@@ -177,13 +177,13 @@ def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
 
 
 def first_two(robot: Robot, kinematics: Kinematics, own: Recording) -> LinearSystem:
-    """The equations of the first two samples; the kinematics take one at a time."""
+    """Return the linear system of the first two samples; the kinematics take one at a time."""
     two, model = own.first(2), linearised(robot, kinematics, own.q[:1], own.qd[:1])
     return add_imu(two.joints(), two.time, two.readings, model, two.imu_noise)
 
 
 def timed(run: Callable[[], Array]) -> tuple[float, Array]:
-    """How long it takes, and what comes out."""
+    """Return the time of a call [s] and its result."""
     start = time.perf_counter()
     result = run()
     return time.perf_counter() - start, result

@@ -105,14 +105,14 @@ class Taken:
 
     @cached_property
     def signals(self) -> Signals:
-        """On the robot's clock, with the IMU by its own."""
+        """Return all signals on the robot's clock, the IMU placed by its own."""
         time = self.intake.robot["time"].to_numpy()
         imu = resample(self.intake.sensors["imu"], read_clock(self.clock), time)
         return Signals.from_table(pd.concat([self.intake.robot, imu], axis="columns"))
 
     @cached_property
     def kinematics(self) -> Kinematics:
-        """Pose and Jacobian at the measured positions."""
+        """Return pose and Jacobian at the measured positions."""
         robot = Signals.from_table(self.intake.robot)
         rotation, origin, J = flange_kinematics(self.robot, robot.actual_q)
         smallest = np.linalg.svd(J, compute_uv=False)[:, -1]
@@ -126,7 +126,7 @@ class Taken:
 
     @cached_property
     def clock(self) -> dict[str, Any]:
-        """Of the IMU."""
+        """Return the clock of the IMU."""
         robot, starts = Signals.from_table(self.intake.robot), self.intake.quality["starts"]
         frames = self.kinematics.rotation, self.kinematics.jacobian
         clock: dict[str, Any] = own_clocks(starts, self.intake.sensors, robot, *frames)["imu"]
@@ -134,14 +134,14 @@ class Taken:
 
     @cached_property
     def motion(self) -> Motion:
-        """By the smoother."""
+        """Return the motion by the smoother."""
         signals = self.signals
         motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
         return motion_record(signals, motion)
 
     @cached_property
     def torques(self) -> Torques:
-        """Of all link models."""
+        """Return the torques of all link models."""
         return joint_torques(self.robot, carried(None, self.signals), self.signals, self.motion)
 
     @cached_property
@@ -154,7 +154,7 @@ class Taken:
 
     @cached_property
     def imu(self) -> ImuRecord:
-        """What IMU and joints tell of its mounting."""
+        """Return what IMU and joints show of its mounting."""
         return imu_samples(self.robot, self.signals, self.kinematics, ACCELERATIONS)
 
 
@@ -199,7 +199,7 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
 
 
 def map_rows(friction: dict[str, Any], truth: dict[str, Any]) -> Iterator[Row]:
-    """Rows of torque constants and friction."""
+    """Return rows of torque constants and friction."""
     return truth_table.friction_rows(friction, truth)
 
 

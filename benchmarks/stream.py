@@ -46,7 +46,7 @@ def write_capture(path: Path, count: int) -> None:
 
 
 def read_by_struct(path: Path) -> pd.DataFrame:
-    """Message by message, as it is usually written."""
+    """Read message by message with struct."""
     buffer, rows = bytearray(), []
     with path.open(newline="") as file:
         lines = csv.reader(file)
@@ -66,12 +66,12 @@ def read_by_struct(path: Path) -> pd.DataFrame:
 
 
 def read_by_library(path: Path) -> pd.DataFrame:
-    """All at once."""
+    """Read all messages at once."""
     return read_stream(path)[0]
 
 
 def measure(read: Callable[[Path], pd.DataFrame], path: Path) -> tuple[float, float, float]:
-    """Seconds, peak memory of the process [GB], and a sum of all that was read."""
+    """Return seconds, peak memory of the process [GB], and a checksum of the data."""
     start = time.perf_counter()
     frames = read(path)
     seconds = time.perf_counter() - start

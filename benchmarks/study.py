@@ -52,7 +52,7 @@ def main() -> None:
 
 
 def snakemake(study: str, *options: str) -> tuple[float, float]:
-    """Wall and processor time of a run [s]."""
+    """Return wall and processor time of a run [s]."""
     start, before = time.perf_counter(), processor_time()
     command = ["snakemake", "--cores", "2", "--configfile", study, *options]
     pipe, both = subprocess.PIPE, subprocess.STDOUT
@@ -63,7 +63,7 @@ def snakemake(study: str, *options: str) -> tuple[float, float]:
 
 
 def processor_time() -> float:
-    """Of all processes that were started here and have ended [s]."""
+    """Return the processor time of all ended child processes [s]."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 

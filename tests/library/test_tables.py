@@ -83,7 +83,7 @@ def test_a_failed_write_leaves_the_old_file_and_no_other(tmp_path: Path) -> None
 
 def test_what_cannot_be_written_is_told(tmp_path: Path) -> None:
     (tmp_path / "results").write_text("a file where a folder should be")
-    with pytest.raises(InputError, match=r"report.html cannot be written \(File exists\); free"):
+    with pytest.raises(InputError, match=r"report.html cannot be written \(File exists\); check"):
         write_text("text", tmp_path / "results" / "report.html")
 
 
@@ -95,7 +95,7 @@ def test_a_full_disk_leaves_the_old_file_and_no_half_one(
     path.write_bytes(old)
     long = {write_json: [0.1] * 9000, write_text: "long " * 9000}
     table = pd.DataFrame({"time": np.random.default_rng(0).random(9000)})
-    with full_disk(), pytest.raises(InputError, match=r"file cannot be written .*; free .*disk"):
+    with full_disk(), pytest.raises(InputError, match=r"file cannot be written .*; check .*disk"):
         write(long.get(write, table), path)
     assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("file", old)]
 

@@ -58,7 +58,7 @@ def batch_size(arm: Arm) -> int:
 
 @cache
 def _fused(kernel: Kernel, geometry: Geometry) -> Callable[..., Tensor]:
-    """Return the program as one compiled loop; if that fails, warn once and run it uncompiled."""
+    """Return the program as one compiled loop; if compiling fails, warn once and run it plainly."""
     plain = straight_line(kernel, geometry)
     program: Callable[..., Tensor] = torch.compile(plain, dynamic=True)
 

@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array
 class Carried:
     """The payload on the flange, its source, and the one configured in the controller.
 
-    Currents feel `payload`; `target_moment` contains `told`. None: nothing.
+    Currents contain the torque of `payload`, `target_moment` that of `told`. None: no payload.
     """
 
     payload: Payload | None

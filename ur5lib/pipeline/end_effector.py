@@ -1,4 +1,4 @@
-"""Acceleration of the end effector: from joints, through Euler angles, and as an IMU felt it."""
+"""Acceleration of the end effector: from joints, through Euler angles, and from an IMU."""
 
 from collections.abc import Mapping
 from functools import partial

@@ -101,9 +101,9 @@ def parameter_rows(
     weights: (66,), of the arm's parameters π in that sum.
     """
     return [
-        {"parameter": name, "value": value, "std_error": std, "determined": bool(told)}
+        {"parameter": name, "value": value, "std_error": std, "determined": bool(known)}
         | {"weights": weights}
-        for name, weights, value, std, told in zip(
+        for name, weights, value, std, known in zip(
             base.names(),
             base.groups,
             base.groups @ parameters,

@@ -15,7 +15,7 @@ from ur5lib.timeseries.lowpass import Butterworth
 
 
 def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
-    """Return whether motion showed the IMU's clock (clocks.json): it then felt that motion."""
+    """Return whether the IMU's clock was estimated by motion (clocks.json)."""
     return bool(clocks.get("imu", {}).get("method") == BY_MOTION)
 
 

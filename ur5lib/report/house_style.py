@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ur5lib.tables import write_bytes, write_csv
 
-# Okabe and Ito's palette: told apart by colour-blind readers; dashes tell lines apart in print.
+# Okabe and Ito's palette, which colour-blind readers can distinguish; dashes help in print.
 JOINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 STYLES: dict[str, Any] = {
     "measured": {"color": "#000000", "linewidth": 1.1},

@@ -65,8 +65,8 @@ class Traces:
     """Series drawn over time (N,) [s]; NaN in time is a gap.
 
     series, errors: by label, values (N, 6) and a style; errors get panels under the values'.
-    band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where no force can be
-    told.
+    band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where a force is
+    undetermined.
     """
 
     time: Array

@@ -37,14 +37,14 @@ def values(
     std: Any,
     freedom: float = np.inf,
 ) -> Iterator[Row]:
-    """A row for each value of an estimate, and whether the truth lies in its 95 % interval.
+    """Yield a row for each estimated value, with whether its 95 % interval contains the truth.
 
-    index: joints, axes or a device; truth, estimate, std: as many numbers, std NaN where none is
-    stated; freedom: how many degrees of it the standard errors have.
+    index: joints, axes or a device; truth, estimate, std: as many numbers, std NaN where not
+    stated; freedom: degrees of freedom of the standard errors.
     """
     half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
     for name, true, found, error, half in zip(index, truth, estimate, std, half_width, strict=True):
-        told = np.isfinite(half)
+        known = np.isfinite(half)
         inside = abs(found - true) <= half
         yield {
             "quantity": quantity,
@@ -52,8 +52,8 @@ def values(
             "unit": unit,
             "truth": true,
             "estimate": found,
-            "std_error": error if told else None,
-            "within95": ("yes" if inside else "no") if told else None,
+            "std_error": error if known else None,
+            "within95": ("yes" if inside else "no") if known else None,
         }
 
 
@@ -130,7 +130,7 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
 
 
 def rotor_rows(rotors: Mapping[str, Any], truth: Sequence[float]) -> Iterator[Row]:
-    """Rotor inertias, from rotor_inertia.json; truth: (6,) [kg m²].
+    """Yield rotor inertias, from rotor_inertia.json; truth: (6,) [kg m²].
 
     Their standard errors are a jackknife over recordings, or over parts of the only one.
     """
@@ -161,9 +161,9 @@ def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[
 
 
 def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
-    """Torque constants and friction, from friction.json's "parameters" and truth.json.
+    """Yield torque constants and friction, from friction.json's "parameters" and truth.json.
 
-    Inside or not is told of the stated intervals, which are wider than normal ones for few
+    Coverage is that of the reported intervals, which are wider than normal ones for few
     recordings. Of fitted terms that the stand's friction does not have, there is no truth.
     """
     drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}

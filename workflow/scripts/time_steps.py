@@ -20,7 +20,7 @@ def time_steps(input: Any, output: Any, params: Any) -> None:
 
 
 def job(benchmark: str, log: str) -> dict[str, object]:
-    """One job: its step, times [s] and when it ended."""
+    """Return one job: its step, times [s] and when it ended."""
     names, values = (line.split("\t") for line in Path(benchmark).read_text().splitlines())
     measured = dict(zip(names, values, strict=True))
     start_up, whole = processor_times(log)

@@ -35,7 +35,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row]:
-    """Contacts by each estimate and by the force they reach, from detection.json.
+    """Yield detections by estimate and by the force of the contacts, from detection.json.
 
     Without a force sensor, one row an estimate and no force.
     """

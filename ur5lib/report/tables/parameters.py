@@ -17,5 +17,5 @@ def rows(results: StudyResults) -> Iterator[Row]:
 def parameter_rows(robot: str, identification: Mapping[str, Any]) -> Iterator[Row]:
     """Yield base parameters of the identified model, from identification.json."""
     for row in identification.get("parameters", []):
-        told = "yes" if row["determined"] else "no"
-        yield {"robot": robot, **row, "determined": told}
+        determined = "yes" if row["determined"] else "no"
+        yield {"robot": robot, **row, "determined": determined}

@@ -44,7 +44,7 @@ def _poor_clocks(clocks: Mapping[str, Any]) -> Iterator[Row]:
 
 def _doubted_sensor(forces: Mapping[str, Any]) -> Iterator[Row]:
     """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
-    a push.
+    may be a push.
     """
     for doubted in ("mounting", "offset"):
         if forces.get(f"{doubted}_doubt"):
