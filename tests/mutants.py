@@ -5,8 +5,9 @@
 
 Nothing on the disk changes: a changed module is compiled in a process of its own, which runs the
 tests that call what was changed. Which tests those are, and how long each takes, is measured once
-and kept in .pytest_cache (again for a test file that was edited). A mutant that survives needs a
-test, or a line in tests/equivalent_mutants.yaml with the reason why no test can tell it.
+and kept in .pytest_cache (again for a test file that was edited). What takes more than a minute of
+the processor's time counts as killed, by the time limit. A mutant that survives needs a test, or a
+line in tests/equivalent_mutants.yaml with the reason why no test can tell it.
 """
 
 import argparse
@@ -31,7 +32,7 @@ import yaml
 
 ROOMS = [f"ur5lib/{room}/*.py" for room in ("force", "identification", "signals", "recordings")]
 TESTS = ["tests/library/test_*.py", "tests/scripts/test_*.py"]
-FAST, BUDGET, LIMIT = 3.0, 12.0, 60  # s: of a test, of all of a mutant, of CPU until its end
+FAST, BUDGET, LIMIT = 6.0, 20.0, 60  # s: of a test, of all of a mutant, of CPU until its end
 KNOWN = Path("tests/equivalent_mutants.yaml")
 MEASURED = Path(".pytest_cache/mutants.json")
 QUIET = ["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=", "-W", "ignore"]
@@ -100,8 +101,10 @@ def code(node: ast.AST, function: str = "") -> Iterator[tuple[ast.AST, str]]:
     """All nodes that are run, with the function they are in: no types, texts and decorators."""
     if isinstance(node, ast.JoinedStr | ast.Raise | ast.Assert):
         return
-    if isinstance(node, ast.FunctionDef | ast.ClassDef):
-        function += f"{node.name}." if isinstance(node, ast.ClassDef) else node.name
+    if isinstance(node, ast.ClassDef):
+        function = f"{node.name}."
+    elif isinstance(node, ast.FunctionDef) and function[-1:] in ("", "."):  # not within another
+        function += node.name
     yield node, function.rstrip(".")
     typed = ("annotation", "returns", "decorator_list", "bases")
     for field, value in ast.iter_fields(node):
@@ -227,19 +230,26 @@ def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
 
 def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
     """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes,
-    then others of their files, which may share what one of them prepared."""
-    inside = f"{mutant.module}:{mutant.function}" if mutant.function else f"{mutant.module}:"
+    then those that call its module, then others of their files, which may share what one of them
+    prepared."""
+    own, module = f"{mutant.module}:{mutant.function}", f"{mutant.module}:"
     ranked = []
     for tests in files.values():
-        calls = {n: any(c.startswith(inside) for c in t["calls"]) for n, t in tests.items()}
-        if any(calls.values()):
-            ranked += [(not calls[n], t["seconds"], n) for n, t in tests.items()]
+        far = {name: _far(test["calls"], own, module) for name, test in tests.items()}
+        if min(far.values(), default=3) < 3:
+            ranked += [(far[n], t["seconds"], n) for n, t in tests.items()]
     names, spent = [], 0.0
     for _, seconds, name in sorted(ranked):
         if not names or (seconds <= FAST and spent + seconds <= BUDGET):
             names.append(name)
             spent += seconds
     return names
+
+
+def _far(calls: list[str], function: str, module: str) -> int:
+    if function in calls:
+        return 1
+    return 2 if any(call.startswith(module) for call in calls) else 3
 
 
 def interval(killed: int, count: int) -> tuple[float, float]:
@@ -269,11 +279,8 @@ def main() -> None:
         if not path.stem.endswith("_of_real_arms")
         and any(user in path.read_text() for user in users)
     ]
-    known = (
-        {(k["line"], k["becomes"]) for k in yaml.safe_load(KNOWN.read_text())}
-        if (KNOWN.exists())
-        else set()
-    )
+    listed = yaml.safe_load(KNOWN.read_text()) if KNOWN.exists() else []
+    known = {(one["line"], one["becomes"]) for one in listed}
     for package in {path.parts[0] for path in everything}:  # what they import is loaded once
         for path in Path(package).rglob("*.py"):
             importlib.import_module(".".join(path.with_suffix("").parts))

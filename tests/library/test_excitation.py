@@ -25,6 +25,16 @@ def check(*motion: Array, noise: float = 0.01) -> Excitation:
     return check_excitation(data, ur5_base(), prior_width(), np.full(6, noise), candidates())
 
 
+def test_candidates_fill_the_range_and_no_more() -> None:
+    for q, qd, qdd in candidate_motions(2.0, 5.0).values():
+        for values, limit in ((q, np.pi), (qd, 2.0), (qdd, 5.0)):
+            assert values.shape == (1000, 6)
+            reach = np.abs(values).max(axis=0)
+            assert (reach <= limit).all()
+            assert ((reach > 0.98 * limit) | (reach == 0)).all()
+            assert (np.abs(values.mean(axis=0)) < 0.1 * limit).all()
+
+
 def test_rich_motion_needs_no_advice() -> None:
     found = check(*sines(60))
     assert found.condition.keys() == {"gravity", "inertia", "rotors", "all"}

@@ -93,6 +93,9 @@ def test_a_prior_says_how_large_a_force_and_its_moment_are() -> None:
     bank = [np.sqrt(own[0, 0]) for own in prior.bank()]
     assert len(bank) == len(prior.sizes) * len(prior.levers)
     assert min(bank) <= 5 <= 80 <= max(bank)  # N: what a contact may be without a setting
+    levers = [np.sqrt(own[3, 3] / own[0, 0]) for own in prior.bank()]  # m
+    assert min(levers) == pytest.approx(0, abs=1e-6)
+    assert max(levers) == pytest.approx(0.15)
 
 
 # Background

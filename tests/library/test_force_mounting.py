@@ -43,6 +43,17 @@ def test_a_tool_that_pulls_upwards_is_told() -> None:
     assert "tool points upwards (-0.3 ±" in str(told(TURNED["sign"])[1])
 
 
+@pytest.mark.parametrize(("size", "told"), [(0.95, False), (1.05, True)])
+def test_an_axis_is_judged_from_one_newton_on(size: float, told: bool) -> None:
+    """Of root mean square, and a twentieth of all that is squared."""
+    upright = np.tile(np.eye(3), (200, 1, 1))
+    force = size * np.sign(np.sin(np.arange(200)))[:, None] * [0, 1, 0]
+    assert opposite_axes(force, -force, upright) == ["y"] * told
+    for other, judged in ((4.3 * size, told), (4.4 * size, False)):
+        both = force + other * np.array([1, 0, 0])
+        assert ("y" in opposite_axes(both, -both, upright)) == judged
+
+
 def test_without_contact_nothing_is_said() -> None:
     noise = np.random.default_rng(0).normal(0, 0.3, (2, len(ROTATION), 3))
     assert opposite_axes(noise[0], -noise[0], ROTATION) == []

@@ -118,7 +118,7 @@ def test_a_joint_that_turns_round_reverses() -> None:
     assert (states[np.abs((time % 3) - 1.5) > 0.4] == MOVING).all()
 
 
-@pytest.mark.parametrize(("speed", "state"), [(0.029, STILL), (0.031, MOVING)])
+@pytest.mark.parametrize(("speed", "state"), [(0.029, STILL), (0.03, MOVING), (0.031, MOVING)])
 def test_a_joint_is_slow_below_0_03_rad_per_s(speed: float, state: int) -> None:
     """Either way."""
     for qd in (speed, -speed):

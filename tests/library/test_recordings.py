@@ -465,7 +465,7 @@ def test_limits_are_each_joints_own() -> None:
     (told,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
     assert told.count == 5
     assert "joints 3 (up to 6.5 rad)" in told.detail
-    bounds[0][2] = 6.6
+    bounds[0][2] = 6.5  # reached, not exceeded
     assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
 
 
@@ -476,6 +476,8 @@ def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, told: bool) 
     table.loc[: count - 1, "ft_fx"] = -40.0
     findings = check_force_sensor(table)
     assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * told
+    table.loc[: count + 4, "ft_fz"] = 40.0
+    assert [one.count for one in check_force_sensor(table)] == [count + 5]
 
 
 @pytest.mark.parametrize(("size", "told"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)])
