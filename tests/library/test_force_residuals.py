@@ -261,7 +261,7 @@ def test_a_joint_that_never_moves_is_refused() -> None:
     torque = drift(2000, np.ones(6), 1.0, seed=9)
     states = np.full(torque.shape, MOVING)
     states[:, [2, 4]] = RESTING
-    with pytest.raises(InputError, match=r"moves joint 3, 5: .*record one in which all joints"):
+    with pytest.raises(InputError, match=r"moves joint 3, 5: .*record a motion of all joints"):
         fitted(Stretch(torque, states, PERIOD))
     other = states.copy()
     other[:, [2, 4]] = MOVING

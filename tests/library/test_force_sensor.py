@@ -134,7 +134,7 @@ def test_a_hand_that_touches_most_of_the_time_is_no_bias(share: float, turning: 
     assert offset.rival < 0.1
     told = offset_doubt(offset)
     assert (
-        told is None if share < 0.5 else f"only {offset.agreeing:.0%} of its samples" in str(told)
+        told is None if share < 0.5 else f"only {offset.agreeing:.0%} of the samples" in str(told)
     )
 
 
@@ -150,7 +150,7 @@ def test_a_steady_push_is_told_as_a_rival() -> None:
 def test_a_short_free_time_is_told() -> None:
     rotation = orientations(0.8, turning=0.0)
     offset = fit_offset(held(rotation, 0.0)[:80], rotation, PERIOD, GRAVITY)
-    assert "its bias is from 80 samples" in str(offset_doubt(offset))
+    assert "only 80 samples are without contact" in str(offset_doubt(offset))
 
 
 @pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:Degrees")
@@ -160,7 +160,7 @@ def test_hardly_any_reading_is_no_failure(count: int) -> None:
     reading = held(rotation, 0.0)
     reading[count:] = np.nan
     offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
-    assert f"its bias is from {count} samples" in str(offset_doubt(offset))
+    assert f"only {count} samples are without contact" in str(offset_doubt(offset))
 
 
 @pytest.mark.parametrize("column", [0, 4])
