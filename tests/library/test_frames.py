@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.quality import Finding
 
 CYCLE = 0.008
@@ -183,3 +184,18 @@ def test_impossible_frames_are_left_out() -> None:
 def test_what_cannot_be_repaired_is_told(change: object, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         repair(change(frames()))  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("swaps", [0, 1, 2])
+def test_each_frame_out_of_order_is_counted(swaps: int) -> None:
+    place = np.arange(200)
+    for first in (50, 120)[:swaps]:
+        place[[first, first + 1]] = place[[first + 1, first]]
+    findings: list[Finding] = []
+    frames = pd.DataFrame({"time": 0.008 * place, "actual_q_0": np.sin(place)})
+    ordered = in_order(frames, findings)
+    assert [(one.finding, one.count) for one in findings] == [
+        ("frames out of order", swaps) for _ in range(min(swaps, 1))
+    ]
+    np.testing.assert_array_equal(ordered["actual_q_0"], np.sin(np.arange(200)))
+    assert (ordered["epoch"] == 0).all()
