@@ -74,5 +74,5 @@ def test_torques_of_no_bodies_are_refused() -> None:
         width=np.ones(66),
         noise=np.ones(6),
     )
-    with pytest.raises(ValueError, match="no six bodies"):
+    with pytest.raises(ValueError, match="no physically consistent"):
         consistent(estimate)
