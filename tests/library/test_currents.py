@@ -431,7 +431,7 @@ def test_a_constant_unlike_what_was_known_is_remarked(study: list[Record]) -> No
     wrong = prior()
     inverse = Normal(1.5 * wrong.inverse_constant.mean, wrong.inverse_constant.precision)
     fit = fit_currents(study, smooth, replace(wrong, inverse_constant=inverse), ())
-    assert "off what was known" in fit.joints[1].remarks[-1]
+    assert "contradicts the known value" in fit.joints[1].remarks[-1]
 
 
 # Judging

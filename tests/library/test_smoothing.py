@@ -318,7 +318,7 @@ def test_an_arm_that_never_moves() -> None:
 
 
 def test_a_joint_without_velocities_is_refused() -> None:
-    with pytest.raises(ValueError, match="positions and velocities"):
+    with pytest.raises(ValueError, match="no position or no velocity"):
         smooth_encoders(*clock(300), np.zeros((300, 6)), np.full((300, 6), np.nan))
 
 
