@@ -10,7 +10,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,6 @@ import pyarrow.parquet as pq
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
-WRENCH = ["Fx", "Fy", "Fz", "nx", "ny", "nz"]
 UNITS = {  # of a channel, by its name without suffix
     "time": "s",
     "segment": "1",
@@ -137,16 +136,6 @@ def named(values: Array, name: str) -> dict[str, Array]:
     """Return an array (N, M), or (N, ...) flattened row by row, as named columns."""
     flat = values.reshape(len(values), -1)
     return dict(zip(columns(name, flat.shape[1]), flat.T, strict=True))
-
-
-def labelled(values: Array, name: str, labels: Sequence[str]) -> dict[str, Array]:
-    """Return an array (N, M) as columns name_label, one for each of M labels."""
-    return {f"{name}_{label}": column for label, column in zip(labels, values.T, strict=True)}
-
-
-def labelled_channel(table: pd.DataFrame, name: str, labels: Sequence[str]) -> Array:
-    """Return columns name_label as an array (N, M)."""
-    return table[[f"{name}_{label}" for label in labels]].to_numpy(np.float64)
 
 
 def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:

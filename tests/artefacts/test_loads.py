@@ -9,7 +9,9 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib.tables import WRENCH, labelled_channel, read_csv, read_json, read_table
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.truth import Truth
+from ur5lib.tables import read_csv, read_json
 
 SECONDS = 16.0
 CARRIED = {"mass": 2.7, "center_of_mass": [0.02, 0.0, 0.06]}
@@ -57,13 +59,12 @@ def table(results: Path, name: str, recording: str) -> pd.DataFrame:
     return whole[whole["recording"] == recording]
 
 
-def estimated(results: Path, recording: str) -> tuple[pd.DataFrame, dict[str, np.ndarray]]:
+def estimated(results: Path, recording: str) -> tuple[Forces, np.ndarray]:
     """Forces as estimated, and the true wrench (N, 6) at the same time."""
-    forces = read_table(results / "recordings" / recording / "forces.parquet")
-    truth = read_table(results / "truth" / f"{recording}.parquet")
-    names = [name for name in truth if name.startswith("wrench")]
-    time = forces["time"] - forces["time"].iloc[0], truth["time"] - truth["time"].iloc[0]
-    return forces, np.column_stack([np.interp(*time, truth[name]) for name in names])
+    forces = Forces.read(results / "recordings" / recording / "forces.parquet")
+    truth = Truth.read(results / "truth" / f"{recording}.parquet")
+    time = forces.time - forces.time[0], truth.time - truth.time[0]
+    return forces, np.column_stack([np.interp(*time, column) for column in truth.wrench.T])
 
 
 @pytest.mark.parametrize("recording", ["unloaded", "loaded"])
@@ -76,9 +77,7 @@ def test_neither_run_of_a_path_shows_a_contact(results: Path, recording: str) ->
     assert table(results, "contacts", recording).empty
     forces, _ = estimated(results, recording)
     for name in rows["estimate"]:
-        force, std = (
-            labelled_channel(forces, part, WRENCH)[:, :3] for part in (name, f"{name}_std")
-        )
+        force, std = forces.wrench[name][:, :3], forces.std[name][:, :3]
         assert np.abs(force).max() < 2.0
         assert (np.abs(force) <= 1.96 * std).all()
 
@@ -86,7 +85,7 @@ def test_neither_run_of_a_path_shows_a_contact(results: Path, recording: str) ->
 def test_a_run_with_a_load_is_no_template_of_one_without(results: Path) -> None:
     for recording in ("unloaded", "loaded"):
         forces, _ = estimated(results, recording)
-        assert "log_odds_repeat" not in forces
+        assert "repeat" not in forces.log_odds
 
 
 def test_a_load_that_nobody_declared_is_told(results: Path) -> None:
@@ -125,9 +124,8 @@ def test_what_is_grasped_in_mid_run_is_named_a_load(results: Path, estimate: str
 def test_the_load_does_not_spoil_the_forces(results: Path, estimate: str) -> None:
     """Push and weight come back, and between and after them nothing is left."""
     forces, truth = estimated(results, "grasping")
-    names = estimate, f"{estimate}_std"
-    wrench, std = (labelled_channel(forces, name, WRENCH)[:, :3] for name in names)
-    off, time = np.abs(wrench - truth[:, :3]), forces["time"] - forces["time"].iloc[0]
+    wrench, std = forces.wrench[estimate][:, :3], forces.std[estimate][:, :3]
+    off, time = np.abs(wrench - truth[:, :3]), forces.time - forces.time[0]
     touched = np.linalg.norm(truth[:, :3], axis=1) > 5
     assert (off[touched] <= 1.96 * std[touched]).mean() > 0.9
     apart = touched & (time < 6), touched & (time > 8.5) & (time < 15.5)

@@ -18,7 +18,7 @@ from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.segments import marked, unbroken
 
 STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
 OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
@@ -123,7 +123,7 @@ def _estimate(
     # p(contact), the background b, and the spans of contacts
     gate = find_contacts(torque, jacobian, states, period, noise, model, prior, ablation.contacts)
     contacts = contact_spans(gate.probability, period)
-    inside = _inside(contacts, len(torque))
+    inside = marked(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)  # (n,)
     # τ - b, and its covariance S; joints count as independent, because correlations that were
     # learnt without contact mislead in contact
@@ -156,17 +156,9 @@ def _estimate(
 
 def contact_spans(probability: Array, period: float) -> list[Span]:
     """Return the contacts of a probability (N,), extended by MARGIN at both ends; period: [s]."""
-    found = _inside(spans(probability, OPENS, CLOSES), len(probability))
+    found = marked(spans(probability, OPENS, CLOSES), len(probability))
     reach = np.ones(2 * round(MARGIN / period) + 1, bool)
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
-
-
-def _inside(contacts: list[Span], count: int) -> Mask:
-    """Return which of `count` samples lie in a contact."""
-    inside = np.zeros(count, bool)
-    for span in contacts:
-        inside[slice(*span)] = True
-    return inside
 
 
 def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:

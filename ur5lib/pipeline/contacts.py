@@ -23,7 +23,8 @@ from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import marked
 
 CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
@@ -144,14 +145,6 @@ def by_class(
 def median(delays: Array) -> float | None:
     """Return the median delay [s], None where there is none."""
     return float(np.median(delays)) if len(delays) else None
-
-
-def marked(spans: list[Span], count: int) -> Mask:
-    """Return which samples (N,) lie inside any of the spans."""
-    inside = np.zeros(count, bool)
-    for span in spans:
-        inside[slice(*span)] = True
-    return inside
 
 
 def smallest_forces(

@@ -12,7 +12,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import by_segment, unbroken
 
 BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
 
@@ -79,13 +79,6 @@ def torque_blocks(
     rows = np.hstack([columns, signals.target_moment - load])
     rows = comparable(rows, signals, exact, design)
     every = max(1, round(STEP / signals.period))
-    for part in _blocks(signals):
-        chosen = rows[part[::every]]
+    for part in unbroken(signals.segment, (signals.time // BLOCK).astype(np.int64)):
+        chosen = rows[part][::every]
         yield chosen[:, :-6].reshape(-1, 6, 66), chosen[:, -6:]
-
-
-def _blocks(signals: Signals) -> list[Array]:
-    """Return the samples of each block of two seconds within a segment."""
-    labels = np.stack([signals.segment, signals.time // BLOCK])
-    changes = np.flatnonzero((np.diff(labels) != 0).any(axis=0))
-    return np.split(np.arange(len(signals.time)), 1 + changes)

@@ -10,6 +10,7 @@ from ur5lib.force.wrench_estimate import Ablation
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_error
+from ur5lib.timeseries.segments import marked
 
 
 def variants(
@@ -19,9 +20,7 @@ def variants(
 
     jacobian: (N, 6, 6); reference: the sensor's force (N, 3) [N].
     """
-    touched = np.zeros(len(reference), bool)
-    for span in contacts(np.linalg.norm(reference, axis=1)):
-        touched[slice(*span)] = True
+    touched = marked(contacts(np.linalg.norm(reference, axis=1)), len(reference))
     settings = {
         "whole": (prior, Ablation()),
         "contacts by the sensor": (prior, Ablation(contacts=touched)),

@@ -44,26 +44,26 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, robot: Robot, sta
     if looped is not None:
         measured, target = (getattr(signals, f"{kind}_{state}") for kind in ("actual", "target"))
         series = {
-            "measured − target": (unbroken(measured - target, signals.segment), "measured"),
+            "measured − target": (with_breaks(measured - target, signals.segment), "measured"),
             f"measured − closed loop, gains {gains}": (
-                unbroken(measured - looped, signals.segment),
+                with_breaks(measured - looped, signals.segment),
                 "joint",
             ),
         }
-    traces = Traces(unbroken(signals.time, signals.segment), series)
+    traces = Traces(with_breaks(signals.time, signals.segment), series)
     return draw_traces(traces, joint_quantity(*STATES[state]))
 
 
 def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
     """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
     motion = "target" if model in torques.target else "measured"
-    modelled = unbroken(getattr(torques, motion)[model], signals.segment)
+    modelled = with_breaks(getattr(torques, motion)[model], signals.segment)
     series: Series = {f"Model {model}, {motion} motion": (modelled, "joint")}
     reference = None
     if signals.target_moment is not None:
-        reference = unbroken(signals.target_moment, signals.segment)
+        reference = with_breaks(signals.target_moment, signals.segment)
         series = {"controller's target_moment": (reference, "measured")} | series
-    time = unbroken(signals.time, signals.segment)
+    time = with_breaks(signals.time, signals.segment)
     return draw_traces(Traces(time, series, errors(series, reference)), TORQUE)
 
 
@@ -72,12 +72,12 @@ def current_figure(signals: Signals, currents: Currents) -> Drawing:
     series: Series = {}
     measured = None
     if signals.actual_current is not None:
-        measured = unbroken(signals.actual_current, signals.segment)
+        measured = with_breaks(signals.actual_current, signals.segment)
         series = {"actual_current": (measured, "measured")}
     if currents.predicted_current is not None:
-        predicted = unbroken(currents.predicted_current, signals.segment)
+        predicted = with_breaks(currents.predicted_current, signals.segment)
         series["predicted without contact"] = (predicted, "joint")
-    time = unbroken(signals.time, signals.segment)
+    time = with_breaks(signals.time, signals.segment)
     return draw_traces(Traces(time, series, errors(series, measured)), CURRENT)
 
 
@@ -99,12 +99,12 @@ def _felt_figure(
 ) -> Drawing:
     known = {"IMU": (felt, "measured")} | estimates
     series: Series = {
-        label: (unbroken(values, table.segment), style)
+        label: (with_breaks(values, table.segment), style)
         for label, (values, style) in known.items()
         if values is not None
     }
     reference = series["IMU"][0] if series else None
-    time = unbroken(table.time, table.segment)
+    time = with_breaks(table.time, table.segment)
     return draw_traces(Traces(time, series, errors(series, reference)), ACCELERATION)
 
 
@@ -118,8 +118,8 @@ def published_force_figure(
         values = getattr(published, kind).get(estimate)
         if values is not None:
             label, style = PUBLISHED_STYLES[estimate]
-            series[label] = unbroken(values, published.segment), style
-    time = unbroken(sensor.time, sensor.segment)
+            series[label] = with_breaks(values, published.segment), style
+    time = with_breaks(sensor.time, sensor.segment)
     return draw_traces(Traces(time, series, errors(series, measured)), WRENCH)
 
 
@@ -129,19 +129,19 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
     series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
     for (name, label), style in zip(NEW.items(), DRAWN, strict=True):
         if name in forces.wrench:
-            series[label] = unbroken(forces.wrench[name], forces.segment), style
+            series[label] = with_breaks(forces.wrench[name], forces.segment), style
     band = None
     if "Fmap" in forces.wrench:
         whole, half = forces.wrench["Fmap"], BAND * forces.std["Fmap"]
-        low, high = (unbroken(whole + sign * half, forces.segment) for sign in (-1, 1))
+        low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
         band = low, high
-    time, dark = (unbroken(values, forces.segment) for values in (forces.time, hidden))
+    time, dark = (with_breaks(values, forces.segment) for values in (forces.time, hidden))
     traces = Traces(time, series, errors(series, measured), band, dark > 0)
     return draw_traces(traces, WRENCH)
 
 
 def _wrench(sensor: SensorWrenches, values: Array | None) -> Array | None:
-    return None if values is None else unbroken(values, sensor.segment)
+    return None if values is None else with_breaks(values, sensor.segment)
 
 
 def errors(series: Series, reference: Array | None) -> Series | None:
@@ -155,7 +155,7 @@ def errors(series: Series, reference: Array | None) -> Series | None:
     }
 
 
-def unbroken(values: Array | Mask, segment: Labels) -> Array:
+def with_breaks(values: Array | Mask, segment: Labels) -> Array:
     """Return values with NaN between segments, so that no line is drawn across a gap."""
     breaks = np.flatnonzero(starts(segment)[1:]) + 1
     return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)

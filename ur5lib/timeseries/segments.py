@@ -1,6 +1,6 @@
 """Unbroken stretches of a recording."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -23,6 +23,14 @@ def unbroken(*labels: Labels | Mask) -> list[slice]:
     changes = np.any([np.diff(label) != 0 for label in labels], axis=0)
     bounds = [0, *(1 + np.flatnonzero(changes)), len(labels[0])]
     return [slice(start, end) for start, end in pairwise(bounds) if end > start]
+
+
+def marked(spans: Iterable[tuple[int, int]], count: int) -> Mask:
+    """Return which of `count` samples lie inside any of the spans, (first, end) each."""
+    inside = np.zeros(count, bool)
+    for span in spans:
+        inside[slice(*span)] = True
+    return inside
 
 
 def by_segment(function: Callable[[Array], Array], values: Array, segment: Labels) -> Array:

@@ -25,8 +25,8 @@ def draw_figures(input: Any, output: Any, params: Any) -> None:
     save(figures.acceleration_figure(accelerations), output.accelerations)
     published = figures.published_acceleration_figure(accelerations)
     save(published, output.accelerations_published)
-    draw_published(PublishedForces.read(input.published), SensorWrenches.read(input.sensor), output)
     sensor, forces = SensorWrenches.read(input.sensor), Forces.read(input.forces)
+    draw_published(PublishedForces.read(input.published), sensor, output)
     singular = Kinematics.read(input.kinematics).smallest_singular_value
     hidden = singular < params.min_singular_value
     save(figures.estimate_figure(forces, sensor, hidden), output.forces_estimated)
