@@ -42,7 +42,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     findings += raw.findings + repairs
     placed = place_sensors(raw, findings)
     motors = [arm.motor(joint) for joint in range(1, 7)]
-    limits = [m.position_max for m in motors], [m.velocity_max for m in motors]
+    limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
         findings += CHECKS[device](record.table)
