@@ -20,6 +20,7 @@ container: "docker://python:3.11"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/robots.smk"
 include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/signals.smk"

@@ -66,8 +66,8 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(robot="ur55"),
-            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur10e, ur5, "
-            "or describe the arm yourself (docs/robots.md)",
+            "`recordings[0].robot` is 'ur55'; give the name of a described arm: ur10, ur10e, "
+            "ur16e, ur20, ur3, ur30, ur3e, ur5, ur5e; docs/robots.md shows how to describe another",
         ),
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),
@@ -86,7 +86,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "
-         "payload, format, simulate"),
+         "mounting, tool, payload, format, simulate"),
         (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
          "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
          "9 to 10.5"),
@@ -119,7 +119,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
         (lambda raw: raw.update(host={"pc": ["imu"]}),
          "unknown key `host` (did you mean `hosts`?); "
-         "known keys: study, title, recordings, reference, hosts, settings"),
+         "known keys: study, title, robot, recordings, reference, hosts, settings"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(

@@ -1,6 +1,4 @@
-"""Identified parameters as one more model of an arm, and the arm as YAML."""
-
-import yaml
+"""Identified parameters as one more model of an arm."""
 
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.inertia import shift_inertia, tensor
@@ -32,8 +30,3 @@ def identified_model(robot: Robot, parameters: Array, description: str) -> Model
             "rotor_inertias": tuple(parameters[60:66].tolist()),
         }
     )
-
-
-def robot_yaml(robot: Robot) -> str:
-    """Return an arm as YAML, which `load_robot` reads."""
-    return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)

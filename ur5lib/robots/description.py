@@ -10,10 +10,12 @@ import yaml
 from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
 
 from ur5lib.errors import InputError
-from ur5lib.strict import Strict
+from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 JOINT_SIZES = FOLDER / "joint_sizes.yaml"
+OWN_FOLDER = Path("robots")  # of the project, for arms that are not described here
+INVALID = "is not a valid description of an arm (docs/robots.md)"
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -265,40 +267,59 @@ class Robot(Strict):
 
 
 def robot_names() -> list[str]:
-    """Return the names of the arms described in this folder."""
-    return sorted(path.stem for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES)
+    """Return the names of the arms described here, and in the folder `robots` of the project."""
+    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
+    return sorted({path.stem for path in [*described, *OWN_FOLDER.glob("*.yaml")]})
 
 
 def robot_path(name: str) -> Path:
-    """Return the YAML file that describes an arm."""
-    return FOLDER / f"{name}.yaml"
+    """Return the YAML file that describes an arm: the project's own, or the one here."""
+    own = OWN_FOLDER / f"{name}.yaml"
+    return own if own.is_file() else FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
     """Read one arm's description, e.g. from `robot_path("ur5")`.
 
-    Motors that it does not describe are those of joint_sizes.yaml. Raises InputError when the file
-    is invalid.
+    Raises InputError when the file is invalid.
     """
     try:
-        data = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
-        return Robot.model_validate(with_motors(data)).with_rotors()
-    except (ValidationError, yaml.YAMLError) as error:
-        raise InputError(
-            f"{path} is not a valid description of an arm (docs/robots.md): {error}"
-        ) from error
+        return robot_of(read_description(path))
+    except ValidationError as error:
+        raise InputError(f"{path} {INVALID}: {error}") from error
+
+
+def read_description(path: str | Path) -> Any:
+    """Return the content of an arm's description, with the motors of its joints' sizes.
+
+    Raises InputError when the file cannot be read as YAML.
+    """
+    try:
+        return with_motors(read_yaml(Path(path)))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise InputError(f"{path} {INVALID}: {error}") from error
+
+
+def robot_of(description: Any) -> Robot:
+    """Return the arm of a description. Raises pydantic's ValidationError when it is invalid."""
+    return Robot.model_validate(with_motors(description)).with_rotors()
+
+
+def robot_yaml(robot: Robot) -> str:
+    """Return an arm as YAML, which `load_robot` reads."""
+    return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)
 
 
 def with_motors(description: Any) -> Any:
-    """Return an arm's description, as plain data, with the motors of its joints' sizes."""
+    """Return an arm's description with the motors of its joints' sizes, where it lacks them."""
     if not isinstance(description, dict) or not isinstance(description.get("joints"), list):
         return description
     own = description.get("motors", {})
     if not isinstance(own, dict):
         return description
-    used = [str(size) for size in description["joints"]]
-    shared = {size: joint_sizes()[size] for size in used if size in joint_sizes()}
-    return description | {"motors": shared | own}
+    missing = [size for size in map(str, description["joints"]) if size not in own]
+    shared = {size: joint_sizes()[size] for size in missing if size in joint_sizes()}
+    return description | {"motors": shared | own} if shared else description
 
 
 @cache

@@ -18,7 +18,7 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
 from ur5lib.report.tables import quality as quality_table
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import Robot
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording, Study, arms_without_fit
@@ -96,7 +96,7 @@ def read_study(path: Path) -> Study:
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
-    arm = load_robot(robot_path(recording.robot))
+    arm = recording.arm.description()
     try:
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
@@ -127,15 +127,15 @@ def settled(
     free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(
-            {r.name: own[r.name] for r in free if r.robot == robot and r.name in own},
+            {r.name: own[r.name] for r in free if r.arm.known_as == robot and r.name in own},
             study.devices_of_hosts(),
         )
-        for robot in {recording.robot for recording in study.recordings}
+        for robot in study.arms()
     }
     return {
         recording.name: settle_clocks(
             own[recording.name],
-            drifts[recording.robot],
+            drifts[recording.arm.known_as],
             qualities[recording.name].get("duration_s", 0.0),
         )
         for recording in study.recordings
