@@ -5,12 +5,14 @@ import os
 import re
 import tempfile
 from functools import cache
+from hashlib import sha256
 
 import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import robot_path
+from ur5lib.steps.workers import run_step
 from ur5lib.study.reading import parse_study
 
 try:
@@ -40,11 +42,9 @@ ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
 
 
-# Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
-# jobs anew every second, to the end of the run: an eighth of this machine's time, after 200 jobs.
-onstart:
-    if workflow.local_exec:
-        workflow.scheduler.job_rate_limiter = None
+# A limit of jobs a second makes Snakemake weigh all jobs anew each second for each job that ended.
+if workflow.scheduling_settings:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 
 
 wildcard_constraints:
@@ -194,21 +194,35 @@ def described(robot):
     return f"{RESULTS}/parameters/{robot}/described.yaml"
 
 
+def traces(step, of=None):
+    """Return the paths of a job's log and benchmark."""
+    job = f"{step}/{of}" if of else step
+    return {
+        "log": f"{RESULTS}/logs/{job}.log",
+        "benchmark": f"{RESULTS}/benchmarks/{job}.tsv",
+    }
+
+
 def code(step):
-    """Return the script of a step and all library modules that it uses."""
+    """Return a checksum of a step's script and of all library modules that it uses."""
     script = f"workflow/scripts/{step}.py"
     modules, unseen = set(), {script}
     while unseen:
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
-    return [script, *sorted(modules - {script})]
+    return sha256(b"".join(map(content, sorted(modules)))).hexdigest()[:16]
+
+
+@cache
+def content(path):
+    return Path(path).read_bytes()
 
 
 @cache
 def imported_modules(path):
     """Return the files of ur5lib modules that a Python file imports, without importing them."""
     names = set()
-    for node in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(content(path))):
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
@@ -254,7 +268,7 @@ def tables(names):
 
 
 def of_every_job(kind):
-    """Return the output, log or benchmark of all jobs of the rules above."""
+    """Return the outputs or logs (`output`, `log`) of all jobs of the rules above."""
     only = {"ablate_forces": TOUCHED}
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
     patterns = {

@@ -3,15 +3,13 @@ rule describe_arm:
         description=lambda wildcards: str(robot_path(ARMS[wildcards.robot].arm)),
         sizes="ur5lib/robots/joint_sizes.yaml",
         calibration=lambda wildcards: ARMS[wildcards.robot].calibration or [],
-        code=code("describe_arm"),
     output:
         arm=parameter("described.yaml"),
     log:
-        f"{RESULTS}/logs/describe_arm/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/describe_arm/{{robot}}.tsv"
+        **traces("describe_arm", "{robot}"),
     params:
+        code=code("describe_arm"),
         robot="{robot}",
         override=lambda wildcards: json.dumps(ARMS[wildcards.robot].override or {}),
-    script:
-        "../scripts/describe_arm.py"
+    run:
+        run_step(rule, input, output, params, log)

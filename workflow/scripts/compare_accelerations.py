@@ -11,7 +11,6 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import AS_DRAWN, calibrate
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -42,7 +41,3 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         summary = {"calibrated_on": [*others], "accelerometer_bias": bias, "errors": errors}
     accelerations.write(output.accelerations)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(compare_accelerations, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -7,7 +7,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.robots.description import Payload, load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 
 
@@ -18,7 +17,3 @@ def compute_torques(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm).mounted(params.gravity)
     joint_torques(robot, load, signals, motion).write(output.torques)
     write_json(load_account(load), output.summary)
-
-
-if __name__ == "__main__":
-    run_step(compute_torques, snakemake)  # type: ignore[name-defined]  # noqa: F821

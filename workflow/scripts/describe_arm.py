@@ -5,16 +5,11 @@ from typing import Any
 
 from ur5lib.robots.description import robot_yaml
 from ur5lib.robots.individual import individual_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_text
 
 
 def describe_arm(input: Any, output: Any, params: Any) -> None:
-    calibration = str(input.calibration) or None
+    calibration = input.calibration or None
     override = json.loads(params.override)
     robot = individual_robot(input.description, params.robot, override, calibration)
     write_text(robot_yaml(robot), output.arm)
-
-
-if __name__ == "__main__":
-    run_step(describe_arm, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -12,7 +12,6 @@ from ur5lib.pipeline.force_estimates import (
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json
 
 
@@ -30,7 +29,3 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
         found["repeat"] = repeat
     prior = ContactPrior(force=params.contact_force_n)
     estimated_forces(motion, jacobian, found, prior).write(output.forces)
-
-
-if __name__ == "__main__":
-    run_step(estimate_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

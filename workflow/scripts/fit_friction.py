@@ -9,7 +9,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 
 
@@ -31,7 +30,3 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     except ValueError as error:
         summary["refused"] = str(error)
     write_json(summary, output.friction)
-
-
-if __name__ == "__main__":
-    run_step(fit_friction, snakemake)  # type: ignore[name-defined]  # noqa: F821

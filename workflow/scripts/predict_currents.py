@@ -14,7 +14,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -40,7 +39,3 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         summary |= {"load": load, "scores": scores(record, currents, others, smooth)}
     currents.write(output.currents)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(predict_currents, snakemake)  # type: ignore[name-defined]  # noqa: F821

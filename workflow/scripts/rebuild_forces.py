@@ -8,7 +8,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -18,7 +17,3 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
     robot = load_robot(input.arm)
     published_forces(robot, signals, motion, torques, jacobian, settings).write(output.forces)
-
-
-if __name__ == "__main__":
-    run_step(rebuild_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

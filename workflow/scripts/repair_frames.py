@@ -7,7 +7,6 @@ import pandas as pd
 
 from ur5lib.recordings.intake import checksum, read_and_repair
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json, write_table
 
 NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
@@ -20,7 +19,3 @@ def repair_frames(input: Any, output: Any, params: Any) -> None:
     write_table(intake.sensors.get("imu", NO_SAMPLES), output.imu)
     read = {path: checksum(path) for path in input.raw}
     write_json(intake.quality | {"read": read}, output.quality)
-
-
-if __name__ == "__main__":
-    run_step(repair_frames, snakemake)  # type: ignore[name-defined]  # noqa: F821
