@@ -38,8 +38,8 @@ class Part(Strict):
     )
     mounting: Mounting | None = Field(
         None,
-        description="how the arm stands: floor, wall, ceiling, angles, or gravity in the base frame "
-        "[m/s²]; default: that of `robot`",
+        description="how the arm stands: floor, wall, ceiling, angles, or gravity in the base "
+        "frame [m/s²]; default: that of `robot`",
     )
     tool: Tool | None = Field(
         None, description="what is mounted on the flange; default: that of `robot`"
@@ -332,7 +332,8 @@ class Study(Strict):
 
     def arms(self) -> dict[str, Arm]:
         """Return the arms by their names in results, without mountings and tools."""
-        return {one.arm.known_as: one.arm.itself() for one in self.recordings}
+        arms = [one.arm for one in self.recordings]
+        return {arm.known_as: arm.itself() for arm in reversed(arms)}  # the first of a name counts
 
     def devices_of_hosts(self) -> dict[str, list[str]]:
         """Return each host's devices, by their names in results."""

@@ -58,7 +58,8 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     ]
     try:
         study = Study.model_validate(_with_arms(_with_simulated_files(raw)))
-        problems += [*_different_arms(study), *_wrong_arms(study)]
+        if all(recording.robot for recording in study.recordings):
+            problems += [*_different_arms(study), *_wrong_arms(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
         unknown = [detail for detail in error.errors() if not _is_explained(raw, detail["loc"])]

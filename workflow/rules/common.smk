@@ -98,7 +98,8 @@ def results_of_fitted(name):
     return lambda wildcards: [
         f"{RESULTS}/recordings/{other}/{name}"
         for other, recording in RECORDINGS.items()
-        if recording.role == "fit" and recording.arm.known_as == recording_of(wildcards).arm.known_as
+        if recording.role == "fit"
+        and recording.arm.known_as == recording_of(wildcards).arm.known_as
     ]
 
 
