@@ -118,7 +118,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     forces["two"]["offset_doubt"] = "a push"
-    rows = finding_rows({"one": quality, "two": stale}, clocks, forces)
+    rows = finding_rows({"one": quality, "two": stale}, clocks, forces, {})
     table = group_findings(pd.DataFrame(rows))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"

@@ -11,6 +11,7 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.carried import disagreements
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -61,7 +62,7 @@ def print_tables(
     console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
 ) -> int:
     """Print recordings' quality.json and clocks.json; returns how many devices cannot be used."""
-    rows = quality_table.finding_rows(qualities, clocks, {})
+    rows = quality_table.finding_rows(qualities, clocks, {}, {})
     quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
@@ -101,7 +102,10 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    return intake.quality, _clocks_of(intake, arm)
+    tool, signals = recording.known_tool(), Signals.from_table(intake.robot)
+    doubts = disagreements(recording.known_payload(), tool.tcp if tool else None, signals)
+    findings = [*intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
+    return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
 
 
 def unusable(error: InputError) -> dict[str, Any]:

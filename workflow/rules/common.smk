@@ -169,6 +169,12 @@ def payload_of(wildcards):
     return payload.model_dump_json() if payload else ""
 
 
+def tcp_of(wildcards):
+    """Return the tool centre point that the study declares for a recording; empty without one."""
+    tool = recording_of(wildcards).known_tool()
+    return list(tool.tcp) if tool and tool.tcp else []
+
+
 def raw_files(name):
     """Return the files that a recording names, or all files below its folder."""
     folder = Path(RECORDINGS[name].folder)
