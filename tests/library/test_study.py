@@ -49,15 +49,15 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=-3),
-            "`settings.lowpass.motion.cutoff_hz` is -3; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is -3; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz="fast"),
-            "`settings.lowpass.motion.cutoff_hz` is 'fast'; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is 'fast'; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=float("nan")),
-            "`settings.lowpass.motion.cutoff_hz` is nan; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is nan; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["recordings"][0].update(role="contacts"),

@@ -104,8 +104,21 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
         return unusable(error), {}
     tool, signals = recording.known_tool(), Signals.from_table(intake.robot)
     doubts = disagreements(recording.known_payload(), tool.tcp if tool else None, signals)
+    doubts += unfiltered(study, intake.quality["period_s"])
     findings = [*intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
     return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
+
+
+def unfiltered(study: Study, period: float) -> list[Finding]:
+    """Return a note on low-pass filters that leave a recording as it is; period: its [s]."""
+    nyquist = 0.5 / period
+    cutoffs = study.settings.lowpass.model_dump()
+    beyond = [name for name, design in cutoffs.items() if design["cutoff_hz"] >= nyquist]
+    detail = (
+        f"`cutoff_hz` of {', '.join(beyond)} is not below {nyquist:g} Hz, half the rate of this "
+        "recording, which is not filtered there"
+    )
+    return [Finding("robot", "unfiltered", "note", len(beyond), detail)] if beyond else []
 
 
 def unusable(error: InputError) -> dict[str, Any]:

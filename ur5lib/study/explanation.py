@@ -96,7 +96,7 @@ def _choices(node: dict[str, Any]) -> list[str]:
 
 
 def allowed(node: dict[str, Any]) -> str:
-    """Return what a JSON schema node allows, in words: "a number above 0 and below 62.5"."""
+    """Return what a JSON schema node allows, in words: "a number above 0 and below 1000"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
     bounds = {

@@ -193,7 +193,10 @@ Recording = Annotated[
 
 
 ORDER = "order of the Butterworth filter, which runs forwards and backwards"
-CUTOFF = "frequency at which a signal loses half its amplitude (-6 dB)"
+CUTOFF = (
+    "frequency at which a signal loses half its amplitude (-6 dB); from half a recording's rate on, "
+    "that recording is not filtered"
+)
 
 
 class Frames(Strict):
@@ -211,7 +214,7 @@ class MotionLowpass(Strict):
     """Of the controller's torque and the measured motion that it is identified from."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(10.0, gt=0, lt=62.5, description=CUTOFF)
+    cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class CurrentLowpass(Strict):
@@ -219,7 +222,7 @@ class CurrentLowpass(Strict):
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
-        2.0, gt=0, lt=62.5, description="above this frequency, measured currents are mostly noise"
+        2.0, gt=0, lt=1000, description="above this frequency, measured currents are mostly noise"
     )
 
 
@@ -227,7 +230,7 @@ class AccelerationLowpass(Strict):
     """Of accelerations by joints and IMU where they are compared."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
+    cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class PublishedLowpass(Strict):
@@ -235,7 +238,7 @@ class PublishedLowpass(Strict):
 
     order: int = Field(5, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
-        1.454, gt=0, lt=62.5, description="cut-off frequency in the thesis (erratum 4)"
+        1.454, gt=0, lt=1000, description="cut-off frequency in the thesis (erratum 4)"
     )
 
 
