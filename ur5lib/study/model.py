@@ -194,8 +194,8 @@ Recording = Annotated[
 
 ORDER = "order of the Butterworth filter, which runs forwards and backwards"
 CUTOFF = (
-    "frequency at which a signal loses half its amplitude (-6 dB); from half a recording's rate on, "
-    "that recording is not filtered"
+    "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
+    "this rate is not filtered"
 )
 
 
