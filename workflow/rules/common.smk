@@ -119,24 +119,6 @@ def free_results(name):
     ]
 
 
-def other_contact_free(wildcards):
-    """Return the names of the arm's other contact-free recordings."""
-    return [
-        other
-        for other, recording in RECORDINGS.items()
-        if recording.role != "contact"
-        and recording.arm.known_as == recording_of(wildcards).arm.known_as
-        and other != wildcards.recording
-    ]
-
-
-def contact_free_results(name):
-    """Return the paths of a file of each of the arm's other contact-free recordings."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{other}/{name}" for other in other_contact_free(wildcards)
-    ]
-
-
 def recording_of(wildcards):
     return RECORDINGS[wildcards.recording]
 
@@ -161,6 +143,11 @@ def gravities(names):
 def fitted_gravities(wildcards):
     """Return gravity in the base frames of an arm's `fit` recordings."""
     return gravities(fitted_on(wildcards))
+
+
+def contact_free_gravities(wildcards):
+    """Return gravity in the base frames of an arm's contact-free recordings."""
+    return gravities(contact_free(wildcards))
 
 
 def payload_of(wildcards):

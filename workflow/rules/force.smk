@@ -33,22 +33,37 @@ rule fit_residuals:
         run_step(rule, input, output, params, log)
 
 
+# Names the files of the few runs that estimate_forces reads, and is made anew when one changes.
+rule index_free_runs:
+    input:
+        currents=free_results("currents.json"),
+    output:
+        index=parameter("free_runs.json"),
+    log:
+        **traces("index_free_runs", "{robot}"),
+    params:
+        code=code("index_free_runs"),
+        recordings=contact_free,
+        kinds=["currents", "motion"],
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule estimate_forces:
     input:
         motion=result("motion.parquet"),
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
         residuals=parameter_of("residuals.json"),
-        free_currents=contact_free_results("currents.parquet"),
-        free_motion=contact_free_results("motion.parquet"),
         load=result("currents.json"),
-        free_loads=contact_free_results("currents.json"),
+        free_runs=parameter_of("free_runs.json"),
     output:
         forces=result("forces.parquet"),
     log:
         **traces("estimate_forces", "{recording}"),
     params:
         code=code("estimate_forces"),
+        recording="{recording}",
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
         contact_force_n=SETTINGS.contact.force_n,
     run:

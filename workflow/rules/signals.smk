@@ -67,6 +67,26 @@ rule calibrate_imu:
         run_step(rule, input, output, params, log)
 
 
+# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing.
+rule calibrate_imu_without_each:
+    input:
+        signals=free_results("signals.parquet"),
+        kinematics=free_results("kinematics.parquet"),
+        clocks=free_results("clocks.json"),
+        arm=arm_file,
+    output:
+        calibration=parameter("imu_without_each.json"),
+    log:
+        **traces("calibrate_imu_without_each", "{robot}"),
+    params:
+        **SETTINGS.lowpass.accelerations.model_dump(),
+        code=code("calibrate_imu"),
+        recordings=contact_free,
+        gravities=contact_free_gravities,
+    run:
+        run_step("calibrate_imu", input, output, params, log)
+
+
 rule smooth_motion:
     input:
         signals=result("signals.parquet"),
@@ -110,9 +130,7 @@ rule compare_accelerations:
         clocks=result("clocks.json"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),
-        other_signals=contact_free_results("signals.parquet"),
-        other_kinematics=contact_free_results("kinematics.parquet"),
-        other_clocks=contact_free_results("clocks.json"),
+        calibration=parameter_of("imu_without_each.json"),
         arm=arm_file,
     output:
         accelerations=result("accelerations.parquet"),
@@ -123,7 +141,6 @@ rule compare_accelerations:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("compare_accelerations"),
         gravity=gravity_of,
-        others=other_contact_free,
-        other_gravities=lambda wildcards: gravities(other_contact_free(wildcards)),
+        recording="{recording}",
     run:
         run_step(rule, input, output, params, log)

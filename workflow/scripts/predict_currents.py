@@ -8,6 +8,7 @@ from ur5lib.identification.currents import fit_for
 from ur5lib.identification.payload import Payload
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.payload_estimate import judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
@@ -36,6 +37,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         record, load_torque = with_load(record, load_torque, fit, smooth, cutoff)
         currents = predicted_currents(record, fit, load_torque, signals, torques, smooth, cutoff)
         others = baselines(record, robot, np.array(friction["least_squares"]), signals)
-        summary |= {"load": load, "scores": scores(record, currents, others, smooth)}
+        judged = scores(record, currents, others, smooth)
+        summary |= {"load": load, "extent": passed(motion, currents), "scores": judged}
     currents.write(output.currents)
     write_json(summary, output.summary)
