@@ -1,6 +1,6 @@
 rule describe_arm:
     input:
-        description=lambda wildcards: str(robot_path(ARMS[wildcards.robot].arm)),
+        description=lambda wildcards: os.path.relpath(robot_path(ARMS[wildcards.robot].arm)),
         sizes="ur5lib/robots/joint_sizes.yaml",
         calibration=lambda wildcards: ARMS[wildcards.robot].calibration or [],
     output:
