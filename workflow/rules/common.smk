@@ -44,9 +44,11 @@ TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "
 ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
 
 
-# A limit of jobs a second makes Snakemake weigh all jobs anew each second for each job that ended.
-if workflow.scheduling_settings:
-    workflow.scheduling_settings.max_jobs_per_timespan = None
+# Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
+# jobs anew every second, to the end of the run: more than the work of the jobs. No option ends it.
+onstart:
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
 
 
 wildcard_constraints:
