@@ -126,7 +126,7 @@ def test_what_an_arm_cannot_do_is_told(made: Workflow) -> None:
     edit(made.folder / "points.txt", "0.5", "50")
     done = made.run(*READ)
     assert done.returncode == 1
-    assert "simulate_recording_moved: the trajectory takes joint 1 of ur5 to" in done.stdout
+    assert "simulate_recording: the trajectory takes joint 1 of ur5 to" in done.stdout
     assert "Traceback" not in done.stdout
 
 
