@@ -12,7 +12,8 @@ from ur5lib.robots.description import Payload, PerJoint
 from ur5lib.timeseries.arrays import Array
 
 # Differences that matter: 0.05 kg changes the gravity torque of a long arm by 0.5 Nm.
-MASS, PLACE, TURN = 0.05, 0.005, 0.01  # kg, m, rad
+MASS, MOMENT = 0.05, 0.005  # kg, kg m
+PLACE, TURN = 0.005, 0.01  # m, rad
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def _other_payload(declared: Payload | None, signals: Signals) -> str:
     told = told_payload(signals)
     apart = declared.mass - (told.mass if told else 0.0)
     away = np.subtract(declared.center_of_mass, told.center_of_mass if told else 0.0)
-    if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MASS * 0.1):
+    if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MOMENT):
         return ""
     return (
         f"the study declares {_in_words(declared)}, the controller was given {_in_words(told)}; "
