@@ -1,11 +1,5 @@
-# A cluster's job runs Snakemake again, without a profile: what must hold there, too, is set here.
-import sys
-
-# Only threads of this process reach the warm processes in which steps run.
-if workflow.execution_settings:
-    workflow.execution_settings.use_threads = True
-
-# All steps of a cluster's job run in one go: else each would start Snakemake once more.
+# A cluster's job starts Snakemake once more. It runs its steps there, as many at once as it has
+# cores, in warm processes; else each step would start Snakemake anew.
 if workflow.remote_exec:
-    workflow.group_settings.overwrite_groups = {step.name: "job" for step in workflow.rules}
-    workflow.group_settings.group_components = {"job": sys.maxsize}
+    workflow.localrules(*(step.name for step in workflow.rules))
+    workflow.register_resource("_nodes", int(os.environ.get("SLURM_CPUS_PER_TASK", 1)))
