@@ -1,4 +1,4 @@
-"""A study on a Slurm cluster: the same results, also if a job is killed, and nothing left running."""
+"""A study on a Slurm cluster: the same results, also if a job is killed; nothing is left."""
 
 import contextlib
 import re
@@ -83,7 +83,7 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
 
 
 def test_nothing_of_slurm_is_left_after_a_failure(slurm: dict[str, str]) -> None:
-    with pytest.raises(ZeroDivisionError), one_node_slurm() as other:
+    with contextlib.suppress(ZeroDivisionError), one_node_slurm() as other:
         folder = Path(other["SLURM_CONF"]).parent
         ask(other, "sbatch", f"--chdir={folder}", "--output=/dev/null", "--wrap=sleep 1000")
         assert wait_until(lambda: processes_in(folder, "sleep"), 10)
