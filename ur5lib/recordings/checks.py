@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Severity
 from ur5lib.tables import channel
 
 MOVES = 0.05  # rad/s; slower joints say nothing about their velocity channel
@@ -15,6 +15,7 @@ DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
+MISREAD = (0.5, 2.0)  # a velocity this far from its position's slope has another unit or column
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
@@ -107,7 +108,12 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
                     f"{above} is not the derivative of {below} (ratio should be 1, but is "
                     f"{ratios}); check columns and units"
                 )
-                yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
+                severity: Severity = "warning"
+                if above.endswith("_qd") and not all(
+                    MISREAD[0] < slopes[j] < MISREAD[1] for j in wrong
+                ):
+                    severity = "stop"
+                yield Finding("robot", "inconsistent channels", severity, len(wrong), detail)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:

@@ -4,6 +4,7 @@ rule rebuild_forces:
         motion=result("motion.parquet"),
         torques=result("torques.parquet"),
         kinematics=result("kinematics.parquet"),
+        quality=result("quality.json"),
         arm=arm_file,
         code=code("rebuild_forces"),
     output:

@@ -64,6 +64,7 @@ rule fit_friction:
         signals=fitted_results("signals.parquet"),
         motion=fitted_results("motion.parquet"),
         torques=fitted_results("torques.parquet"),
+        quality=fitted_results("quality.json"),
         arm=parameter("arm.yaml"),
         code=code("fit_friction"),
     output:
@@ -114,6 +115,7 @@ rule predict_currents:
         unloaded=results_of_fitted("payload.json"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
+        quality=result("quality.json"),
         code=code("predict_currents"),
     output:
         currents=result("currents.parquet"),

@@ -15,5 +15,8 @@ rule repair_frames:
     params:
         recording=what_was_recorded,
         max_gap_s=SETTINGS.frames.max_gap_s,
+        role=lambda wildcards: recording_of(wildcards).role,
+        gravity=gravity_of,
+        payload=payload_of,
     script:
         "../scripts/repair_frames.py"

@@ -13,6 +13,7 @@ from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import load_robot
 from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
@@ -25,7 +26,8 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, torques, model)
     currents = Currents(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
-    if record is not None and friction["from"]:
+    stopped = stop_signs(read_json(input.quality))
+    if record is not None and friction["from"] and not stopped:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):

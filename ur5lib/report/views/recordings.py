@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from ur5lib.recordings.quality import SEVERITIES
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.findings import group_findings
@@ -46,7 +47,7 @@ def findings(results: Results) -> Body:
         ]
         for (severity, device, finding, detail), part in kinds
     ]
-    rows.sort(key=lambda row: ("error", "warning", "note").index(row[0].text))
+    rows.sort(key=lambda row: SEVERITIES.index(row[0].text))
     return Body(["severity", "device", "finding", "recordings", "count", "meaning"], rows)
 
 
