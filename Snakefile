@@ -15,10 +15,6 @@ if not workflow.overwrite_configfiles:
     configfile: "config.yaml"
 
 
-# Steps run in .venv; only `--sdm apptainer` uses this, for an image with requirements.lock in it.
-container: "docker://python:3.11"
-
-
 include: "workflow/rules/common.smk"
 include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"

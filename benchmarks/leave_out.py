@@ -38,7 +38,7 @@ from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_json
+from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import Passed, group_by_path
@@ -252,16 +252,29 @@ class Fold:
                 "currents": self.own(own, "currents.parquet"),
                 "load": self.own(own, "currents.json"),
                 "residuals": self.shared("residuals.json"),
-                "free_motion": [other.file("motion.parquet") for other in others],
-                "free_currents": [self.own(other, "currents.parquet") for other in others],
-                "free_loads": [self.own(other, "currents.json") for other in others],
+                "free_runs": self.index(others),
             },
             {"forces": self.own(own, "forces.parquet")},
             {
+                "recording": own.name,
                 "contact_force_n": self.study.settings.contact.force_n,
                 "cutoff_hz": self.study.lowpass["cutoff_hz"],
             },
         )
+
+    def index(self, others: list[Recording]) -> str:
+        """The file that names the contact-free runs, as `index_free_runs` writes it."""
+        runs = {}
+        for other in others:
+            summary = read_json(self.own(other, "currents.json"))
+            if summary.get("extent"):
+                known = {name: summary[name] for name in ("load", "extent")}
+                runs[other.name] = known | {
+                    "currents": self.own(other, "currents.parquet"),
+                    "motion": other.file("motion.parquet"),
+                }
+        write_json(runs, self.shared("free_runs.json"))
+        return self.shared("free_runs.json")
 
     def inputs_of(self, own: Recording) -> dict[str, Any]:
         """What both steps on currents read."""

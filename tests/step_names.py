@@ -22,12 +22,12 @@ study = ConfigSettings(configfiles=[Path(sys.argv[1])])
 with SnakemakeApi() as api:
     workflow = api.workflow(ResourceSettings(cores=1), study, snakefile=Path("Snakefile"))._workflow
     for rule in workflow.rules:
-        if rule.script:
+        if "code" in rule.params.keys():
             names = {
                 kind: {name: str(value) for name, value in getattr(rule, kind).items()}
                 for kind in ("input", "output", "params")
             }
-            print(json.dumps([rule.script, names]))
+            print(json.dumps([rule.name, names]))
 """
 
 Names = dict[str, set[str]]
@@ -52,8 +52,10 @@ def declared_names(project: Path, study: Path) -> dict[str, Declared]:
     done = subprocess.run(program, cwd=project, text=True, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
     found: dict[str, Declared] = {}
-    for script, kinds in map(json.loads, done.stdout.splitlines()):
-        declared = found.setdefault(Path(script).stem, Declared())
+    steps = [path.stem for path in (project / "workflow" / "scripts").glob("*.py")]
+    for rule, kinds in map(json.loads, done.stdout.splitlines()):
+        step = max((name for name in steps if rule.startswith(name)), key=len)
+        declared = found.setdefault(step, Declared())
         for kind, values in kinds.items():
             values.pop("code", None)
             declared.names[kind] |= set(values)

@@ -155,7 +155,7 @@ def fault_of_print(case: Case, quality: dict[str, Any]) -> str | None:
     wanted = {finding["finding"] for finding in quality["findings"]}
     wanted |= {"[/x][red]:x:"} if "steering" in case.kind else set()
     left_out = {text for text in wanted if text not in printed}
-    errors = sum(finding["severity"] in {"stop", "error"} for finding in quality["findings"])
+    errors = sum(finding["severity"] == "error" for finding in quality["findings"])
     return f"prints no {left_out}, {failed} errors" if left_out or failed != errors else None
 
 

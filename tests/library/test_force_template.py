@@ -12,7 +12,15 @@ from ur5lib.force.residual_model import (
     few_paths,
     fit_residual_model,
 )
-from ur5lib.force.template import ForceInput, learn_repeats, repeat_aware, same_trajectory, template
+from ur5lib.force.template import (
+    ForceInput,
+    extent,
+    learn_repeats,
+    may_repeat,
+    repeat_aware,
+    same_trajectory,
+    template,
+)
 from ur5lib.timeseries.segments import unbroken
 
 PERIOD = 0.02
@@ -58,6 +66,24 @@ def test_only_the_same_trajectory_counts() -> None:
     assert not same_trajectory(run(0), run(1, amplitude=0.8))
     still = replace(run(2), qd=np.zeros((COUNT, 6)), states=np.full((COUNT, 6), STILL))
     assert not same_trajectory(still, run(1))
+
+
+@pytest.mark.parametrize("amplitude", [0.2, 0.5, 0.8])
+def test_the_extent_excludes_no_run_of_the_same_trajectory(amplitude: float) -> None:
+    """And most of those that are not: the file of a run is read only where it may serve."""
+    one, other = run(0), run(1, amplitude=amplitude)
+    passed = extent(other)
+    assert passed is not None
+    assert may_repeat(one, passed) >= same_trajectory(one, other)
+    assert not may_repeat(one, passed / 10)
+
+
+def test_a_run_at_rest_offers_nothing() -> None:
+    still = run(1, amplitude=0.0)
+    assert extent(still) is None
+    passed = extent(run(0))
+    assert passed is not None
+    assert not may_repeat(still, passed)
 
 
 def test_a_push_is_left_over() -> None:

@@ -39,15 +39,15 @@ rule weigh:
     input:
         table="table.csv",
         unread="unread.csv",
-        code=["workflow/scripts/weigh.py"],
     output:
         mass="mass.json",
     params:
+        code="0123",
         gravity=9.81,
         length=1,
         width=2,
-    script:
-        "workflow/scripts/weigh.py"
+    run:
+        weigh(input, output, params)
 """
 SCRIPT = """\
 from ur5lib.helper import measure

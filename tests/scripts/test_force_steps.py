@@ -14,11 +14,13 @@ from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.residual_model import ResidualModel, few_paths
+from ur5lib.force.template import ForceInput, extent
 from ur5lib.identification.currents import breakaway_torque, fit_currents
 from ur5lib.identification.payload import LEFT
 from ur5lib.identification.payload import Payload as FoundLoad
 from ur5lib.identification.validation import least_squares_coefficients
-from ur5lib.pipeline.force_estimates import carry_alike
+from ur5lib.pipeline.force_estimates import repeated_runs
+from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.payload_estimate import LINK_6, judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
@@ -32,7 +34,8 @@ from ur5lib.tables import read_json, write_json
 PERIOD = 0.016
 BARE = {"carried": 0.0, "std_error": 0.05}
 LOADED = {"carried": 2.7, "std_error": 0.05}
-SETTINGS = SimpleNamespace(cutoff_hz=2.0, contact_force_n=15.0, role="contact")
+SUMMARIES = {"load", "index", "residuals", "threshold", "detection"}
+SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, role="contact")
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,11 @@ class Recording:
     folder: Path
 
     def __getattr__(self, name: str) -> str:
-        suffix = "json" if name in {"load", "residuals", "threshold", "detection"} else "parquet"
+        suffix = (
+            "json"
+            if name in {"load", "index", "residuals", "threshold", "detection"}
+            else "parquet"
+        )
         return str(self.folder / f"{name}.{suffix}")
 
     def write(self, run: Free, load: dict[str, float] | None = None) -> "Recording":
@@ -51,9 +58,11 @@ class Recording:
         grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
         nothing = 0 * run.q
         deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
-        Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, **deviations).write(self.motion)
+        motion = Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, **deviations)
+        motion.write(self.motion)
         torques = dict.fromkeys(("external_torque", "observed_torque"), run.torque)
-        Currents(**grid, load_doubt=nothing, **torques).write(self.currents)
+        currents = Currents(**grid, load_doubt=nothing, **torques)
+        currents.write(self.currents)
         SensorWrenches(**grid).write(self.sensor)
         Kinematics(
             time=run.time,
@@ -62,21 +71,23 @@ class Recording:
             jacobian=run.jacobian,
             smallest_singular_value=nothing[:, 0],
         ).write(self.kinematics)
-        write_json({"load": load}, self.load)
+        write_json({"load": load, "extent": passed(motion, currents)}, self.load)
         write_json({name: MODEL.to_dict() for name in ("tau_ext", "tau_observer")}, self.residuals)
         return self
 
     def estimate(self, *others: "Recording") -> Forces:
         """What estimate_forces makes of it, beside other contact-free recordings."""
+        names = [other.folder.name for other in others]
+        params = SimpleNamespace(recordings=names, kinds=["currents", "motion"])
+        files = SimpleNamespace(currents=[other.load for other in others])
+        script("index_free_runs").index_free_runs(files, self, params)
         input = SimpleNamespace(
             motion=self.motion,
             residuals=self.residuals,
             kinematics=self.kinematics,
             currents=self.currents,
             load=self.load,
-            free_currents=[other.currents for other in others],
-            free_motion=[other.motion for other in others],
-            free_loads=[other.load for other in others],
+            free_runs=self.index,
         )
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
         return Forces.read(self.forces)
@@ -102,13 +113,26 @@ def estimates(forces: Forces) -> set[str]:
     ],
 )
 def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: bool) -> None:
-    loads = {"load": own}, {"load": other}
-    assert carry_alike(loads[0], [loads[1]]) == carry_alike(loads[1], [loads[0]]) == [alike]
+    for one, two in ((own, other), (other, own)):
+        assert repeats(one, {"free": two}) == ["free"] * alike
 
 
-def test_a_recording_without_currents_tells_no_load() -> None:
-    without: dict[str, Any] = {"fitted": False, "scores": {}}
-    assert carry_alike(without, [without, {"load": BARE}]) == [False, False]
+def repeats(load: Any, loads: dict[str, Any]) -> list[str]:
+    """Which runs of the same motion, by name, may repeat one that is called `run`."""
+    motion = np.linspace(0, 1, 50)[:, None] + np.zeros(6)
+    states = np.zeros((50, 6), dtype=np.int64)
+    run = ForceInput(motion, motion, motion, states, np.zeros(50, np.int64), 0.008)
+    passed = extent(run)
+    assert passed is not None
+    index = {
+        name: {"load": other, "extent": passed.tolist(), "currents": name, "motion": "motion"}
+        for name, other in loads.items()
+    }
+    return [currents for currents, _ in repeated_runs(run, "run", load, index)]
+
+
+def test_a_run_is_not_its_own_template() -> None:
+    assert repeats(BARE, {"run": BARE, "other": BARE}) == ["other"]
 
 
 @pytest.fixture(scope="module")

@@ -75,7 +75,6 @@ class Mounted:
             "format": recording.format,
             "plan": recording.simulate.model_dump_json(),
             "recording": entry.model_dump_json(),
-            "role": recording.role,
             "gravity": gravity,
             "payload": recording.known_payload().model_dump_json(),
         }

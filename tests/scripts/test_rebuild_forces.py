@@ -44,10 +44,9 @@ def truth() -> tuple[np.ndarray, ...]:
 
 @dataclass(frozen=True)
 class Results:
-    """What the steps make of it; stopped: beside a stop sign."""
+    """What the steps make of it."""
 
     published: PublishedForces
-    stopped: PublishedForces
     sensor: SensorWrenches
     summary: dict[str, Any]
 
@@ -100,20 +99,14 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     write_table(pd.DataFrame({"time": TIME - START} | sensor), folder / "force.parquet")
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
-    quality = {"starts": {"force": {"seconds": START, "std": 0.001}}, "findings": []}
-    write_json(quality, folder / "quality.json")
+    write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
     inputs |= {"arm": str(robot_path("ur5")), "quality": str(folder / "quality.json")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
     compared = SimpleNamespace(sensor=folder / "sensor.parquet", summary=folder / "forces.json")
     script("compare_forces").compare_forces(given, compared, SETTINGS)
-    found = PublishedForces.read(published.forces)
-    sign = {"severity": "stop", "detail": "another arm"}
-    write_json(quality | {"findings": [sign]}, folder / "quality.json")
-    script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
     return Results(
-        found,
         PublishedForces.read(published.forces),
         SensorWrenches.read(compared.sensor),
         read_json(compared.summary),
@@ -155,9 +148,3 @@ def test_an_estimate_of_zero_stands_beside(results: Results) -> None:
     figures = results.summary["errors"]["corrected"]["F*"]["all"]["zero_mae"]
     np.testing.assert_allclose([figures[c] for c in ("Fx", "Fy", "Fz")], expected, rtol=2e-3)
     assert results.summary["errors"]["corrected"]["Fu"]["all"]["mae"]["Fx"] == pytest.approx(1.0)
-
-
-def test_no_forces_are_stated_beside_a_stop_sign(results: Results) -> None:
-    assert {*results.published.corrected} == {"Fu", "F", "F*"}
-    assert not results.stopped.corrected
-    assert not results.stopped.printed

@@ -1,64 +1,116 @@
-"""What the scripts share, and what each makes of one small recording."""
+"""How a step is run, and what each makes of one small recording."""
 
+import threading
+from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.conftest import Workflow
-from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot
-from ur5lib.steps import run_step
+from ur5lib.steps import job, workers
+from ur5lib.steps.workers import StepError, run_step
 from ur5lib.tables import channel, read_csv, read_json, read_table
+
+STEPS = {
+    "adds": "def adds(input, output, params):\n"
+    "    print('adding', input.numbers)\n"
+    "    open(output.sum, 'w').write(str(sum(input['numbers']) + params.get('more', 0)))\n",
+    "advises": "from ur5lib.errors import InputError\n"
+    "def advises(input, output, params):\n    raise InputError('mend this')\n",
+    "breaks": "def breaks(input, output, params):\n    print('so far so good')\n    {}['x']\n",
+    "garbled": "def garbled(input, output, params):\n    return (\n",
+    "dies": "import os\ndef dies(input, output, params):\n    os.kill(os.getpid(), 9)\n",
+    "kills": "import os\ndef kills(input, output, params):\n    os.kill(os.getppid(), 9)\n",
+    "remembers": "COUNT = []\n"
+    "def remembers(input, output, params):\n"
+    "    COUNT.append(0)\n    open(output.count, 'w').write(str(len(COUNT)))\n",
+}
 
 
 @pytest.fixture
-def job(tmp_path: Path) -> SimpleNamespace:
-    log = [str(tmp_path / "step.log")]
-    return SimpleNamespace(input=1, output=2, params=3, log=log, rule="some_step")
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A project of a few made-up steps, with workers of its own."""
+    scripts = tmp_path / job.SCRIPTS
+    scripts.mkdir(parents=True)
+    for name, text in STEPS.items():
+        (scripts / f"{name}.py").write_text(text)
+    (tmp_path / "ur5lib").symlink_to(Path(job.__file__).parents[1])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(workers, "IDLE", workers.queue.LifoQueue())
+    yield tmp_path
+    while not workers.IDLE.empty():
+        worker = workers.IDLE.get()
+        worker.connection.close()
+        worker.process.wait()
 
 
-def test_a_step_gets_input_output_and_params(
-    job: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    given, status = [], []
-    monkeypatch.setattr("os._exit", status.append)
-    run_step(lambda *arguments: given.extend(arguments), job)
-    assert given == [1, 2, 3]
-    assert status == [0]
+def run(step: str, **output: str) -> None:
+    log = {"log": f"logs/{step}.log", "benchmark": f"benchmarks/{step}.tsv"}
+    run_step(step, {"numbers": [1, 2]}, output, {"more": 4}, log)
+
+
+def test_a_step_gets_input_output_and_params(folder: Path) -> None:
+    run("adds", sum="sum.txt")
+    assert (folder / "sum.txt").read_text() == "7"
+    assert (folder / "logs" / "adds.log").read_text() == "adding [1, 2]\n"
+    header, values = (folder / "benchmarks" / "adds.tsv").read_text().splitlines()
+    assert header.split() == ["s", "max_rss", "start_up_time", "cpu_time"]
+    wall, memory, start_up, processor = map(float, values.split())
+    assert 0 < wall < 60
+    assert 1 < memory < 10_000
+    assert 0 < start_up <= processor
+
+
+def test_a_warm_process_loads_once_and_keeps_nothing_else(folder: Path) -> None:
+    """Each job finds its script as it was loaded, whatever the jobs before it did."""
+    for _ in range(3):
+        run("remembers", count="count.txt")
+        assert (folder / "count.txt").read_text() == "1"
+    assert workers.IDLE.qsize() == 1
+    start_up = (folder / "benchmarks" / "remembers.tsv").read_text().split()[6]
+    assert float(start_up) < 0.1
+
+
+def test_jobs_run_at_the_same_time(folder: Path) -> None:
+    names = [f"sum{k}.txt" for k in range(4)]
+    threads = [threading.Thread(target=run, args=("adds",), kwargs={"sum": n}) for n in names]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [(folder / name).read_text() for name in names] == ["7"] * 4
 
 
 @pytest.mark.parametrize(
-    ("error", "sentence"),
+    ("step", "sentence", "logged"),
     [
-        (InputError("mend this"), "some_step: mend this"),
-        (KeyError("x"), "some_step: KeyError: 'x'"),
+        ("advises", "advises: mend this", "advises: mend this\n"),
+        ("breaks", "breaks: KeyError: 'x' (traceback in logs/breaks.log)", "Traceback"),
+        ("garbled", "garbled: SyntaxError: '(' was never closed", "Traceback"),
+        ("dies", "dies: its process ended with status -9 (see logs/dies.log)", ""),
+        ("kills", "kills: its process was killed; see logs/kills.log", ""),
     ],
 )
-def test_a_failed_step_says_why(
-    job: SimpleNamespace,
-    error: Exception,
-    sentence: str,
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:
+def test_a_failed_step_says_why(folder: Path, step: str, sentence: str, logged: str) -> None:
     """One sentence for the terminal, what it printed and the traceback for the log."""
+    with pytest.raises(StepError) as stop:
+        run(step)
+    assert str(stop.value).startswith(sentence)
+    log = (folder / "logs" / f"{step}.log").read_text()
+    assert logged in log
+    assert ("so far so good\n" in log) == (step == "breaks")
+    run("adds", sum="after.txt")
+    assert (folder / "after.txt").read_text() == "7"
 
-    def fails(*_: object) -> None:
-        print("so far so good")
-        raise error
 
-    with (tmp_path / "terminal").open("w") as terminal:
-        monkeypatch.setattr("sys.__stderr__", terminal)
-        with pytest.raises(SystemExit) as stop:
-            run_step(fails, job)
-    assert stop.value.code == 1
-    assert (tmp_path / "terminal").read_text().startswith(sentence)
-    log = Path(job.log[0]).read_text()
-    assert log.splitlines()[1] == "so far so good"
-    assert log.endswith(sentence + "\n") or f"{sentence} (traceback in {job.log[0]})\n" in log
-    assert ("Traceback" in log) == (not isinstance(error, InputError))
+def test_what_a_library_prints_goes_to_the_log(folder: Path) -> None:
+    """Also what is not Python's own output."""
+    script = "import os\ndef shouts(input, output, params):\n    os.write(2, b'from C')\n"
+    (folder / job.SCRIPTS / "shouts.py").write_text(script)
+    run("shouts")
+    assert (folder / "logs" / "shouts.log").read_text() == "from C"
 
 
 # The small study's steps

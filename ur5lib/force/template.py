@@ -103,13 +103,33 @@ def same_trajectory(run: ForceInput, contact_free: ForceInput) -> bool:
     return bool(moves.any() and matched[moves].mean() >= SAME)
 
 
+def extent(run: ForceInput) -> Array | None:
+    """Return the lowest and the highest `place` (2, 12) that a run offers to templates, if any."""
+    passed = place(run.q, run.qd)[_offered(run)]
+    return np.array([passed.min(axis=0), passed.max(axis=0)]) if len(passed) else None
+
+
+def may_repeat(run: ForceInput, extent: Array) -> bool:
+    """Return whether a contact-free run of this extent can be of the same trajectory.
+
+    A quick necessary condition of `same_trajectory`: a sample near one of the other run lies within
+    its extent, widened by the distance that counts as near.
+    """
+    states = place(run.q, run.qd)[run.moves()]
+    inside = ((states >= extent[0] - 1) & (states <= extent[1] + 1)).all(axis=1)
+    return bool(len(states) and inside.mean() >= SAME)
+
+
+def _offered(run: ForceInput) -> Mask:
+    return run.moves() & finite_rows(run.torque)
+
+
 def template(run: ForceInput, contact_free: list[ForceInput]) -> Array:
     """Return the external torque (N, 6) of the nearest sample of the contact-free runs in (q, qd).
 
     NaN where the run rests, or none of their samples is near.
     """
-    known = [free.moves() & finite_rows(free.torque) for free in contact_free]
-    pairs = [*zip(contact_free, known, strict=True)]
+    pairs = [(free, _offered(free)) for free in contact_free]
     places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
     torques = np.concatenate([free.torque[rows] for free, rows in pairs])
     result = np.full_like(run.torque, np.nan)

@@ -1,13 +1,13 @@
 """Contact wrenches from the external torque: each estimate's problem, and its solution."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.template import ForceInput, repeat_aware
+from ur5lib.force.template import ForceInput, may_repeat, repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -57,7 +57,7 @@ def repeat_problem(
 ) -> Problem | None:
     """Return the problem of Fmap less the external torque of the same trajectory without contact.
 
-    alike: contact-free recordings that carry the same; cutoff: of the torques [Hz]. None where none
+    alike: contact-free recordings of `repeated_runs`; cutoff: of the torques [Hz]. None where none
     of them is of the same trajectory.
     """
     free = [
@@ -92,12 +92,21 @@ def estimated_forces(
     )
 
 
-def carry_alike(own: Mapping[str, Any], others: Sequence[Mapping[str, Any]]) -> list[bool]:
-    """Return whether each other recording may carry the same; not where that is unknown.
+def repeated_runs(
+    run: ForceInput, name: str, load: Mapping[str, Any] | None, index: Mapping[str, Any]
+) -> list[tuple[str, str]]:
+    """Return the files of currents and motion of the contact-free runs that may repeat a run.
 
-    own, others: currents.json.
+    Those are the others that may carry the same and pass where it moves. name: of the run's
+    recording; load: what it carries, as in currents.json; index: free_runs.json.
     """
-    return [_same_load(own.get("load"), other.get("load")) for other in others]
+    return [
+        (other["currents"], other["motion"])
+        for known, other in index.items()
+        if known != name
+        and _same_load(load, other["load"])
+        and may_repeat(run, np.array(other["extent"]))
+    ]
 
 
 def _same_load(own: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:

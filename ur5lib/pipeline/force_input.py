@@ -1,7 +1,7 @@
 """A recording as a force estimate without a sensor uses it."""
 
 from ur5lib.force.external_torque import joint_states
-from ur5lib.force.template import ForceInput
+from ur5lib.force.template import ForceInput, extent
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array
@@ -19,3 +19,9 @@ def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput
         motion.period,
         currents.load_doubt,
     )
+
+
+def passed(motion: Motion, currents: Currents) -> Array | None:
+    """Return the extent (2, 12) of the motion in which the external torque is known, if any."""
+    torque = currents.external_torque
+    return None if torque is None else extent(force_input(motion, torque, currents))

@@ -17,7 +17,6 @@ from ur5lib.identification.friction import FAMILY
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, record_paths
 from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients
-from ur5lib.recordings.stop_signs import stop_signs
 
 # A torque constant contradicts the known value beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
@@ -33,8 +32,8 @@ def friction_summary(
 ) -> dict[str, Any]:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
-    terms: of friction, from which the fit chooses. Raises ContradictionError when the torque constants
-    are not those of the arm.
+    terms: of friction, from which the fit chooses. Raises ContradictionError when the torque
+    constants are not those of the arm.
     """
     family = [term for term in FAMILY if term.kind in terms]
     fit = fit_currents(records, smooth, prior, family)
@@ -61,9 +60,9 @@ def _without_replicates(fit: dict[str, Any]) -> dict[str, Any]:
     return fit
 
 
-def require_no_stop_sign(qualities: Mapping[str, Any]) -> None:
-    """Raise ContradictionError for stop signs of recordings; qualities: their quality.json by name."""
-    stopped = [name for name, quality in qualities.items() if stop_signs(quality)]
+def require_no_stop_sign(loads: Mapping[str, Any]) -> None:
+    """Raise ContradictionError for stop signs; loads: torques.json by recording."""
+    stopped = [name for name, load in loads.items() if load["stop_signs"]]
     if stopped:
         raise ContradictionError(
             f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Finding
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -24,18 +23,14 @@ EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targ
 }
 
 
-def check_exchanged(robot: pd.DataFrame) -> list[Finding]:
-    """Return which targets and measurements of a repaired robot table are exchanged."""
+def exchanged_channels(robot: pd.DataFrame) -> Iterator[str]:
+    """Find targets and measurements of a repaired robot table that are exchanged."""
     frames = robot[~robot["interpolated"]]
-    return [_finding(name) for name in [*_motion(frames), *_current(frames)]]
-
-
-def _finding(name: str) -> Finding:
-    detail = (
-        f"actual_{name} and target_{name} are exchanged: actual_{name} is as smooth as only a "
-        "target is; correct the columns"
-    )
-    return Finding("robot", "exchanged channels", "stop", 6, detail)
+    for name in [*_motion(frames), *_current(frames)]:
+        yield (
+            f"actual_{name} and target_{name} are exchanged: actual_{name} is as smooth as only a "
+            "target is; correct the columns"
+        )
 
 
 def _motion(frames: pd.DataFrame) -> tuple[str, ...]:

@@ -1,13 +1,11 @@
 """Findings about the quality of a recording."""
 
 from dataclasses import asdict, dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from ur5lib.errors import printable
 
 Device = Literal["robot", "force", "imu"]
-Severity = Literal["stop", "error", "warning", "note"]
-SEVERITIES: tuple[Severity, ...] = get_args(Severity)  # most serious first
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 
@@ -15,14 +13,13 @@ SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key o
 class Finding:
     """One kind of defect in one device's files.
 
-    severity: stop (the recording contradicts its description: no forces are stated), error (the
-    device is unusable), warning (results may suffer), note (harmless);
+    severity: error (the device is unusable), warning (results may suffer), note (harmless);
     count: number of samples, rows or files; detail: what was found, and what was done about it.
     """
 
     device: Device
     finding: str
-    severity: Severity
+    severity: Literal["error", "warning", "note"]
     count: int
     detail: str
 

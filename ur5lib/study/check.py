@@ -11,11 +11,12 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.stop_signs import with_stop_signs
+from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
 from ur5lib.report.tables import quality as quality_table
@@ -102,8 +103,12 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    intake = with_stop_signs(intake, arm, recording.known_payload(), recording.role)
-    return intake.quality, _clocks_of(intake, arm)
+    load = carried(recording.known_payload(), Signals.from_table(intake.robot))
+    fitted = recording.role == "fit"
+    signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
+    stops = [*quality_table.stop_rows(recording.name, signs)]
+    quality = intake.quality | {"findings": stops + intake.quality["findings"]}
+    return quality, _clocks_of(intake, arm)
 
 
 def unusable(error: InputError) -> dict[str, Any]:

@@ -4,11 +4,13 @@ import os
 import re
 import tempfile
 from functools import cache
+from hashlib import sha256
 
 import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.steps.workers import run_step
 from ur5lib.study.reading import parse_study
 
 try:
@@ -37,11 +39,9 @@ TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "
 ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
 
 
-# Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
-# jobs anew every second, to the end of the run: an eighth of this machine's time, after 200 jobs.
-onstart:
-    if workflow.local_exec:
-        workflow.scheduler.job_rate_limiter = None
+# A limit of jobs a second makes Snakemake weigh all jobs anew each second for each job that ended.
+if workflow.scheduling_settings:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 
 
 wildcard_constraints:
@@ -115,24 +115,6 @@ def free_results(name):
     ]
 
 
-def other_contact_free(wildcards):
-    """Return the names of the arm's other contact-free recordings."""
-    return [
-        other
-        for other, recording in RECORDINGS.items()
-        if recording.role != "contact"
-        and recording.robot == recording_of(wildcards).robot
-        and other != wildcards.recording
-    ]
-
-
-def contact_free_results(name):
-    """Return the paths of a file of each of the arm's other contact-free recordings."""
-    return lambda wildcards: [
-        f"{RESULTS}/recordings/{other}/{name}" for other in other_contact_free(wildcards)
-    ]
-
-
 def recording_of(wildcards):
     return RECORDINGS[wildcards.recording]
 
@@ -157,6 +139,11 @@ def gravities(names):
 def fitted_gravities(wildcards):
     """Return gravity in the base frames of an arm's `fit` recordings."""
     return gravities(fitted_on(wildcards))
+
+
+def contact_free_gravities(wildcards):
+    """Return gravity in the base frames of an arm's contact-free recordings."""
+    return gravities(contact_free(wildcards))
 
 
 def payload_of(wildcards):
@@ -186,21 +173,35 @@ def arm_file(wildcards):
     return f"ur5lib/robots/{robot}.yaml"
 
 
+def traces(step, of=None):
+    """Return the paths of a job's log and benchmark."""
+    job = f"{step}/{of}" if of else step
+    return {
+        "log": f"{RESULTS}/logs/{job}.log",
+        "benchmark": f"{RESULTS}/benchmarks/{job}.tsv",
+    }
+
+
 def code(step):
-    """Return the script of a step and all library modules that it uses."""
+    """Return a checksum of a step's script and of all library modules that it uses."""
     script = f"workflow/scripts/{step}.py"
     modules, unseen = set(), {script}
     while unseen:
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
-    return [script, *sorted(modules - {script})]
+    return sha256(b"".join(map(content, sorted(modules)))).hexdigest()[:16]
+
+
+@cache
+def content(path):
+    return Path(path).read_bytes()
 
 
 @cache
 def imported_modules(path):
     """Return the files of ur5lib modules that a Python file imports, without importing them."""
     names = set()
-    for node in ast.walk(ast.parse(Path(path).read_text(encoding="utf-8"))):
+    for node in ast.walk(ast.parse(content(path))):
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
@@ -246,7 +247,7 @@ def tables(names):
 
 
 def of_every_job(kind):
-    """Return the output, log or benchmark of all jobs of the rules above."""
+    """Return the outputs or logs (`output`, `log`) of all jobs of the rules above."""
     only = {"ablate_forces": TOUCHED}
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
     patterns = {

@@ -4,20 +4,18 @@ rule rebuild_forces:
         motion=result("motion.parquet"),
         torques=result("torques.parquet"),
         kinematics=result("kinematics.parquet"),
-        quality=result("quality.json"),
+        load=result("torques.json"),
         arm=arm_file,
-        code=code("rebuild_forces"),
     output:
         forces=result("published_forces.parquet"),
     log:
-        f"{RESULTS}/logs/rebuild_forces/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/rebuild_forces/{{recording}}.tsv"
+        **traces("rebuild_forces", "{recording}"),
     params:
         **SETTINGS.lowpass.published_forces.model_dump(),
+        code=code("rebuild_forces"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
-    script:
-        "../scripts/rebuild_forces.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule fit_residuals:
@@ -25,17 +23,31 @@ rule fit_residuals:
         currents=fitted_results("currents.parquet"),
         motion=fitted_results("motion.parquet"),
         friction=parameter("friction.json"),
-        code=code("fit_residuals"),
     output:
         residuals=parameter("residuals.json"),
     log:
-        f"{RESULTS}/logs/fit_residuals/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/fit_residuals/{{robot}}.tsv"
+        **traces("fit_residuals", "{robot}"),
     params:
+        code=code("fit_residuals"),
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
-    script:
-        "../scripts/fit_residuals.py"
+    run:
+        run_step(rule, input, output, params, log)
+
+
+# Names the files of the few runs that estimate_forces reads, and is made anew when one changes.
+rule index_free_runs:
+    input:
+        currents=free_results("currents.json"),
+    output:
+        index=parameter("free_runs.json"),
+    log:
+        **traces("index_free_runs", "{robot}"),
+    params:
+        code=code("index_free_runs"),
+        recordings=contact_free,
+        kinds=["currents", "motion"],
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule estimate_forces:
@@ -44,22 +56,19 @@ rule estimate_forces:
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
         residuals=parameter_of("residuals.json"),
-        free_currents=contact_free_results("currents.parquet"),
-        free_motion=contact_free_results("motion.parquet"),
         load=result("currents.json"),
-        free_loads=contact_free_results("currents.json"),
-        code=code("estimate_forces"),
+        free_runs=parameter_of("free_runs.json"),
     output:
         forces=result("forces.parquet"),
     log:
-        f"{RESULTS}/logs/estimate_forces/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_forces/{{recording}}.tsv"
+        **traces("estimate_forces", "{recording}"),
     params:
+        code=code("estimate_forces"),
+        recording="{recording}",
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
         contact_force_n=SETTINGS.contact.force_n,
-    script:
-        "../scripts/estimate_forces.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule compare_forces:
@@ -71,36 +80,32 @@ rule compare_forces:
         published=result("published_forces.parquet"),
         forces=result("forces.parquet"),
         arm=arm_file,
-        code=code("compare_forces"),
     output:
         sensor=result("sensor.parquet"),
         summary=result("forces.json"),
     log:
-        f"{RESULTS}/logs/compare_forces/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/compare_forces/{{recording}}.tsv"
+        **traces("compare_forces", "{recording}"),
     params:
+        code=code("compare_forces"),
         gravity=gravity_of,
         bias_window_s=SETTINGS.sensor.bias_window_s,
         min_singular_value=SETTINGS.singularities.min_singular_value,
-    script:
-        "../scripts/compare_forces.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule set_threshold:
     input:
         forces=fitted_results("forces.parquet"),
-        code=code("set_threshold"),
     output:
         threshold=parameter("threshold.json"),
     log:
-        f"{RESULTS}/logs/set_threshold/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/set_threshold/{{robot}}.tsv"
+        **traces("set_threshold", "{robot}"),
     params:
+        code=code("set_threshold"),
         false_alarms_per_min=SETTINGS.alarms.false_per_min,
-    script:
-        "../scripts/set_threshold.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule detect_contacts:
@@ -113,18 +118,16 @@ rule detect_contacts:
         regressor=result("load_regressor.parquet"),
         residuals=parameter_of("residuals.json"),
         threshold=parameter_of("threshold.json"),
-        code=code("detect_contacts"),
     output:
         detection=result("detection.json"),
     log:
-        f"{RESULTS}/logs/detect_contacts/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/detect_contacts/{{recording}}.tsv"
+        **traces("detect_contacts", "{recording}"),
     params:
+        code=code("detect_contacts"),
         role=lambda wildcards: recording_of(wildcards).role,
         contact_force_n=SETTINGS.contact.force_n,
-    script:
-        "../scripts/detect_contacts.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule ablate_forces:
@@ -135,14 +138,12 @@ rule ablate_forces:
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
         residuals=parameter_of("residuals.json"),
-        code=code("ablate_forces"),
     output:
         ablation=result("ablation.json"),
     log:
-        f"{RESULTS}/logs/ablate_forces/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/ablate_forces/{{recording}}.tsv"
+        **traces("ablate_forces", "{recording}"),
     params:
+        code=code("ablate_forces"),
         contact_force_n=SETTINGS.contact.force_n,
-    script:
-        "../scripts/ablate_forces.py"
+    run:
+        run_step(rule, input, output, params, log)

@@ -2,18 +2,16 @@ rule estimate_gains:
     input:
         signals=result("signals.parquet"),
         arm=arm_file,
-        code=code("estimate_gains"),
     output:
         closed_loop=result("closed_loop.parquet"),
         gains=result("gains.json"),
     log:
-        f"{RESULTS}/logs/estimate_gains/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_gains/{{recording}}.tsv"
+        **traces("estimate_gains", "{recording}"),
     params:
+        code=code("estimate_gains"),
         gravity=gravity_of,
-    script:
-        "../scripts/estimate_gains.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule fit_rotor_inertia:
@@ -21,19 +19,17 @@ rule fit_rotor_inertia:
         signals=fitted_results("signals.parquet"),
         motion=fitted_results("motion.parquet"),
         arm=arm_file,
-        code=code("fit_rotor_inertia"),
     output:
         rotors=parameter("rotor_inertia.json"),
     log:
-        f"{RESULTS}/logs/fit_rotor_inertia/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/fit_rotor_inertia/{{robot}}.tsv"
+        **traces("fit_rotor_inertia", "{robot}"),
     params:
         **SETTINGS.lowpass.motion.model_dump(),
+        code=code("fit_rotor_inertia"),
         recordings=fitted_on,
         gravities=fitted_gravities,
-    script:
-        "../scripts/fit_rotor_inertia.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule identify_model:
@@ -42,21 +38,19 @@ rule identify_model:
         motion=fitted_results("motion.parquet"),
         arm=arm_file,
         rotors=parameter("rotor_inertia.json"),
-        code=code("identify_model"),
     output:
         arm=parameter("arm.yaml"),
         urdf=parameter("arm.urdf"),
         summary=parameter("identification.json"),
     log:
-        f"{RESULTS}/logs/identify_model/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/identify_model/{{robot}}.tsv"
+        **traces("identify_model", "{robot}"),
     params:
         **SETTINGS.lowpass.motion.model_dump(),
+        code=code("identify_model"),
         recordings=fitted_on,
         gravities=fitted_gravities,
-    script:
-        "../scripts/identify_model.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule fit_friction:
@@ -64,21 +58,19 @@ rule fit_friction:
         signals=fitted_results("signals.parquet"),
         motion=fitted_results("motion.parquet"),
         torques=fitted_results("torques.parquet"),
-        quality=fitted_results("quality.json"),
+        loads=fitted_results("torques.json"),
         arm=parameter("arm.yaml"),
-        code=code("fit_friction"),
     output:
         friction=parameter("friction.json"),
     log:
-        f"{RESULTS}/logs/fit_friction/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/fit_friction/{{robot}}.tsv"
+        **traces("fit_friction", "{robot}"),
     params:
         **SETTINGS.lowpass.currents.model_dump(),
+        code=code("fit_friction"),
         recordings=fitted_on,
         terms=SETTINGS.friction.terms,
-    script:
-        "../scripts/fit_friction.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule estimate_payload:
@@ -88,20 +80,18 @@ rule estimate_payload:
         torques=result("torques.parquet"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
-        code=code("estimate_payload"),
     output:
         payload=result("payload.json"),
         regressor=result("load_regressor.parquet"),
     log:
-        f"{RESULTS}/logs/estimate_payload/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_payload/{{recording}}.tsv"
+        **traces("estimate_payload", "{recording}"),
     params:
         **SETTINGS.lowpass.currents.model_dump(),
+        code=code("estimate_payload"),
         recording="{recording}",
         gravity=gravity_of,
-    script:
-        "../scripts/estimate_payload.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule predict_currents:
@@ -115,18 +105,15 @@ rule predict_currents:
         unloaded=results_of_fitted("payload.json"),
         friction=parameter_of("friction.json"),
         arm=parameter_of("arm.yaml"),
-        quality=result("quality.json"),
-        code=code("predict_currents"),
     output:
         currents=result("currents.parquet"),
         summary=result("currents.json"),
     log:
-        f"{RESULTS}/logs/predict_currents/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/predict_currents/{{recording}}.tsv"
+        **traces("predict_currents", "{recording}"),
     params:
         **SETTINGS.lowpass.currents.model_dump(),
+        code=code("predict_currents"),
         recording="{recording}",
         role=lambda wildcards: recording_of(wildcards).role,
-    script:
-        "../scripts/predict_currents.py"
+    run:
+        run_step(rule, input, output, params, log)

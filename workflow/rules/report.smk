@@ -27,17 +27,15 @@ rule draw_figures:
         sensor=result("sensor.parquet"),
         forces=result("forces.parquet"),
         arm=parameter_of("arm.yaml"),
-        code=code("draw_figures"),
     output:
         **drawings(f"{RESULTS}/figures/{{recording}}", FIGURES),
     log:
-        f"{RESULTS}/logs/draw_figures/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/draw_figures/{{recording}}.tsv"
+        **traces("draw_figures", "{recording}"),
     params:
+        code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
-    script:
-        "../scripts/draw_figures.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule make_tables:
@@ -47,6 +45,7 @@ rule make_tables:
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
+        loads=results("torques.json"),
         closed_loop=results("closed_loop.parquet"),
         gains=results("gains.json"),
         accelerations=results("accelerations.json"),
@@ -63,15 +62,14 @@ rule make_tables:
         detection=results("detection.json"),
         ablation=results("ablation.json", TOUCHED),
         modules=[f"ur5lib/report/tables/{name}.py" for name in TABLES],
-        code=code("make_tables"),
     output:
         **tables(TABLES),
     log:
-        f"{RESULTS}/logs/make_tables.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/make_tables.tsv"
-    script:
-        "../scripts/make_tables.py"
+        **traces("make_tables"),
+    params:
+        code=code("make_tables"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule draw_friction:
@@ -81,76 +79,67 @@ rule draw_friction:
         torques=fitted_results("torques.parquet"),
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
-        code=code("draw_friction"),
     output:
         **drawings(f"{RESULTS}/figures/{{robot}}", FRICTION_FIGURES),
     log:
-        f"{RESULTS}/logs/draw_friction/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/draw_friction/{{robot}}.tsv"
+        **traces("draw_friction", "{robot}"),
     params:
         **SETTINGS.lowpass.currents.model_dump(),
+        code=code("draw_friction"),
         recordings=fitted_on,
-    script:
-        "../scripts/draw_friction.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule draw_filters:
-    input:
-        code=code("draw_filters"),
     output:
         **drawings(f"{RESULTS}/figures", ["filters"]),
     log:
-        f"{RESULTS}/logs/draw_filters.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/draw_filters.tsv"
+        **traces("draw_filters"),
     params:
+        code=code("draw_filters"),
         lowpass=SETTINGS.lowpass.model_dump(),
-    script:
-        "../scripts/draw_filters.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule draw_models:
     input:
         arm=parameter("arm.yaml"),
-        code=code("draw_models"),
     output:
         **drawings(f"{RESULTS}/figures/{{robot}}", ["models"]),
     log:
-        f"{RESULTS}/logs/draw_models/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/draw_models/{{robot}}.tsv"
-    script:
-        "../scripts/draw_models.py"
+        **traces("draw_models", "{robot}"),
+    params:
+        code=code("draw_models"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule draw_calibration:
     input:
         errors=rules.make_tables.output.force_mae,
-        code=code("draw_calibration"),
     output:
         **drawings(f"{RESULTS}/figures", ["calibration"]),
     log:
-        f"{RESULTS}/logs/draw_calibration.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/draw_calibration.tsv"
-    script:
-        "../scripts/draw_calibration.py"
+        **traces("draw_calibration"),
+    params:
+        code=code("draw_calibration"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule time_steps:
     input:
-        benchmarks=of_every_job("benchmark"),
-        logs=of_every_job("log"),
-        code=code("time_steps"),
+        benchmarks=[path for path in of_every_job("log") if path.endswith(".tsv")],
     output:
         **tables(["run_times"]),
     log:
-        f"{RESULTS}/logs/time_steps.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/time_steps.tsv"
-    script:
-        "../scripts/time_steps.py"
+        **traces("time_steps"),
+    params:
+        code=code("time_steps"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule write_report:
@@ -163,16 +152,14 @@ rule write_report:
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",
         ],
-        code=code("write_report"),
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
         study=f"{RESULTS}/configuration.yaml",
     log:
-        f"{RESULTS}/logs/write_report.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/write_report.tsv"
+        **traces("write_report"),
     params:
+        code=code("write_report"),
         study=STUDY_YAML,
-    script:
-        "../scripts/write_report.py"
+    run:
+        run_step(rule, input, output, params, log)

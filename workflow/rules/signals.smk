@@ -5,32 +5,29 @@ rule estimate_clocks:
         imu=result("imu.parquet"),
         quality=result("quality.json"),
         kinematics=result("kinematics.parquet"),
-        code=code("estimate_clocks"),
     output:
         clocks=result("own_clocks.json"),
     log:
-        f"{RESULTS}/logs/estimate_clocks/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/estimate_clocks/{{recording}}.tsv"
-    script:
-        "../scripts/estimate_clocks.py"
+        **traces("estimate_clocks", "{recording}"),
+    params:
+        code=code("estimate_clocks"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule pool_drifts:
     input:
         clocks=free_results("own_clocks.json"),
-        code=code("pool_drifts"),
     output:
         drifts=parameter("drifts.json"),
     log:
-        f"{RESULTS}/logs/pool_drifts/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/pool_drifts/{{robot}}.tsv"
+        **traces("pool_drifts", "{robot}"),
     params:
+        code=code("pool_drifts"),
         recordings=contact_free,
         hosts=STUDY.devices_of_hosts(),
-    script:
-        "../scripts/pool_drifts.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule align_signals:
@@ -40,16 +37,15 @@ rule align_signals:
         force=result("force.parquet"),
         imu=result("imu.parquet"),
         clocks=result("own_clocks.json"),
-        code=code("align_signals"),
     output:
         signals=result("signals.parquet"),
         clocks=result("clocks.json"),
     log:
-        f"{RESULTS}/logs/align_signals/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/align_signals/{{recording}}.tsv"
-    script:
-        "../scripts/align_signals.py"
+        **traces("align_signals", "{recording}"),
+    params:
+        code=code("align_signals"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule calibrate_imu:
@@ -58,34 +54,51 @@ rule calibrate_imu:
         kinematics=fitted_results("kinematics.parquet"),
         clocks=fitted_results("clocks.json"),
         arm=arm_file,
-        code=code("calibrate_imu"),
     output:
         calibration=parameter("imu.json"),
     log:
-        f"{RESULTS}/logs/calibrate_imu/{{robot}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/calibrate_imu/{{robot}}.tsv"
+        **traces("calibrate_imu", "{robot}"),
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
+        code=code("calibrate_imu"),
         recordings=fitted_on,
         gravities=fitted_gravities,
-    script:
-        "../scripts/calibrate_imu.py"
+    run:
+        run_step(rule, input, output, params, log)
+
+
+# The same step, on recordings that no calibration above has seen: it judges, and corrects nothing.
+rule calibrate_imu_without_each:
+    input:
+        signals=free_results("signals.parquet"),
+        kinematics=free_results("kinematics.parquet"),
+        clocks=free_results("clocks.json"),
+        arm=arm_file,
+    output:
+        calibration=parameter("imu_without_each.json"),
+    log:
+        **traces("calibrate_imu_without_each", "{robot}"),
+    params:
+        **SETTINGS.lowpass.accelerations.model_dump(),
+        code=code("calibrate_imu"),
+        recordings=contact_free,
+        gravities=contact_free_gravities,
+    run:
+        run_step("calibrate_imu", input, output, params, log)
 
 
 rule smooth_motion:
     input:
         signals=result("signals.parquet"),
-        code=code("smooth_motion"),
     output:
         motion=result("motion.parquet"),
         summary=result("motion.json"),
     log:
-        f"{RESULTS}/logs/smooth_motion/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/smooth_motion/{{recording}}.tsv"
-    script:
-        "../scripts/smooth_motion.py"
+        **traces("smooth_motion", "{recording}"),
+    params:
+        code=code("smooth_motion"),
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule fuse_imu:
@@ -95,19 +108,17 @@ rule fuse_imu:
         clocks=result("clocks.json"),
         calibration=parameter_of("imu.json"),
         arm=arm_file,
-        code=code("fuse_imu"),
     output:
         motion=result("fused_motion.parquet"),
         summary=result("fused_motion.json"),
     log:
-        f"{RESULTS}/logs/fuse_imu/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/fuse_imu/{{recording}}.tsv"
+        **traces("fuse_imu", "{recording}"),
     params:
+        code=code("fuse_imu"),
         recording="{recording}",
         gravity=gravity_of,
-    script:
-        "../scripts/fuse_imu.py"
+    run:
+        run_step(rule, input, output, params, log)
 
 
 rule compare_accelerations:
@@ -119,22 +130,17 @@ rule compare_accelerations:
         clocks=result("clocks.json"),
         imu=result("imu.parquet"),
         quality=result("quality.json"),
-        other_signals=contact_free_results("signals.parquet"),
-        other_kinematics=contact_free_results("kinematics.parquet"),
-        other_clocks=contact_free_results("clocks.json"),
+        calibration=parameter_of("imu_without_each.json"),
         arm=arm_file,
-        code=code("compare_accelerations"),
     output:
         accelerations=result("accelerations.parquet"),
         summary=result("accelerations.json"),
     log:
-        f"{RESULTS}/logs/compare_accelerations/{{recording}}.log",
-    benchmark:
-        f"{RESULTS}/benchmarks/compare_accelerations/{{recording}}.tsv"
+        **traces("compare_accelerations", "{recording}"),
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
+        code=code("compare_accelerations"),
         gravity=gravity_of,
-        others=other_contact_free,
-        other_gravities=lambda wildcards: gravities(other_contact_free(wildcards)),
-    script:
-        "../scripts/compare_accelerations.py"
+        recording="{recording}",
+    run:
+        run_step(rule, input, output, params, log)

@@ -7,21 +7,19 @@ for recording in SIMULATED:
         input:
             **way_points(recording),
             arm=f"ur5lib/robots/{RECORDINGS[recording].robot}.yaml",
-            code=code("simulate_recording"),
         output:
             raw=raw_files(recording),
             truth=f"{RESULTS}/truth/{recording}.parquet",
             summary=f"{RESULTS}/truth/{recording}.json",
         log:
-            f"{RESULTS}/logs/simulate_recording/{recording}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/simulate_recording/{recording}.tsv"
+            **traces("simulate_recording", recording),
         params:
+            code=code("simulate_recording"),
             format=RECORDINGS[recording].format,
             gravity=gravities([recording])[0],
             plan=RECORDINGS[recording].simulate.model_dump_json(),
-        script:
-            "../scripts/simulate_recording.py"
+        run:
+            run_step("simulate_recording", input, output, params, log)
 
 
 if SIMULATED:
@@ -41,16 +39,14 @@ if SIMULATED:
             identification=parameters("identification.json"),
             calibration=parameters("imu.json"),
             friction=parameters("friction.json"),
-            code=code("compare_with_truth"),
         output:
             truth=f"{RESULTS}/tables/truth.csv",
         log:
-            f"{RESULTS}/logs/compare_with_truth.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/compare_with_truth.tsv"
+            **traces("compare_with_truth"),
         params:
             **SETTINGS.lowpass.accelerations.model_dump(),
+            code=code("compare_with_truth"),
             recordings=SIMULATED,
             robots=ROBOTS,
-        script:
-            "../scripts/compare_with_truth.py"
+        run:
+            run_step(rule, input, output, params, log)

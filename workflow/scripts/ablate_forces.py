@@ -9,7 +9,6 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -28,7 +27,3 @@ def ablate_forces(input: Any, output: Any, params: Any) -> None:
                 estimates[name] = forces.wrench[name], forces.std[name]
         summary = {name: figures_in_contact(*own, reference) for name, own in estimates.items()}
     write_json(summary, output.ablation)
-
-
-if __name__ == "__main__":
-    run_step(ablate_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -6,7 +6,6 @@ import pandas as pd
 
 from ur5lib.signals.host_drifts import HostDrift, read_clock, settle_clocks
 from ur5lib.signals.resampling import resample
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json, write_table
 
 
@@ -21,7 +20,3 @@ def align_signals(input: Any, output: Any, params: Any) -> None:
         signals.append(resample(read_table(getattr(input, device)), read_clock(clock), time))
     write_table(pd.concat(signals, axis="columns"), output.signals)
     write_json(clocks, output.clocks)
-
-
-if __name__ == "__main__":
-    run_step(align_signals, snakemake)  # type: ignore[name-defined]  # noqa: F821

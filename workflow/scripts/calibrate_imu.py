@@ -5,7 +5,6 @@ from typing import Any
 from ur5lib.pipeline.imu_samples import all_imu_samples
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibrate_without_each
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -22,7 +21,3 @@ def calibrate_imu(input: Any, output: Any, params: Any) -> None:
     design = Butterworth(params.order, params.cutoff_hz)
     records = all_imu_samples(load_robot(input.arm), recordings, design)
     write_json(calibrate_without_each(records), output.calibration)
-
-
-if __name__ == "__main__":
-    run_step(calibrate_imu, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -3,15 +3,14 @@
 from typing import Any
 
 from ur5lib.pipeline.end_effector import acceleration_errors, compared
-from ur5lib.pipeline.imu_samples import all_imu_samples, has_valid_imu
+from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import load_robot
-from ur5lib.signals.imu_calibration import AS_DRAWN, calibrate
-from ur5lib.steps import run_step
+from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.tables import read_json, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -22,16 +21,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     summary: dict[str, Any] = {"errors": {}}
     if has_valid_imu(read_json(input.clocks)):
         design = Butterworth(params.order, params.cutoff_hz)
-        recordings = zip(
-            params.others,
-            params.other_gravities,
-            input.other_signals,
-            input.other_kinematics,
-            map(read_json, input.other_clocks),
-            strict=True,
-        )
-        others = all_imu_samples(robot, recordings, design)
-        calibration = calibrate([*others.values()]) if others else AS_DRAWN
+        others, calibration = calibration_for(params.recording, read_json(input.calibration))
         motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)
         motions = {"encoders": motion, "encoders+imu": fused}
         start = read_json(input.quality)["starts"]["imu"]
@@ -39,10 +29,6 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         own = robot.mounted(params.gravity), signals, Kinematics.read(input.kinematics)
         accelerations, bias = compared(*own, motions, calibration, design, placed)
         errors = acceleration_errors(accelerations)
-        summary = {"calibrated_on": [*others], "accelerometer_bias": bias, "errors": errors}
+        summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
     accelerations.write(output.accelerations)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(compare_accelerations, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -13,7 +13,6 @@ from ur5lib.pipeline.sensor_reference import (
     sensor_wrenches,
 )
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json
 from ur5lib.timeseries.arrays import Array
 
@@ -48,7 +47,3 @@ def placed_by_stamps(device: Any, start: Any, time: Array) -> Array:
     from ur5lib.pipeline.stamps import by_stamps  # slow to import, and most have no sensor
 
     return by_stamps(device, start, time, "force")
-
-
-if __name__ == "__main__":
-    run_step(compare_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

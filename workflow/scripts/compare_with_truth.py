@@ -6,7 +6,6 @@ import pandas as pd
 
 from ur5lib.report.truth_rows import arm_rows, recording_rows
 from ur5lib.report.truth_table import COLUMNS
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_csv
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -42,7 +41,3 @@ def compare_with_truth(input: Any, output: Any, params: Any) -> None:
         known = {"recording": name, "robot": truth["robot"]}
         rows += [known | row for row in recording_rows(files, truth, design)]
     write_csv(pd.DataFrame(rows, columns=COLUMNS), output.truth)
-
-
-if __name__ == "__main__":
-    run_step(compare_with_truth, snakemake)  # type: ignore[name-defined]  # noqa: F821

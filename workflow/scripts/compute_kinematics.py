@@ -8,7 +8,6 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 
 
 def compute_kinematics(input: Any, output: Any, params: Any) -> None:
@@ -21,7 +20,3 @@ def compute_kinematics(input: Any, output: Any, params: Any) -> None:
         jacobian=J,
         smallest_singular_value=np.linalg.svd(J, compute_uv=False)[:, -1].astype(float),
     ).write(output.kinematics)
-
-
-if __name__ == "__main__":
-    run_step(compute_kinematics, snakemake)  # type: ignore[name-defined]  # noqa: F821

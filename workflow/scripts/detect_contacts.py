@@ -10,7 +10,6 @@ from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -29,7 +28,3 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
         smallest = smallest_forces(problem, jacobian, prior, threshold, raised)
         summary["Fmap"]["smallest_force_95"] = smallest
     write_json(summary, output.detection)
-
-
-if __name__ == "__main__":
-    run_step(detect_contacts, snakemake)  # type: ignore[name-defined]  # noqa: F821

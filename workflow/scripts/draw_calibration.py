@@ -7,7 +7,6 @@ import pandas as pd
 from ur5lib.pipeline.estimates import NEW
 from ur5lib.report.charts import calibration_panels
 from ur5lib.report.house_style import save
-from ur5lib.steps import run_step
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
@@ -33,7 +32,3 @@ def shares_held(rows: pd.DataFrame, components: list[str]) -> Array:
     """Return the coverage [%] of bands, (bands, components), averaged over the recordings."""
     mean = rows.groupby("component")[[f"coverage{band}" for band in BANDS]].mean()
     return 100 * mean.reindex(components).to_numpy().T
-
-
-if __name__ == "__main__":
-    run_step(draw_calibration, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -11,7 +11,6 @@ from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 
 
 def draw_figures(input: Any, output: Any, params: Any) -> None:
@@ -42,7 +41,3 @@ def draw_published(published: PublishedForces, sensor: SensorWrenches, output: A
     save(draw(published, sensor, "printed", ("F*",)), output.forces_friction_printed)
     save(draw(published, sensor, "corrected", without), output.forces_corrected)
     save(draw(published, sensor, "corrected", ("F*",)), output.forces_friction_corrected)
-
-
-if __name__ == "__main__":
-    run_step(draw_figures, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -6,7 +6,6 @@ import numpy as np
 
 from ur5lib.report.charts import response_panel
 from ur5lib.report.house_style import save
-from ur5lib.steps import run_step
 from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, THESIS_CURRENT, frequency_response
 
 RATE = 125.0  # Hz, of the thesis's controller
@@ -35,7 +34,3 @@ def draw_filters(input: Any, output: Any, params: Any) -> None:
         for order, cutoff in (THESIS_ACCELERATION, THESIS_CURRENT)
     }
     save(response_panel(frequency, gains), output.filters)
-
-
-if __name__ == "__main__":
-    run_step(draw_filters, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -12,7 +12,6 @@ from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json
 
 
@@ -30,7 +29,3 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
                 parts.append(MovingSamples.of(record, fit, smooth))
     for name, figure in friction_figures(MovingSamples.joined(parts), constant).items():
         save(figure, output[name])
-
-
-if __name__ == "__main__":
-    run_step(draw_friction, snakemake)  # type: ignore[name-defined]  # noqa: F821

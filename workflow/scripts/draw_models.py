@@ -9,7 +9,6 @@ from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.steps import run_step
 
 BENT = [0.0, -1.3, 1.1, -1.3, -1.5, 0.0]  # rad: no link hides another
 
@@ -33,7 +32,3 @@ def alike(robot: Robot) -> list[list[str]]:
         rigid = links.model_copy(update={"rotor_inertias": None, "description": ""})
         groups.setdefault(repr(rigid), []).append(name)
     return [*groups.values()]
-
-
-if __name__ == "__main__":
-    run_step(draw_models, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -5,7 +5,6 @@ from typing import Any
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, read_table, write_json
 
 
@@ -15,7 +14,3 @@ def estimate_clocks(input: Any, output: Any, params: Any) -> None:
     starts = read_json(input.quality)["starts"]
     frames = kinematics.rotation, kinematics.jacobian
     write_json(own_clocks(starts, devices, robot, *frames), output.clocks)
-
-
-if __name__ == "__main__":
-    run_step(estimate_clocks, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -4,33 +4,26 @@ from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.pipeline.force_estimates import (
-    carry_alike,
     direct_problems,
     estimated_forces,
     repeat_problem,
+    repeated_runs,
 )
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
     jacobian = Kinematics.read(input.kinematics).jacobian
-    same = carry_alike(read_json(input.load), [*map(read_json, input.free_loads)])
-    alike = (
-        (Currents.read(currents), Motion.read(motion))
-        for currents, motion, may in zip(input.free_currents, input.free_motion, same, strict=True)
-        if may
-    )
     found = direct_problems(motion, currents, read_json(input.residuals))
-    if "Fmap" in found and (repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz)):
-        found["repeat"] = repeat
+    if "Fmap" in found:
+        index, load = read_json(input.free_runs), read_json(input.load).get("load")
+        files = repeated_runs(found["Fmap"].input, params.recording, load, index)
+        alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
+        if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
+            found["repeat"] = repeat
     prior = ContactPrior(force=params.contact_force_n)
     estimated_forces(motion, jacobian, found, prior).write(output.forces)
-
-
-if __name__ == "__main__":
-    run_step(estimate_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -13,7 +13,6 @@ from ur5lib.pipeline.closed_loop import (
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 
 
@@ -30,7 +29,3 @@ def estimate_gains(input: Any, output: Any, params: Any) -> None:
         closed_loop = simulated(signals, robot, tracking, sets)
     closed_loop.write(output.closed_loop)
     write_json(summary, output.gains)
-
-
-if __name__ == "__main__":
-    run_step(estimate_gains, snakemake)  # type: ignore[name-defined]  # noqa: F821

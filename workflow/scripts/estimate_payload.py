@@ -14,7 +14,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -34,7 +33,3 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
     regressor = LoadRegressor(time=motion.time, segment=motion.segment, load_regressor=per_load)
     regressor.write(output.regressor)
     write_json(summary, output.payload)
-
-
-if __name__ == "__main__":
-    run_step(estimate_payload, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -9,7 +9,6 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -25,9 +24,9 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
             records.append(record)
             ratios.append(controllers_ratio(signals, motion))
     summary: dict[str, Any] = {"from": []}
-    qualities = zip(params.recordings, map(read_json, input.quality), strict=True)
+    loads = zip(params.recordings, map(read_json, input.loads), strict=True)
     try:
-        require_no_stop_sign(dict(qualities))
+        require_no_stop_sign(dict(loads))
         prior = prior_of(robot, ratios)
         summary = friction_summary(records, prior, smooth, params.terms) | {"model": model}
     except ContradictionError as sign:
@@ -35,7 +34,3 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     except ValueError as error:
         summary["refused"] = str(error)
     write_json(summary, output.friction)
-
-
-if __name__ == "__main__":
-    run_step(fit_friction, snakemake)  # type: ignore[name-defined]  # noqa: F821

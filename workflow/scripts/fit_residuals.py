@@ -6,7 +6,6 @@ from ur5lib.identification.currents import CurrentFit, breakaway_torque
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.residual_fit import residual_summary
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -20,7 +19,3 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
         paths = friction["paths"]
         summary = residual_summary(recordings, breakaway, paths, params.cutoff_hz)
     write_json(summary, output.residuals)
-
-
-if __name__ == "__main__":
-    run_step(fit_residuals, snakemake)  # type: ignore[name-defined]  # noqa: F821

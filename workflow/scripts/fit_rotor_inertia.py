@@ -7,7 +7,6 @@ from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -27,7 +26,3 @@ def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
         fit = rotor_inertia.fit_rotor_inertia(*zip(*known.values(), strict=True))
         summary |= {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
     write_json(summary, output.rotors)
-
-
-if __name__ == "__main__":
-    run_step(fit_rotor_inertia, snakemake)  # type: ignore[name-defined]  # noqa: F821

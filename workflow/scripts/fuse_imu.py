@@ -11,7 +11,6 @@ from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.signals.imu_fusion import smooth_with_imu
 from ur5lib.signals.smoothing import smooth_encoders
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -28,7 +27,3 @@ def fuse_imu(input: Any, output: Any, params: Any) -> None:
         record, summary = fused_record(signals, fused), {"encoders+imu": motion_account(fused)}
     record.write(output.motion)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(fuse_imu, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -10,7 +10,6 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json, write_text
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -38,7 +37,3 @@ def identify_model(input: Any, output: Any, params: Any) -> None:
     write_text(robot_yaml(robot), output.arm)
     write_text(urdf(robot, rigid_bodies(robot, name)), output.urdf)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(identify_model, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -7,7 +7,6 @@ import pandas as pd
 
 from ur5lib.report.reference import read_reference
 from ur5lib.report.study_results import StudyResults
-from ur5lib.steps import run_step
 from ur5lib.tables import write_csv
 
 
@@ -16,7 +15,3 @@ def make_tables(input: Any, output: Any, params: Any) -> None:
     for name, path in output.items():
         table = import_module(f"ur5lib.report.tables.{name}")
         write_csv(pd.DataFrame(table.rows(results), columns=table.COLUMNS), path)
-
-
-if __name__ == "__main__":
-    run_step(make_tables, snakemake)  # type: ignore[name-defined]  # noqa: F821

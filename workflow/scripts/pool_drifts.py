@@ -4,7 +4,6 @@ from dataclasses import asdict
 from typing import Any
 
 from ur5lib.signals.host_drifts import pool_drifts as pool
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -12,7 +11,3 @@ def pool_drifts(input: Any, output: Any, params: Any) -> None:
     clocks = dict(zip(params.recordings, map(read_json, input.clocks), strict=True))
     drifts = pool(clocks, params.hosts)
     write_json({host: asdict(drift) for host, drift in drifts.items()}, output.drifts)
-
-
-if __name__ == "__main__":
-    run_step(pool_drifts, snakemake)  # type: ignore[name-defined]  # noqa: F821

@@ -8,14 +8,13 @@ from ur5lib.identification.currents import fit_for
 from ur5lib.identification.payload import Payload
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.payload_estimate import judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json, write_json
 
 
@@ -26,23 +25,20 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, torques, model)
     currents = Currents(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
-    stopped = stop_signs(read_json(input.quality))
-    if record is not None and friction["from"] and not stopped:
+    known = read_json(input.load)
+    if record is not None and friction["from"] and not known["stop_signs"]:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):
             payload = Payload(**{name: np.array(value) for name, value in found.items()})
-            unloaded, known = map(read_json, input.unloaded), read_json(input.load)
-            load = judged_load(payload, [*unloaded], friction["paths"], known, params.role)
+            unloaded = [*map(read_json, input.unloaded)]
+            load = judged_load(payload, unloaded, friction["paths"], known, params.role)
             if load["taken"]:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
         record, load_torque = with_load(record, load_torque, fit, smooth, cutoff)
         currents = predicted_currents(record, fit, load_torque, signals, torques, smooth, cutoff)
         others = baselines(record, robot, np.array(friction["least_squares"]), signals)
-        summary |= {"load": load, "scores": scores(record, currents, others, smooth)}
+        judged = scores(record, currents, others, smooth)
+        summary |= {"load": load, "extent": passed(motion, currents), "scores": judged}
     currents.write(output.currents)
     write_json(summary, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(predict_currents, snakemake)  # type: ignore[name-defined]  # noqa: F821

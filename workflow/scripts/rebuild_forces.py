@@ -8,9 +8,7 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import load_robot
-from ur5lib.steps import run_step
 from ur5lib.tables import read_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -21,10 +19,6 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
     robot = load_robot(input.arm)
     forces = PublishedForces(time=signals.time, segment=signals.segment)
-    if not stop_signs(read_json(input.quality)):
+    if not read_json(input.load)["stop_signs"]:
         forces = published_forces(robot, signals, motion, torques, jacobian, settings)
     forces.write(output.forces)
-
-
-if __name__ == "__main__":
-    run_step(rebuild_forces, snakemake)  # type: ignore[name-defined]  # noqa: F821

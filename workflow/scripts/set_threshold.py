@@ -5,7 +5,6 @@ from typing import Any
 from ur5lib.force.detection import alarm_threshold
 from ur5lib.pipeline.estimates import GATED
 from ur5lib.pipeline.records.forces import Forces
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 
 
@@ -19,7 +18,3 @@ def set_threshold(input: Any, output: Any, params: Any) -> None:
             rate = params.false_alarms_per_min
             thresholds[name] = alarm_threshold([*odds], [*periods], rate)
     write_json(thresholds, output.threshold)
-
-
-if __name__ == "__main__":
-    run_step(set_threshold, snakemake)  # type: ignore[name-defined]  # noqa: F821

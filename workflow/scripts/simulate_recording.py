@@ -7,7 +7,6 @@ from ur5lib.robots.description import load_robot
 from ur5lib.stand.layout import file_names
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
-from ur5lib.steps import run_step
 
 
 def simulate_recording(input: Any, output: Any, params: Any) -> None:
@@ -17,7 +16,3 @@ def simulate_recording(input: Any, output: Any, params: Any) -> None:
     truth = Path(output.truth).with_suffix("")
     robot = load_robot(input.arm).mounted(params.gravity)
     simulate(robot, plan, params.format, folder, truth)
-
-
-if __name__ == "__main__":
-    run_step(simulate_recording, snakemake)  # type: ignore[name-defined]  # noqa: F821

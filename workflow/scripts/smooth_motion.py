@@ -5,7 +5,6 @@ from typing import Any
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured, motion_account, motion_record
 from ur5lib.signals.smoothing import smooth_encoders
-from ur5lib.steps import run_step
 from ur5lib.tables import write_json
 
 
@@ -14,7 +13,3 @@ def smooth_motion(input: Any, output: Any, params: Any) -> None:
     motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
     motion_record(signals, motion).write(output.motion)
     write_json({"encoders": motion_account(motion)}, output.summary)
-
-
-if __name__ == "__main__":
-    run_step(smooth_motion, snakemake)  # type: ignore[name-defined]  # noqa: F821

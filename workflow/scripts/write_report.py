@@ -12,7 +12,6 @@ from ur5lib.report.reference import read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.report.versions import commit, versions
-from ur5lib.steps import run_step
 from ur5lib.tables import read_csv, write_text
 
 
@@ -30,7 +29,3 @@ def write_report(input: Any, output: Any, params: Any) -> None:
     write_html(document, output.html)
     write_pdf(document, output.pdf)
     write_text(params.study, output.study)
-
-
-if __name__ == "__main__":
-    run_step(write_report, snakemake)  # type: ignore[name-defined]  # noqa: F821

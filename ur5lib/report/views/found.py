@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
-from ur5lib.recordings.quality import SEVERITIES
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.findings import SEVERITIES
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.views.currents import loaded

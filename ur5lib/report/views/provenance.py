@@ -43,12 +43,13 @@ def run_times(results: Results) -> Body:
             number(step.wall_s, 1),
             number(step.cpu_s, 1),
             number(step.start_up_s, 1),
+            number(step.max_rss_mb, 0),
             Cell(step.first_end.replace("T", " ")),
             Cell(step.last_end.replace("T", " ")),
         ]
         for step in times.itertuples()
     ]
-    header = ["step", "jobs", "wall [s]", "processor [s]", "start-up [s]"]
+    header = ["step", "jobs", "wall [s]", "processor [s]", "start-up [s]", "memory [MB]"]
     return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
 
 

@@ -2,10 +2,9 @@
 
 import pandas as pd
 
-from ur5lib.recordings.quality import SEVERITIES
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.findings import group_findings
+from ur5lib.report.findings import SEVERITIES, group_findings
 from ur5lib.report.results import Body, Results
 
 MOST_NAMED = 4  # recordings of one finding

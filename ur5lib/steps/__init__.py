@@ -1,0 +1,1 @@
+"""Steps of the workflow: how a rule runs its script in a process that is warm already."""

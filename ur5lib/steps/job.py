@@ -1,0 +1,91 @@
+"""One job of a step: its log, its benchmark and its one sentence on an error."""
+
+import importlib.util
+import os
+import resource
+import sys
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from ur5lib.errors import InputError, printable
+
+SCRIPTS = Path("workflow/scripts")
+BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
+
+Step = Callable[["Names", "Names", "Names"], None]
+
+
+class Names(dict[str, Any]):
+    """Files or settings of a job by name, as attributes too."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+
+@dataclass
+class Job:
+    """A step, the files that it reads and writes, and its settings.
+
+    log: what it prints, and the traceback of an unexpected error; benchmark: its wall time [s],
+    its largest memory [MB], and its processor time [s], of which start-up is the time in which
+    Python and packages were loaded for it.
+    """
+
+    step: str
+    input: Names
+    output: Names
+    params: Names
+    log: str
+    benchmark: str
+
+    def run(self, start_up: float = 0.0) -> str:
+        """Run the step in this process; return one sentence on why it failed, empty if it did not.
+
+        What the process prints from now on goes to the log, that of its libraries included.
+        start_up: processor time that was spent on loading packages for this job before [s].
+        """
+        Path(self.log).parent.mkdir(parents=True, exist_ok=True)
+        with open(self.log, "w", encoding="utf-8") as log:
+            os.dup2(log.fileno(), sys.stdout.fileno())
+            os.dup2(log.fileno(), sys.stderr.fileno())
+        began, before = time.perf_counter(), time.process_time()
+        error = self._error()
+        if error:
+            print(error)
+        sys.stdout.flush()
+        took, used = time.perf_counter() - began, time.process_time() - before
+        largest = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        Path(self.benchmark).parent.mkdir(parents=True, exist_ok=True)
+        Path(self.benchmark).write_text(BENCHMARK.format(took, largest, start_up, start_up + used))
+        return error
+
+    def _error(self) -> str:
+        try:
+            load_step(self.step)(self.input, self.output, self.params)
+        except InputError as error:
+            return printable(f"{self.step}: {error}")
+        except Exception as error:
+            traceback.print_exc()
+            kind = type(error).__name__
+            return printable(f"{self.step}: {kind}: {error} (traceback in {self.log})")
+        return ""
+
+
+@cache
+def load_step(name: str) -> Step:
+    """Return the function of a step from its script."""
+    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    step: Step = getattr(script, name)
+    return step

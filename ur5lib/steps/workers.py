@@ -1,0 +1,80 @@
+"""The warm processes of a run: one for each job that runs at the same time."""
+
+import os
+import queue
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
+from multiprocessing import Pipe
+from typing import Any
+
+from ur5lib.steps.job import Job, Names
+
+
+class StepError(Exception):
+    """A step failed; the message says which, and why."""
+
+
+class Worker:
+    """A process of `ur5lib.steps.worker`, and the connection to it.
+
+    Jobs share the cores already, so that each keeps to one.
+    """
+
+    def __init__(self) -> None:
+        self.connection, other = Pipe()
+        command = [sys.executable, "-m", "ur5lib.steps.worker", str(other.fileno())]
+        environment = os.environ | {"OMP_NUM_THREADS": "1"}
+        self.process = subprocess.Popen(
+            command, env=environment, stdin=subprocess.DEVNULL, pass_fds=[other.fileno()]
+        )
+        other.close()
+
+    def run(self, job: Job) -> str:
+        """Return one sentence on why a job failed, empty if it did not."""
+        self.connection.send(job)
+        return str(self.connection.recv())
+
+
+IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
+
+
+def run_step(
+    step: str,
+    input: Mapping[str, Any],
+    output: Mapping[str, Any],
+    params: Mapping[str, Any],
+    log: Mapping[str, str],
+) -> None:
+    """Run a step's script in a warm process.
+
+    Raises StepError with one sentence if it fails. Threads may call it at the same time.
+    """
+    job = Job(step, names(input), names(output), names(params), log["log"], log["benchmark"])
+    try:
+        worker = IDLE.get_nowait()
+    except queue.Empty:
+        worker = Worker()
+    try:
+        error = worker.run(job)
+    except (EOFError, OSError):
+        raise StepError(f"{step}: its process was killed; see {job.log}") from None
+    IDLE.put(worker)
+    if error:
+        raise StepError(error)
+
+
+def names(given: Mapping[str, Any]) -> Names:
+    """Return Snakemake's files or settings by name, as plain strings, numbers and lists."""
+    return Names({name: plain(value) for name, value in given.items()})
+
+
+def plain(value: Any) -> Any:
+    """Return a value without Snakemake's own types, which would take long to load elsewhere."""
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, Iterable):
+        return [plain(item) for item in value]
+    return value
