@@ -35,3 +35,10 @@ rule all:
     input:
         rules.write_report.output,
         of_every_job("output"),
+
+
+# A report shows the figures of a few recordings; `snakemake figures` draws those of all.
+rule figures:
+    input:
+        expand(rules.draw_figures.output, recording=RECORDINGS),
+        expand(rules.draw_published_forces.output, recording=RECORDINGS),

@@ -31,7 +31,7 @@ from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms
 from ur5lib.force.external_torque import is_still
-from ur5lib.force.template import ForceInput
+from ur5lib.force.force_input import ForceInput
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces

@@ -13,8 +13,8 @@ from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.external_torque import MOVING
+from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, few_paths
-from ur5lib.force.template import ForceInput, extent
 from ur5lib.identification.currents import breakaway_torque, fit_currents
 from ur5lib.identification.payload import LEFT
 from ur5lib.identification.payload import Payload as FoundLoad

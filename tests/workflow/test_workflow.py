@@ -24,7 +24,8 @@ FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
 EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
-FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS
+INDEX = {"index_free_runs": 1}
+FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS | INDEX
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
@@ -145,7 +146,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
-        ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | REPORT),
+        ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | REPORT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/views/found.py", {"write_report": 1}),
@@ -211,7 +212,8 @@ def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> N
     others = ("compare_accelerations", "estimate_forces", *FROM_SENSOR)
     again = jobs(*others, recordings=RECORDINGS + 1)
     alone = jobs(*EACH_RECORDING, recordings=1)
-    assert workflow.plan() == alone | again | {"set_threshold": 1} | DRIFTS | REPORT
+    shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS
+    assert workflow.plan() == alone | again | shared | REPORT
 
 
 def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) -> None:
@@ -222,7 +224,17 @@ def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) ->
     )
     others = ("fuse_imu", "compare_accelerations", *FROM_TORQUES)
     again = jobs(*others, recordings=RECORDINGS + 1)
-    assert workflow.plan() == jobs(*EACH_RECORDING, recordings=1) | again | DRIFTS | ARM | REPORT
+    undrawn = {"draw_figures": RECORDINGS}  # the report shows the first few of a kind
+    alone = jobs(*EACH_RECORDING, recordings=1)
+    assert workflow.plan() == alone | again | undrawn | DRIFTS | ARM | REPORT
+
+
+def test_figures_that_no_report_shows_are_drawn_on_demand(workflow: Workflow) -> None:
+    assert workflow.plan("figures") == {"draw_published_forces": RECORDINGS, "figures": 1}
+    workflow.build("--", "figures")
+    folder = workflow.folder / "results" / "small" / "figures" / "pushed"
+    assert (folder / "forces_printed.svg").stat().st_size > 0
+    assert workflow.plan() == {}
 
 
 def test_a_changed_raw_file_reruns_its_recording(workflow: Workflow) -> None:

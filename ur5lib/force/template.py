@@ -6,48 +6,16 @@ that one is subtracted. Friction changes with temperature from run to run: its r
 estimated by subtracting contact-free runs of the trajectory from one another.
 """
 
-from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.external_torque import (
-    RESTING,
-    STATES,
-    States,
-    finite_rows,
-    is_still,
-)
+from ur5lib.force.external_torque import RESTING, STATES, States, finite_rows
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Stretch, few_paths, fit_residual_model
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.trajectories import SAME, nearest, place
-
-
-@dataclass(frozen=True)
-class ForceInput:
-    """Input of the force estimate of one run.
-
-    q, qd, torque, states: positions, velocities, external torques and joint states, (N, 6) each,
-    NaN where unknown; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation of an
-    estimated load's torque, None without a load.
-    """
-
-    q: Array
-    qd: Array
-    torque: Array
-    states: States
-    segment: Labels
-    period: float
-    doubt: Array | None = None
-
-    def moves(self) -> Mask:
-        """Return the samples (N,) in which the arm moves and its motion is known."""
-        return finite_rows(self.q) & finite_rows(self.qd) & ~is_still(self.states)
-
-    def with_torque(self, torque: Array, states: States) -> Self:
-        """Return the same motion with another torque and the states of another model."""
-        return replace(self, torque=torque, states=states)
 
 
 class Repeated(NamedTuple):
@@ -103,33 +71,12 @@ def same_trajectory(run: ForceInput, contact_free: ForceInput) -> bool:
     return bool(moves.any() and matched[moves].mean() >= SAME)
 
 
-def extent(run: ForceInput) -> Array | None:
-    """Return the lowest and the highest `place` (2, 12) that a run offers to templates, if any."""
-    passed = place(run.q, run.qd)[_offered(run)]
-    return np.array([passed.min(axis=0), passed.max(axis=0)]) if len(passed) else None
-
-
-def may_repeat(run: ForceInput, extent: Array) -> bool:
-    """Return whether a contact-free run of this extent can be of the same trajectory.
-
-    A quick necessary condition of `same_trajectory`: a sample near one of the other run lies within
-    its extent, widened by the distance that counts as near.
-    """
-    states = place(run.q, run.qd)[run.moves()]
-    inside = ((states >= extent[0] - 1) & (states <= extent[1] + 1)).all(axis=1)
-    return bool(len(states) and inside.mean() >= SAME)
-
-
-def _offered(run: ForceInput) -> Mask:
-    return run.moves() & finite_rows(run.torque)
-
-
 def template(run: ForceInput, contact_free: list[ForceInput]) -> Array:
     """Return the external torque (N, 6) of the nearest sample of the contact-free runs in (q, qd).
 
     NaN where the run rests, or none of their samples is near.
     """
-    pairs = [(free, _offered(free)) for free in contact_free]
+    pairs = [(free, free.offered()) for free in contact_free]
     places = np.concatenate([place(free.q, free.qd)[rows] for free, rows in pairs])
     torques = np.concatenate([free.torque[rows] for free, rows in pairs])
     result = np.full_like(run.torque, np.nan)

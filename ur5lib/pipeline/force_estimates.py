@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.template import ForceInput, may_repeat, repeat_aware
+from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents

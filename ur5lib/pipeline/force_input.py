@@ -1,7 +1,7 @@
 """A recording as a force estimate without a sensor uses it."""
 
 from ur5lib.force.external_torque import joint_states
-from ur5lib.force.template import ForceInput, extent
+from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ur5lib.errors import InputError
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Stretch, few_paths, fit_residual_model
-from ur5lib.force.template import ForceInput
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion

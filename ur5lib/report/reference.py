@@ -43,6 +43,11 @@ class Reference(Strict):
     printed: Printed = Printed()
     errata: tuple[Erratum, ...] = ()
 
+    def recordings(self) -> set[str]:
+        """Return the names of the recordings with published values."""
+        tables = (getattr(self.printed, name) for name in type(self.printed).model_fields)
+        return {table.recording for table in tables if table is not None}
+
 
 def read_reference(path: str | Path | None) -> Reference:
     """Read a file of published values; empty without a path.

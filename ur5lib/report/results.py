@@ -10,7 +10,7 @@ import pandas as pd
 from ur5lib.report.document import Cell
 from ur5lib.report.reference import Erratum
 
-MOST_SHOWN = 4  # recordings that get tables and figures of their own; the others' lie in files
+MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # of a table; the file it was made from has all
 
 
@@ -28,13 +28,15 @@ NOTHING = Body([], [])
 class Results:
     """A study's results.
 
-    study: the configuration; tables: by name; figures: the folder of figures; left_out: a sentence
+    study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
+    with figures; left_out: a sentence
     for each section that the data do not allow.
     """
 
     study: Mapping[str, Any]
     tables: Mapping[str, pd.DataFrame]
     figures: Path
+    drawn: frozenset[str] = frozenset()
     errata: Sequence[Erratum] = ()
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
@@ -66,14 +68,13 @@ class Results:
         ]
         return Body([str(name).replace("_", " ") for name in rows], cells)
 
+    def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
+        """Return the first few recordings, as a report has room for, of those with figures."""
+        return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
+
     def rows(self, table: str, **values: Any) -> pd.DataFrame:
         """Return the rows of a table with these values."""
         rows = self.tables[table]
         for column, value in values.items():
             rows = rows[rows[column] == value]
         return rows
-
-
-def shown(names: Sequence[str]) -> list[str]:
-    """Return as many recordings as a report has room for."""
-    return [*dict.fromkeys(names)][:MOST_SHOWN]

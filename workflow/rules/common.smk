@@ -10,11 +10,15 @@ import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.report.reference import read_reference
 from ur5lib.steps.workers import run_step
 from ur5lib.study.reading import parse_study
 
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
+    PRINTED = sorted(
+        read_reference(STUDY.reference).recordings() & {r.name for r in STUDY.recordings}
+    )
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
 
@@ -31,6 +35,7 @@ RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
+MOST_SHOWN = 4  # recordings of a kind that the report draws
 STUDY_YAML = yaml.safe_dump(
     STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
 )
@@ -162,6 +167,23 @@ def raw_files(name):
     return sorted(str(path) for path in files if path.is_file())
 
 
+def illustrated():
+    """Return the recordings whose figures the report may show.
+
+    Those with printed values, the first few with a contact or to validate, and the first.
+    """
+    touched = sorted(TOUCHED, key=lambda name: not has_force_sensor(name))
+    validated = [name for name in RECORDINGS if RECORDINGS[name].role == "validate"]
+    chosen = {*PRINTED, *touched[:MOST_SHOWN], *validated[:MOST_SHOWN], *[*RECORDINGS][:1]}
+    return [name for name in RECORDINGS if name in chosen]
+
+
+def has_force_sensor(name):
+    """Return whether a recording names or holds a file of a force sensor."""
+    named = getattr(RECORDINGS[name], "force_sensor", None)
+    return bool(named) or any("force_sensor" in path for path in raw_files(name))
+
+
 def way_points(name):
     """Return the file of way-points of a simulated recording, if any."""
     given = getattr(RECORDINGS[name].simulate.trajectory, "way_points", None)
@@ -247,8 +269,12 @@ def tables(names):
 
 
 def of_every_job(kind):
-    """Return the outputs or logs (`output`, `log`) of all jobs of the rules above."""
-    only = {"ablate_forces": TOUCHED}
+    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above."""
+    only = {
+        "ablate_forces": TOUCHED,
+        "draw_figures": illustrated(),
+        "draw_published_forces": PRINTED,
+    }
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}
     patterns = {
         re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)): only.get(name, RECORDINGS)

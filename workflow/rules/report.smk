@@ -6,6 +6,8 @@ FIGURES = [
     "accelerations_published",
     "currents",
     "forces_estimated",
+]
+PUBLISHED_FIGURES = [
     "forces_printed",
     "forces_friction_printed",
     "forces_corrected",
@@ -23,7 +25,6 @@ rule draw_figures:
         accelerations=result("accelerations.parquet"),
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
-        published=result("published_forces.parquet"),
         sensor=result("sensor.parquet"),
         forces=result("forces.parquet"),
         arm=parameter_of("arm.yaml"),
@@ -34,6 +35,20 @@ rule draw_figures:
     params:
         code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_published_forces:
+    input:
+        published=result("published_forces.parquet"),
+        sensor=result("sensor.parquet"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{recording}}", PUBLISHED_FIGURES),
+    log:
+        **traces("draw_published_forces", "{recording}"),
+    params:
+        code=code("draw_published_forces"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -1,10 +1,10 @@
-"""Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4 to 6.9."""
+"""Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4."""
 
 from typing import Any
 
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
@@ -25,19 +25,8 @@ def draw_figures(input: Any, output: Any, params: Any) -> None:
     published = figures.published_acceleration_figure(accelerations)
     save(published, output.accelerations_published)
     sensor, forces = SensorWrenches.read(input.sensor), Forces.read(input.forces)
-    draw_published(PublishedForces.read(input.published), sensor, output)
     singular = Kinematics.read(input.kinematics).smallest_singular_value
     hidden = singular < params.min_singular_value
     save(figures.estimate_figure(forces, sensor, hidden), output.forces_estimated)
     currents = Currents.read(input.currents)
     save(figures.current_figure(signals, currents), output.currents)
-
-
-def draw_published(published: PublishedForces, sensor: SensorWrenches, output: Any) -> None:
-    """Draw the thesis's estimates, as printed and corrected."""
-    draw = figures.published_force_figure
-    without = "F", "Fu"
-    save(draw(published, sensor, "printed", without), output.forces_printed)
-    save(draw(published, sensor, "printed", ("F*",)), output.forces_friction_printed)
-    save(draw(published, sensor, "corrected", without), output.forces_corrected)
-    save(draw(published, sensor, "corrected", ("F*",)), output.forces_friction_corrected)

@@ -21,6 +21,7 @@ def write_report(input: Any, output: Any, params: Any) -> None:
         study=study,
         tables={Path(path).stem: read_csv(path) for path in input.tables},
         figures=Path(os.path.commonpath(input.figures)),
+        drawn=frozenset(Path(path).parent.name for path in input.figures),
         errata=read_reference(input.get("reference")).errata,
         commit=commit(),
         versions=versions(),

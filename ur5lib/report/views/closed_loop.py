@@ -7,7 +7,7 @@ import pandas as pd
 
 from ur5lib.report.cells import joints, number, significant
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results, shown
+from ur5lib.report.results import Body, Results
 
 
 def printed(results: Results) -> list[str]:
@@ -19,7 +19,7 @@ def drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
     known = [*results.tables["closed_loop_mae"]["recording"].unique()]
     validated = [name for name in results.with_role("validate") if name in known]
-    return shown(printed(results) or validated[:1] or known[:1])
+    return results.shown(printed(results)) or results.shown([*validated, *known], 1)
 
 
 def positions(results: Results, of: str) -> Body:

@@ -6,7 +6,7 @@ import pandas as pd
 
 from ur5lib.report.cells import extremes, interval, joints, number, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results, shown
+from ur5lib.report.results import Body, Results
 
 MODELS = {
     "fitted": "fitted",
@@ -21,7 +21,7 @@ def predicted(results: Results) -> list[str]:
     """Return the validate recordings whose currents were predicted."""
     rows = results.tables["current_rmse"]
     known = {*rows.loc[rows["model"] == "fitted", "recording"]}
-    return shown([name for name in results.with_role("validate") if name in known])
+    return results.shown([name for name in results.with_role("validate") if name in known])
 
 
 def constants(results: Results) -> Body:

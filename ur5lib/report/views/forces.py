@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
-from ur5lib.report.results import NOTHING, Body, Results, shown
+from ur5lib.report.results import NOTHING, Body, Results
 from ur5lib.report.views.currents import loaded
 
 UNITS = {"F": "N", "n": "Nm"}
@@ -22,7 +22,7 @@ def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
     drawn = {*results.tables["detection"]["recording"]}
     felt = [name for name in results.with_role("contact") if name in drawn]
-    return shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
+    return results.shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
 
 
 def printed(results: Results) -> list[str]:

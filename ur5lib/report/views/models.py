@@ -6,7 +6,7 @@ import pandas as pd
 
 from ur5lib.report.cells import extremes, number, signed, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import NOTHING, Body, Results, shown
+from ur5lib.report.results import NOTHING, Body, Results
 
 
 def compared(results: Results) -> list[str]:
@@ -14,7 +14,7 @@ def compared(results: Results) -> list[str]:
     torque = results.tables["torque_mae"]
     known = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
     others = [name for name in results.with_role("validate") if name in known]
-    return shown([*results.printed("torque_mae"), *others] or known[:1])
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(known, 1)
 
 
 def mean_errors(results: Results) -> Body:

@@ -4,14 +4,16 @@ from collections.abc import Iterator
 
 from ur5lib.report.cells import number, signed, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results, shown
+from ur5lib.report.results import Body, Results
 
 COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "rad/s²", "rz": "rad/s²"}
 
 
 def drawn(results: Results) -> list[str]:
     """Return the recordings whose acceleration is drawn: with printed errors, or the first."""
-    return shown(printed(results) or [*results.tables["acceleration_mae"]["recording"]][:1])
+    return results.shown(printed(results)) or results.shown(
+        [*results.tables["acceleration_mae"]["recording"]], 1
+    )
 
 
 def printed(results: Results) -> list[str]:
