@@ -19,7 +19,7 @@ from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
-from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
@@ -317,6 +317,14 @@ def test_another_arm_is_told_with_the_one_that_fits(study: str, name: str) -> No
     (sign,) = taken.signs(arm=other)
     assert f"differs from the torque of {other}" in sign
     assert f"`robot: {taken.arm.name}`" in sign
+
+
+def test_a_similar_arm_that_fits_much_better_is_told(made: Path) -> None:
+    """As of two generations: here, an arm that differs by 0.5 kg at its end."""
+    taken = simulated(made, "slow", "ur5", "floor")
+    heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
+    (sign,) = stop_signs(taken.table, heavier, None, None, fitted=True)
+    assert "`robot: ur5` would fit" in sign
 
 
 def test_a_tool_that_leaves_the_flange_is_told(made: Path) -> None:

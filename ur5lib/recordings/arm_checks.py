@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pandas as pd
@@ -14,6 +15,7 @@ from ur5lib.timeseries.arrays import Array
 
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
+EXACT, BETTER = 0.01, 0.25  # another arm that leaves a quarter of more than this is the right one
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
 DEGREES = 180 / np.pi
@@ -46,10 +48,13 @@ def foreign_torque(
         return
     residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
     share = size(residual) / size(torque)
-    if share > MODELLED:
+    foreign = share > MODELLED
+    most = EXPLAINED * size(torque) if foreign else BETTER * size(residual)
+    arms = [*_fitting_arms(means, torque, arm, most)] if share > EXACT else []
+    if foreign or arms:
         fitting = [
-            *_fitting_arms(means, torque, arm),
-            *_fitting_load(means, residual, arm, EXPLAINED * size(torque)),
+            *arms,
+            *_fitting_load(means, residual, arm, most),
             *_fitting_units(means, torque, arm),
             *_fitting_columns(means, arm),
         ]
@@ -69,11 +74,18 @@ def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
     return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
 
 
-def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[str]:
-    """Yield the described arms whose torque is that of the recording."""
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[str]:
+    """Yield the described arms that leave less than `most` of the torque."""
     for name in robot_names():
-        if _fits(means, torque, load_robot(robot_path(name)).mounted(arm.gravity)):
+        other = described(name).mounted(arm.gravity)
+        if size(_residual(means, torque, other)) < most:
             yield f"`robot: {name}`"
+
+
+@cache
+def described(name: str) -> Robot:
+    """Return a described arm, read once."""
+    return load_robot(robot_path(name))
 
 
 def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[str]:
