@@ -81,6 +81,8 @@ def test_what_is_expected_of_a_term_has_a_number_for_each_coefficient() -> None:
     for term in (*BASE, *CONSIDERED, *FAMILY):
         assert len(term.expected(torque_max=150.0)) == len(term.names())
     assert CONSIDERED[0].expected(150.0) == [0.75, 0.75]
+    assert Term("coulomb").expected(150.0) == [150.0]
+    assert Term("load").expected(150.0) == Term("load").expected(28.0) == [0.1]  # whatever motor
 
 
 def test_friction_that_drives_is_told() -> None:

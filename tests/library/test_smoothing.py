@@ -278,6 +278,24 @@ def test_noise_is_found(by_encoders: SmoothedMotion) -> None:
     np.testing.assert_allclose(noise.lag, LAG, atol=0.0015)
 
 
+@pytest.mark.parametrize("missing", [True, False], ids=["frames missing", "short segments"])
+def test_noise_is_not_taken_for_less_where_the_record_is_broken(
+    missing: bool, measured: tuple[np.ndarray, np.ndarray]
+) -> None:
+    """Of every fifth frame, or into stretches of three: what is filled in says nothing of noise."""
+    count = 1500 if missing else 300
+    q, qd = (values[:count].copy() for values in measured)
+    time, segment = clock(count)
+    if missing:
+        q[4::5] = qd[4::5] = np.nan
+    else:
+        segment = np.arange(count) // 3
+    noise = encoder_noise(time, segment, q, qd)
+    position = noise.position / np.hypot(POSITION, STEP / np.sqrt(12))
+    assert 1.0 < np.mean(position) < 1.15
+    assert 1.0 < np.mean(noise.velocity / VELOCITY) < 1.15
+
+
 def test_biases_are_found(by_both: SmoothedMotion) -> None:
     assert (np.abs(by_both.biases - IMU_BIAS) < 4 * by_both.std[:, 18:]).all()
     assert (by_both.std[:, 18:] < np.repeat([0.01, 0.001], 3)).all()
