@@ -18,6 +18,7 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import sys
 import time
@@ -231,13 +232,19 @@ def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
 
 
 def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
-    """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes,
-    then those that call its module, then others of their files, which may share what one of them
-    prepared."""
+    """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes
+    (or, of what is no function, those of a file that imports its module), then those that call its
+    module, then others of their files, which may share what one of them prepared."""
     own, module = f"{mutant.module}:{mutant.function}", f"{mutant.module}:"
+    called = any(own in test["calls"] for tests in files.values() for test in tests.values())
+    package, _, name = mutant.module.removesuffix(".py").replace("/", ".").rpartition(".")
+    imported = rf"\b{package}\.{name}\b|from {package} import .*\b{name}\b|from {name} import"
     ranked = []
-    for tests in files.values():
-        far = {name: _far(test["calls"], own, module) for name, test in tests.items()}
+    for file, tests in files.items():
+        if not called and re.search(imported, Path(file).read_text()):
+            far = dict.fromkeys(tests, 1)
+        else:
+            far = {name: _far(test["calls"], own, module) for name, test in tests.items()}
         if min(far.values(), default=3) < 3:
             ranked += [(far[n], t["seconds"], n) for n, t in tests.items()]
     names, spent = [], 0.0
