@@ -238,7 +238,8 @@ def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
     own, module = f"{mutant.module}:{mutant.function}", f"{mutant.module}:"
     called = any(own in test["calls"] for tests in files.values() for test in tests.values())
     package, _, name = mutant.module.removesuffix(".py").replace("/", ".").rpartition(".")
-    imported = rf"\b{package}\.{name}\b|from {package} import .*\b{name}\b|from {name} import"
+    of_package = rf"from {package} import (?:\([^)]*|.*)\b{name}\b"
+    imported = rf"\b{package}\.{name}\b|{of_package}|from {name} import"
     ranked = []
     for file, tests in files.items():
         if not called and re.search(imported, Path(file).read_text()):
