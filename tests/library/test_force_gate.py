@@ -21,6 +21,7 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
+from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     Ablation,
@@ -410,3 +411,18 @@ def test_at_rest_more_may_be_hidden_than_in_motion(ur5: Robot) -> None:
     nothing = np.zeros(still.shape)
     hidden = [Noise.of(states, MODEL, PRIOR, nothing).hidden for states in (still, moving)]
     assert (np.diagonal(hidden[0], axis1=1, axis2=2)[0] > 4 * np.diag(hidden[1][0])).all()
+
+
+def test_what_may_act_unnoticed_is_what_its_torques_hide(ur5: Robot) -> None:
+    """In motion, so many deviations of the free band; of a contact of unknown size."""
+    run = free_run(ur5, seed=82, seconds=6.0, scale=0.05)
+    noise = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape))
+    nothing, free = np.zeros(run.torque.shape), ~(run.states == STILL).all(axis=1)
+    for unnoticed in (1.0, 3.0):
+        estimate = run.estimate(replace(PRIOR, unnoticed=unnoticed))
+        hidden = unnoticed**2 * noise.spread
+        expected = regularised_wrench(nothing, run.jacobian, hidden, PRIOR.unknown()).covariance
+        std = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
+        assert free.all()
+        assert probability(estimate).max() < 0.01
+        np.testing.assert_allclose(estimate.std, std, rtol=0.01)

@@ -116,7 +116,10 @@ def statements() -> Iterator[str]:
     yield f"{1e3 * thesis.PUBLISHED_JACOBIAN_LAG:g} ms earlier, as in the published script"
 
 
-@pytest.mark.parametrize("statement", [*statements()])
+STATEMENTS = [*statements()]
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=map(str, range(len(STATEMENTS))))
 def test_the_page_states_the_numbers_of_the_program(statement: str) -> None:
     page = re.sub(r"\s+", " ", (PROJECT / "docs" / "methods.md").read_text())
     assert statement in page
