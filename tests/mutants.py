@@ -98,8 +98,11 @@ def changes(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def code(node: ast.AST, function: str = "") -> Iterator[tuple[ast.AST, str]]:
-    """All nodes that are run, with the function they are in: no types, texts and decorators."""
+    """All nodes that are run, with the function they are in: no types, texts and decorators, and
+    no assertions, of which `strict=True` of a zip is one."""
     if isinstance(node, ast.JoinedStr | ast.Raise | ast.Assert):
+        return
+    if isinstance(node, ast.keyword) and node.arg == "strict":
         return
     if isinstance(node, ast.ClassDef):
         function = f"{node.name}."
