@@ -17,7 +17,14 @@ from tests.library.current_study import (
 from ur5lib.identification.currents import CurrentFit, fit_currents
 from ur5lib.identification.friction import BASE, Term
 from ur5lib.identification.prior import JointPrior
-from ur5lib.identification.samples import Record, Samples, design, joint_samples
+from ur5lib.identification.samples import (
+    Record,
+    Samples,
+    blocks,
+    design,
+    joint_samples,
+    smoothed_moving,
+)
 from ur5lib.identification.selection import (
     choose_terms,
     held_current,
@@ -128,3 +135,41 @@ def test_a_band_is_that_of_the_worst_recording_of_two_seconds(
     fit: CurrentFit = fit_currents([*others, steady(seconds, off=3.0)], smooth, prior(), ())
     bands = np.array([joint.band_moving for joint in fit.joints])
     assert ((bands > 2.0) == counts).all()
+
+
+@pytest.mark.parametrize(("period", "size"), [(0.02, 100), (0.3, 7), (1.5, 1), (5.0, 1)])
+def test_a_block_is_of_two_seconds_within_a_segment(period: float, size: int) -> None:
+    """Whatever the rate; a segment begins one, and the next goes on where the first would."""
+    record = replace(steady(6.0, 0.0), period=period)
+    running = np.arange(300) // size
+    np.testing.assert_array_equal(blocks(record), running)
+    split = replace(record, segment=np.repeat([0, 1], [150, 150]))
+    within = 150 % size != 0
+    np.testing.assert_array_equal(blocks(split), running + (np.arange(300) >= 150) * within)
+
+
+def test_samples_are_a_tenth_of_a_second_apart() -> None:
+    """Of a slow recording, each sample is one."""
+    record = make_record(0)
+    for every, count in ((1, 240), (5, 240), (10, 120)):
+        slow = replace(
+            record,
+            period=every * PERIOD,
+            **{
+                name: getattr(record, name)[::every]
+                for name in ("segment", "q", "qd", "torque", "current")
+            },
+        )
+        samples = joint_samples([slow], lambda values, _: values, (), WAYS)
+        assert [len(own.current) for own in samples] == [count] * 6
+        np.testing.assert_array_equal(samples[2].current, record.current[:: max(5, every), 2])
+
+
+def test_a_joint_moves_above_the_dead_zone_for_nine_tenths_of_a_lowpass() -> None:
+    record = replace(
+        steady(6.0, 0.0), qd=np.tile([0.019, 0.021, -0.019, -0.021, 0, np.nan], (300, 1))
+    )
+    moves = smoothed_moving(record, lambda values, _: values)
+    np.testing.assert_array_equal(moves, np.tile([0, 1, 0, 1, 0, 0], (300, 1)))
+    for share, told in ((0.85, False), (0.95, True)):
+        assert (smoothed_moving(record, lambda values, _, s=share: s * values)[:, 1] == told).all()

@@ -7,6 +7,7 @@ import pytest
 import torch
 from scipy import signal
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import (
@@ -349,6 +350,46 @@ def test_noise_of_an_imu_grows_where_the_arm_shakes() -> None:
     noise = imu_noise(*clock(2000), residual, np.where(level > 0.1, explained, 0))
     assert np.median(noise[:900]) == pytest.approx(0.05, rel=0.1)
     assert np.median(noise[1100:]) == pytest.approx(0.8, rel=0.1)
+
+
+def test_an_imu_is_no_quieter_than_in_its_quietest_twentieth() -> None:
+    """Though what the encoders leave open explains all of its residual; in windows of 0.5 s."""
+    random = np.random.default_rng(7)
+    residual = np.where(np.arange(4000) < 400, 0.1, 0.4)[:, None] * random.normal(size=(4000, 1))
+    explained = np.full((4000, 1), 1.0)
+    noise = imu_noise(*clock(4000), residual, explained)
+    assert np.ptp(noise) == 0
+    assert noise[0, 0] == pytest.approx(0.1, rel=0.1)
+    sharp = imu_noise(*clock(4000), residual, 0 * explained)[:, 0]
+    assert (sharp[:368] < 0.15).all()
+    assert (sharp[432:] > 0.25).all()
+    assert ((sharp[380:420] > 0.12) & (sharp[380:420] < 0.38)).all()
+    hole = residual.copy()
+    hole[1000:1200] = np.nan
+    np.testing.assert_allclose(
+        imu_noise(*clock(4000), hole, 0 * explained)[1300:, 0], sharp[1300:], rtol=0.05
+    )
+
+
+def test_innovations_are_judged_by_their_numbers() -> None:
+    """χ² of their count for the variance; ten lags of Ljung and Box, within segments only."""
+    random = np.random.default_rng(8)
+    values = random.normal(size=(400, 2))
+    values[100:110, 1] = np.nan
+    segment = np.repeat([0, 1], 200)
+    test = innovation_test(values, segment)
+    for column, known in ((0, 400), (1, 390)):
+        own = values[:, column]
+        variance = np.nanmean(own**2)
+        assert test.variance[column] == pytest.approx(variance)
+        limits = chi2.ppf([0.025, 0.975], known) / known
+        np.testing.assert_allclose(test.variance_limits[column], limits)
+        total = 0.0
+        for lag in range(1, 11):
+            product = np.concatenate([part[lag:] * part[:-lag] for part in np.split(own, 2)])
+            total += (np.nanmean(product) / variance) ** 2 / (known - lag)
+        assert test.portmanteau[column] == pytest.approx(known * (known + 2) * total)
+    assert test.portmanteau_limit == pytest.approx(chi2.ppf(0.95, 10))
 
 
 def test_whiteness_is_told_from_its_lack() -> None:
