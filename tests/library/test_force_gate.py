@@ -426,3 +426,13 @@ def test_what_may_act_unnoticed_is_what_its_torques_hide(ur5: Robot) -> None:
         assert free.all()
         assert probability(estimate).max() < 0.01
         np.testing.assert_allclose(estimate.std, std, rtol=0.01)
+
+
+@pytest.mark.parametrize(("most", "found"), [(0.49, False), (0.5, True)])
+def test_a_contact_is_from_even_odds_to_one_in_ten_and_a_margin(most: float, found: bool) -> None:
+    """Of 0.15 s at both ends, within the record."""
+    probability = np.zeros(300)
+    probability[100:110], probability[110:115], probability[115] = 0.11, most, 0.1
+    assert contact_spans(probability, 0.01) == [(85, 130)] * found
+    probability[:2] = probability[125:127] = most
+    assert contact_spans(probability, 0.01) == [(0, 17), (85, 142)] * found

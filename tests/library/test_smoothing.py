@@ -20,7 +20,12 @@ from ur5lib.dynamics.kinematics import (
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
 from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
-from ur5lib.signals.noise import encoder_noise, innovation_test, jerk_covariance
+from ur5lib.signals.noise import (
+    encoder_noise,
+    innovation_test,
+    jerk_covariance,
+    moving_mean,
+)
 from ur5lib.signals.smoothing import SmoothedMotion, encoder_system, smooth_encoders
 from ur5lib.timeseries.kalman import LinearSystem, smooth
 
@@ -390,6 +395,36 @@ def test_innovations_are_judged_by_their_numbers() -> None:
             total += (np.nanmean(product) / variance) ** 2 / (known - lag)
         assert test.portmanteau[column] == pytest.approx(known * (known + 2) * total)
     assert test.portmanteau_limit == pytest.approx(chi2.ppf(0.95, 10))
+
+
+def test_a_moving_mean_is_of_what_is_known_in_its_segment() -> None:
+    """Of three rows; the ends count for those beyond; zero where nothing is known."""
+    values = np.array([1.0, 2, 6, np.nan, np.nan, np.nan, 3, 5])[:, None]
+    segment = np.repeat([0, 1], [6, 2])
+    expected = [4 / 3, 3, 4, 6, 0, 0, 11 / 3, 13 / 3]
+    np.testing.assert_allclose(moving_mean(values, segment, 3)[:, 0], expected, atol=1e-12)
+
+
+def test_no_encoder_is_better_than_the_last_digit_of_a_recording() -> None:
+    """A millionth; and an arm that never moves is driven by next to no jerk."""
+    noise = encoder_noise(*clock(300), np.full((300, 6), 0.7), np.zeros((300, 6)))
+    np.testing.assert_array_equal(noise.position, 1e-6)
+    assert (noise.velocity >= 1e-6).all()
+    assert (noise.jerk < 0.5).all()
+
+
+def test_the_hardest_start_takes_the_largest_jerk() -> None:
+    """A joint that leaps at once, of little noise: far beyond what it is driven by before."""
+    random = np.random.default_rng(9)
+    time, segment = clock(600)
+    speed = np.where(time < 2.4, 0.0, 1.5)
+    q = np.cumsum(speed)[:, None] * PERIOD + 1e-6 * random.normal(size=(600, 6))
+    qd = speed[:, None] + 1e-5 * random.normal(size=(600, 6))
+    jerk = encoder_noise(time, segment, q, qd).jerk
+    leap = np.argmin(np.abs(time - 2.4))
+    np.testing.assert_allclose(jerk[leap - 2 : leap + 2], 1e3, rtol=1e-3)
+    assert (jerk[: leap - 30] < 1.0).all()
+    assert (jerk[leap + 30 :] < 1.0).all()
 
 
 def test_whiteness_is_told_from_its_lack() -> None:
