@@ -282,6 +282,7 @@ def main() -> None:
     options = parser.parse_args()
     sys.path.insert(0, os.getcwd())
     sys.dont_write_bytecode = True
+    os.environ["OMP_NUM_THREADS"] = "1"  # threads that wait for one another spend its time, too
     modules = sorted(path for pattern in options.module for path in Path().glob(pattern))
     tests = sorted(path for pattern in options.tests for path in Path().glob(pattern))
     everything = sorted({p for pattern in [*ROOMS, *options.module] for p in Path().glob(pattern)})
