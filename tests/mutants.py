@@ -151,9 +151,9 @@ class Watch:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
         self.called.clear()
-        begin = time.perf_counter()
+        begin = time.process_time()
         result = yield
-        seconds = round(time.perf_counter() - begin, 3)
+        seconds = round(time.process_time() - begin, 3)
         self.tests[item.nodeid] = {"seconds": seconds, "calls": sorted(self.called)}
         return result
 

@@ -83,8 +83,18 @@ def test_samples_without_an_estimate_count_for_neither() -> None:
     reference = pushed(2)
     estimate = 0.8 * reference
     estimate[:300] = np.nan
-    figures = figures_by_contact(estimate, None, reference, norm(reference), PERIOD)
-    assert figures["all"]["zero_mae"][0] == pytest.approx(np.abs(reference[300:, 0]).mean())
+    known = pytest.approx(np.abs(reference[300:, 0]).mean())
+    assert figures_of(estimate, reference)["zero_mae"][0] == known
+    estimate[:300], estimate[:300, 5] = reference[:300], np.nan  # not even one component
+    assert figures_of(estimate, reference)["zero_mae"][0] == known
+    unread = reference.copy()
+    unread[:300, 2] = np.nan
+    assert figures_of(0.8 * reference, unread)["zero_mae"][0] == known
+
+
+def figures_of(estimate: np.ndarray, reference: np.ndarray) -> dict[str, np.ndarray]:
+    """Over all samples, of contacts that the undamaged sensor tells."""
+    return figures_by_contact(estimate, None, reference, norm(pushed(2)), PERIOD)["all"]
 
 
 def test_the_interval_by_contacts_is_as_wide_as_contacts_differ() -> None:

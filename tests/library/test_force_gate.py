@@ -178,6 +178,23 @@ def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
         assert off < 0.4 * kept, name
 
 
+def test_a_contact_that_learns_nothing_is_a_typical_one(ur5: Robot) -> None:
+    """Of a push of 80 N, the prior of 15 N then takes its share."""
+    run = free_run(ur5, seed=24, scale=0.3)
+    touched = run.pushed(push(run, 2, 80.0, 12.0, 14.0))
+    given = touched.torque, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
+    during = between(run.time, 12.2, 13.8) > 0
+    told = {
+        learning: estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(None, True, learning))
+        for learning in (True, False)
+    }
+    forces = {learning: one.wrench[during, 2].mean() for learning, one in told.items()}
+    assert forces[True] == pytest.approx(80, rel=0.1)
+    assert forces[False] < 0.95 * forces[True]
+    plain = touched.estimate().wrench
+    np.testing.assert_array_equal(told[True].wrench, plain)
+
+
 # Noise
 
 

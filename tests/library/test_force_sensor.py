@@ -296,3 +296,26 @@ def test_noise_is_at_least_what_a_sensor_repeats_to() -> None:
     assert offset.free.all()
     assert offset.agreeing == 1.0
     assert offset.rival == 0.0
+
+
+def test_a_push_of_six_deviations_is_no_noise() -> None:
+    """Nor does it count for a fifth of the time; the median deviation is that of the rest."""
+    random = np.random.default_rng(7)
+    reading = BIAS + random.normal(0, [0.5] * 3 + [0.02] * 3, (4000, 6))
+    reading[2000:2800, 2] -= 3.2
+    offset = fit_offset(reading, upright(4000), PERIOD, GRAVITY)
+    assert not offset.free[2000:2800].any()
+    assert offset.free.mean() > 0.6
+
+
+def test_a_sensor_that_never_comes_back_to_the_same_bias_has_one() -> None:
+    """Within a tenth of a newton, though a steady push repeats better than that."""
+    random = np.random.default_rng(8)
+    beside = np.repeat(np.linspace(-0.15, 0.15, 35), 80)[:, None] * np.eye(6)[0]
+    pushed_down = np.tile(-20.0 * np.eye(6)[2], (1200, 1))
+    reading = BIAS + np.concatenate([beside, pushed_down])
+    offset = fit_offset(
+        reading + 1e-5 * random.normal(size=reading.shape), upright(4000), PERIOD, GRAVITY
+    )
+    np.testing.assert_allclose(offset.bias, BIAS, atol=0.05)
+    assert offset.agreeing == pytest.approx(0.7, abs=0.03)

@@ -42,11 +42,12 @@ def known(joint: int) -> JointPrior:
     return prior().of_joint(joint)
 
 
-def made(joint: int, friction: dict[Term, float], records: int = 6) -> Samples:
-    """Samples of a joint with a friction [Nm, ...], without noise."""
+def made(joint: int, friction: dict[Term, float], records: int = 6, pace: float = 1.0) -> Samples:
+    """Samples of a joint with a friction [Nm, ...], without noise, at some 1 rad/s times a pace."""
     study = []
     for seed in range(records):
         record = make_record(seed)
+        record = replace(record, q=pace * record.q, qd=pace * record.qd)
         columns, _ = design(record, joint, tuple(friction), PRESLIDING)
         current = record.current.copy()
         current[:, joint] = columns @ [1.0, -0.4, *friction.values()] / CONSTANT[joint]
@@ -74,6 +75,12 @@ def test_a_term_is_taken_that_explains_the_current_and_brakes(
         assert {*chosen[len(BASE) :]} == {ASYMMETRIC, QUADRATIC}
     else:
         assert chosen[len(BASE) :] == more
+
+
+def test_what_drives_beyond_the_speeds_of_a_recording_may_be_taken() -> None:
+    """3 + 9 v - 8 v² brakes up to half a radian per second, not at two."""
+    slow = made(0, {COULOMB: 3, VISCOUS: 9, LOAD: 0, QUADRATIC: -8}, pace=0.5)
+    assert choose_terms(slow, known(0)) == (*BASE, QUADRATIC)
 
 
 def test_with_one_path_no_term_can_be_left_out() -> None:
