@@ -23,6 +23,7 @@ from ur5lib.identification.samples import (
     blocks,
     design,
     joint_samples,
+    record_paths,
     smoothed_moving,
 )
 from ur5lib.identification.selection import (
@@ -170,6 +171,19 @@ def test_samples_are_a_tenth_of_a_second_apart() -> None:
         samples = joint_samples([slow], lambda values, _: values, (), WAYS)
         assert [len(own.current) for own in samples] == [count] * 6
         np.testing.assert_array_equal(samples[2].current, record.current[:: max(5, every), 2])
+
+
+@pytest.mark.parametrize(
+    ("period", "every", "same"), [(0.02, 5, True), (0.02, 10, False), (0.1, 2, False)]
+)
+def test_paths_are_compared_at_a_tenth_of_a_second(period: float, every: int, same: bool) -> None:
+    """One of so many samples of a run lies on the path of the other, all others far off."""
+    count = 300
+    line = 0.5 * period * np.arange(count)[:, None] + np.arange(6.0)
+    away = 100.0 * (np.arange(count) % every != 0)[:, None]
+    one = replace(steady(6.0, 0.0), period=period, q=line)
+    other = replace(one, q=line + away)
+    assert record_paths([one, other]).tolist() == [0, int(not same)]
 
 
 def test_a_joint_moves_above_the_dead_zone_for_nine_tenths_of_a_lowpass() -> None:

@@ -228,3 +228,18 @@ def test_lines_above_the_header_and_marks_are_skipped(tmp_path: Path) -> None:
         assert list(numbers) == ["a", "b"]
         np.testing.assert_array_equal(numbers.to_numpy(), [[1.5, 2], [3, 4]])
         assert [one.finding for one in findings] == [told, "decimal commas"]
+
+
+@pytest.mark.parametrize(("place", "text"), [(999, False), (1000, True)])
+def test_zeros_far_down_are_a_damaged_line(tmp_path: Path, place: int, text: bool) -> None:
+    """As of a lost block of a disk; at the beginning, the file is none of text."""
+    lines = b"1.5,2.5\n" * 200
+    content = lines[:place] + b"\0" + lines[place + 1 :]
+    (tmp_path / "t.csv").write_bytes(content)
+    findings: list[Finding] = []
+    if text:
+        assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == 199
+        assert findings[0].finding == "damaged lines"
+    else:
+        with pytest.raises(InputError, match="line 1: not a text file"):
+            read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)
