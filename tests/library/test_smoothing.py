@@ -21,6 +21,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
 from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
 from ur5lib.signals.noise import (
+    EncoderNoise,
     encoder_noise,
     innovation_test,
     jerk_covariance,
@@ -395,6 +396,52 @@ def test_innovations_are_judged_by_their_numbers() -> None:
             total += (np.nanmean(product) / variance) ** 2 / (known - lag)
         assert test.portmanteau[column] == pytest.approx(known * (known + 2) * total)
     assert test.portmanteau_limit == pytest.approx(chi2.ppf(0.95, 10))
+
+
+def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
+    """q⁺ = q + T q̇ + T²/2 q̈ and so on, anew in each segment; encoders with their lag; biases
+    that walk across segments by 1 mm/s²/√s and 0.1 mrad/s/√s, known at first to 0.5 and 0.1."""
+    count, random = 6, np.random.default_rng(10)
+    motion = tuple(values[:count] for values in joint_moves(random, 700))
+    q, qd = encoders(random, motion)
+    time, segment = np.array([0.0, 0.01, 0.03, 0.04, 0.08, 0.1]), np.repeat([0, 1], 3)
+    noise = EncoderNoise(
+        jerk=random.uniform(1, 2, (count, 6)),
+        position=random.uniform(1, 2, 6),
+        velocity=random.uniform(3, 4, 6),
+        lag=random.uniform(0, 0.01, 6),
+    )
+    joints = encoder_system(time, segment, q, qd, noise)
+    model, eye = model_at(ur5, q, qd), np.eye(6)
+    readings = true_readings(ur5, motion)
+    system = add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (count, 1)))
+    unknown = np.diag(np.repeat([10.0, 10, 100], 6) ** 2)
+    for k in range(count):
+        step = time[k] - time[k - 1] if k else 0.0
+        held = np.kron([[1, step, step**2 / 2], [0, 1, step], [0, 0, 1]], eye)
+        gained = np.array([step**3 / 6, step**2 / 2, step])
+        driven = np.kron(np.outer(gained, gained) / max(step, 1e-9), np.diag(noise.jerk[k] ** 2))
+        fresh = k in (0, 3)
+        np.testing.assert_allclose(joints.F[k], 0 * held if fresh else held, atol=1e-12)
+        np.testing.assert_allclose(joints.Q[k], unknown if fresh else driven, atol=1e-12)
+        walk = step * np.repeat([1e-6, 1e-8], 3) if k else np.repeat([0.25, 0.01], 3)
+        np.testing.assert_allclose(system.Q[k, 18:, 18:], np.diag(walk))
+        np.testing.assert_allclose(system.F[k, 18:, 18:], eye * bool(k))
+        np.testing.assert_array_equal(system.F[k, :18, :18], joints.F[k])
+        np.testing.assert_array_equal(system.Q[k, :18, :18], joints.Q[k])
+        assert not system.F[k, :18, 18:].any()
+        assert not system.Q[k, :18, 18:].any()
+    nothing = 0 * eye
+    measured = np.block([[eye, nothing, nothing], [nothing, eye, -np.diag(noise.lag)]])
+    np.testing.assert_allclose(joints.H, np.tile(measured, (count, 1, 1)))
+    deviations = np.concatenate([noise.position, noise.velocity])
+    np.testing.assert_allclose(joints.R, np.tile(deviations**2, (count, 1)))
+    np.testing.assert_array_equal(joints.z, np.hstack([q, qd]))
+    np.testing.assert_array_equal(system.H[:, 12:], model.H)
+    np.testing.assert_array_equal(system.H[:, :12, :18], joints.H)
+    assert not system.H[:, :12, 18:].any()
+    np.testing.assert_allclose(system.z, np.hstack([q, qd, readings - model.offset]))
+    np.testing.assert_allclose(system.R[:, 12:], np.tile(IMU_NOISE**2, (count, 1)))
 
 
 def test_a_moving_mean_is_of_what_is_known_in_its_segment() -> None:
