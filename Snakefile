@@ -24,6 +24,7 @@ include: "workflow/rules/dynamics.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/force.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/cluster.smk"
 
 
 onsuccess:

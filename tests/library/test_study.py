@@ -66,8 +66,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(robot="ur55"),
-            "`recordings[0].robot` is 'ur55'; give the name of a described arm: ur10, ur10e, "
-            "ur16e, ur20, ur3, ur30, ur3e, ur5, ur5e; docs/robots.md shows how to describe another",
+            "`recordings[0].robot`: no description of `ur55`; docs/robots.md shows how to add one",
         ),
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),

@@ -4,6 +4,7 @@ import math
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
 
 from ur5lib.robots.description import (
     FOLDER,
@@ -36,10 +37,8 @@ Name = Annotated[  # becomes the name of a folder
 
 def _described(name: str) -> str:
     if name not in robot_names():
-        known = ", ".join(robot_names())
-        raise ValueError(
-            f"the name of a described arm: {known}; docs/robots.md shows how to describe another"
-        )
+        message = "no description of `{name}`; docs/robots.md shows how to add one"
+        raise PydanticCustomError("no_description", message, {"name": name})
     if (FOLDER / f"{name}.yaml").is_file() and (OWN_FOLDER / f"{name}.yaml").is_file():
         raise ValueError(f"another name to {OWN_FOLDER}/{name}.yaml: ur5lib describes a {name} too")
     return name

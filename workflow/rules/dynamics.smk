@@ -27,5 +27,6 @@ rule compute_torques:
         gravity=gravity_of,
         payload=payload_of,
         tcp=tcp_of,
+        role=lambda wildcards: recording_of(wildcards).role,
     run:
         run_step(rule, input, output, params, log)

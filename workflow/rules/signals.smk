@@ -15,6 +15,11 @@ rule estimate_clocks:
         run_step(rule, input, output, params, log)
 
 
+# It takes less than a second: on a cluster it is no job, but runs where Snakemake was started.
+localrules:
+    pool_drifts,
+
+
 rule pool_drifts:
     input:
         clocks=free_results("own_clocks.json"),

@@ -1,0 +1,112 @@
+"""A study on a Slurm cluster: the same results, also if a job is killed; nothing is left."""
+
+import contextlib
+import re
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.conftest import PROJECT, STUDY, Workflow
+from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
+from tests.workflow.test_workflow import results
+
+PROFILE = ("--workflow-profile", "profiles/slurm")
+SMALL = ("--cores", "2", "--latency-wait", "5")  # the profile is for more cores and a slow disk
+TOGETHER = ("--group-components", "motion=2", "forces=2", "fits=3")  # two short recordings a job
+
+
+@pytest.fixture
+def slurm() -> Iterator[dict[str, str]]:
+    try:
+        with one_node_slurm() as environment:
+            yield environment
+    except NoSlurmError as error:
+        pytest.skip(str(error))
+
+
+def processes_in(folder: Path, name: str = "") -> list[str]:
+    """Return the command lines of all processes that work in a folder, or are configured there."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):  # it has ended
+            command = (process / "cmdline").read_text().replace("\0", " ")
+            places = f"{(process / 'cwd').resolve()} {(process / 'environ').read_text()} {command}"
+            if str(folder) in places and command.startswith(name):
+                found.append(command)
+    return found
+
+
+def wait_until(happens: Callable[[], object], seconds: float) -> bool:
+    """Whether something happens within so many seconds."""
+    ends = time.monotonic() + seconds
+    while not happens():
+        if time.monotonic() > ends:
+            return False
+        time.sleep(0.1)
+    return True
+
+
+def test_a_killed_job_is_submitted_again_to_the_same_results(
+    workflow: Workflow, slurm: dict[str, str]
+) -> None:
+    before = results(workflow)
+    folder = workflow.folder / "results" / "small"
+    shutil.rmtree(folder)
+    run = subprocess.Popen(
+        workflow.command(*PROFILE, *SMALL, *TOGETHER),
+        cwd=workflow.folder,
+        env=workflow.environment | slurm,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
+    try:
+        assert wait_until(lambda: [*folder.rglob("robot.parquet")] or run.poll(), 100)
+        running = ask(slurm, "squeue", "--noheader", "--states=RUNNING", "--format=%i").split()
+        ask(slurm, "scancel", running[0])
+        printed, _ = run.communicate(timeout=300)
+    finally:
+        run.kill()
+    assert run.returncode == 0, printed
+    assert results(workflow) == before
+    assert workflow.plan() == {}
+    ended = ask(slurm, "squeue", "--noheader", "--states=all", "--format=%i %T").splitlines()
+    killed = [line.split()[0] for line in ended if not line.endswith(" COMPLETED")]
+    assert killed == running[:1], ended
+    assert len(ended) < len(before) / 4, "steps are not grouped"
+    assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
+
+
+def test_nothing_of_slurm_is_left_after_a_failure(slurm: dict[str, str]) -> None:
+    with contextlib.suppress(ZeroDivisionError), one_node_slurm() as other:
+        folder = Path(other["SLURM_CONF"]).parent
+        ask(other, "sbatch", f"--chdir={folder}", "--output=/dev/null", "--wrap=sleep 1000")
+        assert wait_until(lambda: processes_in(folder, "sleep"), 10)
+        raise ZeroDivisionError
+    assert not folder.exists()
+    assert not processes_in(folder)
+    assert ask(slurm, "sinfo", "--noheader", "--format=%T") == "idle"  # the first goes on
+
+
+# The profiles, where no cluster is at hand
+
+
+@pytest.mark.parametrize("study", [STUDY, STUDY + "hosts: {pc: [imu]}\n"])
+def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, study: str) -> None:
+    (workflow.folder / "config.yaml").write_text(study)
+    assert sum(workflow.plan(*PROFILE, "--forceall").values()) > 40
+
+
+def test_every_step_but_the_shortest_is_in_a_group() -> None:
+    profile = yaml.safe_load((PROJECT / "profiles" / "slurm" / "config.yaml").read_text())
+    files = (PROJECT / "workflow" / "rules").glob("*.smk")
+    rules = {
+        name for path in files for name in re.findall(r"^ *rule (\w+):", path.read_text(), re.M)
+    }
+    assert profile["groups"].keys() == rules - {"pool_drifts"}
+    assert profile["group-components"].keys() <= set(profile["groups"].values())
