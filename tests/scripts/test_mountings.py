@@ -78,6 +78,7 @@ class Mounted:
             "gravity": gravity,
             "payload": recording.known_payload().model_dump_json(),
             "tcp": [],
+            "role": recording.role,
         }
         self.files: dict[str, Any] = {n: f"{folder}/{n}.parquet" for n in TABLES.split()}
         self.files |= {name: f"{folder}/{name}.json" for name in SUMMARIES.split()}
