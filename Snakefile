@@ -16,6 +16,7 @@ if not workflow.overwrite_configfiles:
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/robots.smk"
 include: "workflow/rules/stand.smk"
 include: "workflow/rules/recordings.smk"
 include: "workflow/rules/signals.smk"

@@ -39,6 +39,14 @@ def recordings(name: str, remedy: str) -> Path:
     pytest.skip(f"the recordings in raw/{name} are not here: {remedy}")
 
 
+def shared_folder(name: str, remedy: str) -> Path:
+    """A folder of files that the project does not contain, where it is at hand."""
+    folder = PROJECT.parent / "shared" / name
+    if not folder.is_dir():
+        pytest.skip(f"the files of ../shared/{name} are not here: {remedy}")
+    return folder
+
+
 @pytest.fixture(scope="session")
 def thesis_data() -> Path:
     return recordings("thesis", "`make thesis` fetches them")

@@ -35,7 +35,9 @@ FORMATS: list[dict[str, Any]] = [
     {"format": "table-csv", "file": "robot.csv", "columns": ["time", "actual_q"]},
 ]
 SENSOR = {"file": "force.csv", "columns": ["time", "ft"]}
-MADE_UP_ARM = "my_arm"  # whose description docs/robots.md tells how to write
+CALIBRATION = "\n".join(
+    f"delta_{name} = [0, 0, 0, 0, 0, 0]" for name in ("theta", "d", "a", "alpha")
+)
 
 
 @dataclass(frozen=True)
@@ -215,7 +217,7 @@ def yaml_faults(text: str, folder: Path) -> list[str]:
 
     folder: where the files that it names are made.
     """
-    part = yaml.safe_load(text.replace(MADE_UP_ARM, "ur5"))
+    part = yaml.safe_load(text)
     found = [faults_of(study, folder) for study in completed(part)]
     return min(found, key=len)
 
@@ -237,6 +239,8 @@ def completed(part: Any) -> list[dict[str, Any]]:
 def faults_of(study: dict[str, Any], folder: Path) -> list[str]:
     for entry in study["recordings"]:
         make_files(entry, folder)
+    if isinstance(arm := study.get("robot"), dict) and "calibration" in arm:
+        (folder / arm["calibration"]).write_text(CALIBRATION)
     try:
         parse_study(study, "the example")
     except InputError as error:

@@ -57,7 +57,9 @@ def check(
 @app.command()
 def export(
     robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
-    model: Annotated[str, typer.Option(help="name of one of its link models, e.g. C")],
+    model: Annotated[
+        str | None, typer.Option(help="name of one of its link models; default: the chosen one")
+    ] = None,
     to: Annotated[str, typer.Option(help="output format: urdf")] = "urdf",
 ) -> None:
     """Print an arm with one of its link models as URDF (which has no rotor inertias)."""
@@ -67,6 +69,7 @@ def export(
     if to != "urdf":
         raise InputError(f"unknown format {to!r}; available: urdf")
     arm = _load(robot)
+    model = model or arm.chosen_model
     if model not in arm.models:
         raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
     typer.echo(urdf(arm, rigid_bodies(arm, model)))

@@ -70,6 +70,7 @@ UNITS = {  # of a channel, by its name without suffix
     "target_TCP_pose": "m, rad",
     "target_TCP_speed": "m/s, rad/s",
     "tcp_force_scalar": "N",
+    "tcp_offset": "m, rad",
     "ft_f": "N",
     "ft_t": "Nm",
     "imu_a": "m/s2",

@@ -26,9 +26,15 @@ from ur5lib.identification.base_parameters import (
     total,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
-from ur5lib.identification.identified_model import identified_model, robot_yaml
+from ur5lib.identification.identified_model import identified_model
 from ur5lib.pipeline.controller_torque import torque_blocks
-from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.description import (
+    Robot,
+    load_robot,
+    robot_names,
+    robot_path,
+    robot_yaml,
+)
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 from ur5lib.timeseries.arrays import Array

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Payload
 
 DECLARED = Payload(mass=0.46, center_of_mass=(0.0, 0.0, 0.02))
 TOLD = Payload(mass=1.5, center_of_mass=(0.01, 0.02, 0.03), inertia=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
+NOTHING = Payload.model_construct(mass=0.0, center_of_mass=(0.0, 0.0, 0.0), inertia=(0.0,) * 6)
 
 
 def recorded(payload: Payload | None, count: int = 5) -> Signals:
@@ -59,3 +60,56 @@ def test_a_mass_may_come_without_the_rest() -> None:
 def test_an_empty_flange_is_no_payload(mass: float) -> None:
     signals = replace(recorded(TOLD), payload=np.full(5, mass))
     assert carried(None, signals).source == "none"
+
+
+# Where file and study disagree
+
+
+@pytest.mark.parametrize(
+    ("declared", "channels", "words"),
+    [
+        (None, TOLD, None),
+        (TOLD, None, None),
+        (TOLD, TOLD, None),
+        (TOLD.model_copy(update={"mass": 1.53}), TOLD, None),
+        (
+            DECLARED,
+            TOLD,
+            "the study declares 0.46 kg at (0, 0, 0.02) m, the controller was given 1.5 kg at "
+            "(0.01, 0.02, 0.03) m; the currents are",
+        ),
+        (TOLD.model_copy(update={"center_of_mass": (0.0, 0.0, 0.2)}), TOLD, "at (0, 0, 0.2) m"),
+        (DECLARED, NOTHING, "the controller was given no payload"),
+    ],
+)
+def test_another_payload_than_the_controller_s_is_told(
+    declared: Payload | None, channels: Payload | None, words: str | None
+) -> None:
+    signals = steady(recorded(channels))
+    found = disagreements(declared, None, signals)
+    assert [one.finding for one in found] == (["payload"] if words else [])
+    assert all(words in one.detail for one in found if words)
+
+
+def steady(signals: Signals) -> Signals:
+    """With the channels' medians throughout."""
+    if signals.payload is None:
+        return signals
+    whole = {
+        name: np.broadcast_to(values[1], values.shape)
+        for name, values in vars(signals).items()
+        if name.startswith("payload")
+    }
+    return replace(signals, **whole)
+
+
+def test_a_payload_that_changes_is_told() -> None:
+    (found,) = disagreements(None, None, recorded(TOLD))
+    assert "changes from 1.5 to 100 kg in the recording; its median is used" in found.detail
+
+
+@pytest.mark.parametrize(("tcp", "told"), [(0.1, False), (0.103, False), (0.12, True)])
+def test_another_tool_centre_point_than_the_controller_s_is_told(tcp: float, told: bool) -> None:
+    signals = replace(recorded(None), tcp_offset=np.tile([0, 0, 0.1, 0, 0, 0], (5, 1)))
+    found = disagreements(None, (0.0, 0.0, tcp, 0.0, 0.0, 0.0), signals)
+    assert [one.finding for one in found] == (["tool centre point"] if told else [])

@@ -9,6 +9,8 @@ from tests.synthetic import write_recording
 from ur5lib import cli
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables.quality import finding_rows
+from ur5lib.study.check import unfiltered
+from ur5lib.study.model import Settings, Study
 
 
 @pytest.fixture
@@ -118,7 +120,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     forces["two"]["offset_doubt"] = "a push"
-    rows = finding_rows({"one": quality, "two": stale}, clocks, forces)
+    rows = finding_rows({"one": quality, "two": stale}, clocks, forces, {})
     table = group_findings(pd.DataFrame(rows))
     told = table.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
@@ -132,3 +134,11 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     )
     assert "accurate to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
     assert list(table["finding"]).count("unknown drift") == 1
+
+
+def test_a_recording_that_a_filter_leaves_as_it_is_is_told() -> None:
+    settings = Settings.model_validate({"lowpass": {"motion": {"cutoff_hz": 80}}})
+    study = Study.model_construct(settings=settings)
+    assert unfiltered(study, 0.002) == []
+    (note,) = unfiltered(study, 0.008)
+    assert note.detail.startswith("`cutoff_hz` of motion is not below 62.5 Hz, half the rate")

@@ -7,7 +7,14 @@ import pytest
 
 from tests.real_arms import Fitted, RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.identification.currents import CurrentFit, band, fit_currents, parameters, predict
+from ur5lib.identification.currents import (
+    CurrentFit,
+    band,
+    fit_currents,
+    fit_for,
+    parameters,
+    predict,
+)
 from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
@@ -120,6 +127,20 @@ def test_the_ur10e_is_predicted_better_than_by_least_squares(
     assert ours.rmse_lowpassed[:3].mean() <= 0.85 * its[:3].mean()
     assert (ours.rmse_lowpassed[:3] <= its[:3]).all()
     assert (ours.r2[:3] >= 0.99).all()
+
+
+def test_one_recording_suffices_for_the_currents_of_the_ur10e(
+    real_ur10e: RealStudy, ur10e_fitted: Fitted
+) -> None:
+    """By the manufacturer's torque constants: that recording shows none of the controller's."""
+    alone, smooth = real_ur10e.fitted(UR10E_FITTED[:1]), real_ur10e.smooth
+    for name in (UR10E_LEFT_OUT, UR10E_FITTED[1]):
+        record, other = real_ur10e.recording(name).record, fit_for(name, ur10e_fitted.friction)
+        ours, its = (
+            np.linalg.norm(scores(fit, record, smooth).rmse_lowpassed)
+            for fit in (alone.whole, other)
+        )
+        assert ours <= 1.4 * its
 
 
 def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> Load:

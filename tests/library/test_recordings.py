@@ -632,3 +632,15 @@ def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealS
         assert ("lost frames" in names) == name.endswith("-unload")  # one step of 30 ms
         assert "inconsistent channels" not in names
         assert abs(taken.quality["duration_s"] / (0.0106 * taken.quality["rows"]) - 1) < 0.05
+
+
+def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, ur5: Robot) -> None:
+    names = ["timestamp", *(f"actual_q_{k}" for k in range(6)), "output_int_register_12"]
+    names += ["standard_analog_input0", "output_bit_registers0_to_31", "i_actual_0"]
+    rows = np.column_stack([np.arange(50) * 0.002, np.zeros((50, 10))])
+    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
+    entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
+    quality = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1).quality
+    found = {one["finding"]: one for one in quality["findings"]}
+    assert found["unused channels"]["count"] == 3
+    assert found["unknown channels"]["detail"].startswith("i_actual_0: not among the channels")

@@ -49,15 +49,15 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=-3),
-            "`settings.lowpass.motion.cutoff_hz` is -3; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is -3; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz="fast"),
-            "`settings.lowpass.motion.cutoff_hz` is 'fast'; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is 'fast'; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["settings"]["lowpass"]["motion"].update(cutoff_hz=float("nan")),
-            "`settings.lowpass.motion.cutoff_hz` is nan; give a number above 0 and below 62.5",
+            "`settings.lowpass.motion.cutoff_hz` is nan; give a number above 0 and below 1000",
         ),
         (
             lambda raw: raw["recordings"][0].update(role="contacts"),
@@ -85,7 +85,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "
-         "payload, format, simulate"),
+         "mounting, tool, payload, format, simulate"),
         (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
          "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
          "9 to 10.5"),
@@ -118,7 +118,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
         (lambda raw: raw.update(host={"pc": ["imu"]}),
          "unknown key `host` (did you mean `hosts`?); "
-         "known keys: study, title, recordings, reference, hosts, settings"),
+         "known keys: study, title, robot, recordings, reference, hosts, settings"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(

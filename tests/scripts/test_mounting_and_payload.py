@@ -66,7 +66,7 @@ def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[Torqu
     input = SimpleNamespace(arm=robot_path("ur5"), **made.files)
     output = SimpleNamespace(torques=f"{folder}/torques.parquet", summary=f"{folder}/torques.json")
     declared = payload.model_dump_json() if payload else ""
-    params = SimpleNamespace(gravity=made.gravity, payload=declared)
+    params = SimpleNamespace(gravity=made.gravity, payload=declared, tcp=[])
     script("compute_torques").compute_torques(input, output, params)
     return Torques.read(output.torques), read_json(output.summary)
 
@@ -156,7 +156,7 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
         script("compute_torques").compute_torques(
             SimpleNamespace(**arm),
             SimpleNamespace(torques=f"{result}.parquet", summary=f"{result}.json"),
-            SimpleNamespace(gravity=own.gravity, payload=""),
+            SimpleNamespace(gravity=own.gravity, payload="", tcp=[]),
         )
         torque = Torques.read(f"{result}.parquet").target["identified"]
         assert np.abs(torque - own.signals.target_moment).mean() < 0.02

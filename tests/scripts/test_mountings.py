@@ -77,6 +77,7 @@ class Mounted:
             "recording": entry.model_dump_json(),
             "gravity": gravity,
             "payload": recording.known_payload().model_dump_json(),
+            "tcp": [],
         }
         self.files: dict[str, Any] = {n: f"{folder}/{n}.parquet" for n in TABLES.split()}
         self.files |= {name: f"{folder}/{name}.json" for name in SUMMARIES.split()}

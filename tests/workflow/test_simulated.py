@@ -32,6 +32,7 @@ recordings:
         - {kind: push, start_s: 0.5, seconds: 1, force: [20, 0, 0]}
 """
 POINTS = "movej([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])\nmovej([0.2, -1.4, 1.5, -1.2, 1.2, 0.1])\n"
+DESCRIBED = {"describe_arm": 1}
 MOVED, HELD = {"simulate_recording_moved": 1}, {"simulate_recording_held.1": 1}
 READ = ("--until", "repair_frames")  # as far as these tests build
 
@@ -97,7 +98,7 @@ def test_deleted_files_are_made_again_to_the_byte(made: Workflow) -> None:
         ),
         ("points.txt", "0.5", "0.6", MOVED | {"repair_frames": 1}),
         ("ur5lib/stand/friction.py", "0.054", "0.055", MOVED | HELD | {"repair_frames": 2}),
-        ("ur5lib/robots/ur5.yaml", "1.61", "1.62", MOVED | HELD | {"repair_frames": 2}),
+        ("ur5lib/robots/ur5.yaml", "1.61", "1.62", DESCRIBED | MOVED | HELD | {"repair_frames": 2}),
     ],
 )
 def test_an_edit_simulates_again_what_it_concerns(
@@ -125,7 +126,7 @@ def test_what_an_arm_cannot_do_is_told(made: Workflow) -> None:
     edit(made.folder / "points.txt", "0.5", "50")
     done = made.run(*READ)
     assert done.returncode == 1
-    assert "simulate_recording_moved: the trajectory takes joint 1 of ur5 to" in done.stdout
+    assert "simulate_recording: the trajectory takes joint 1 of ur5 to" in done.stdout
     assert "Traceback" not in done.stdout
 
 

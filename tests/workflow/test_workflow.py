@@ -32,6 +32,7 @@ DRIFTS = {"pool_drifts": 1}
 DOCUMENT = {"time_steps": 1, "write_report": 1}
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
 DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_models": 1, "draw_calibration": 1}
+DESCRIBED = {"describe_arm": 1}
 ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
 
 
@@ -77,7 +78,7 @@ def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
 
 def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "results")
-    assert workflow.plan() == jobs(*EACH_RECORDING) | ALL_ELSE
+    assert workflow.plan() == jobs(*EACH_RECORDING) | DESCRIBED | ALL_ELSE
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -296,7 +297,7 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
         workflow.plan("--configfile", "other.yaml")
-        == jobs(*EACH_RECORDING, recordings=1, touched=0) | ALL_ELSE
+        == jobs(*EACH_RECORDING, recordings=1, touched=0) | DESCRIBED | ALL_ELSE
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()

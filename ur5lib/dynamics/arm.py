@@ -1,6 +1,5 @@
 """An arm under one of its link models, as tensors."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,8 +77,8 @@ def geometry(robot: Robot) -> Geometry:
 
     return Geometry(
         tails=tuple(
-            Tail(link.a, link.d, exact(math.cos(link.alpha)), exact(math.sin(link.alpha)))
-            for link in robot.denavit_hartenberg
+            Tail(tuple(tuple(map(exact, row)) for row in rotation.tolist()), tuple(lever.tolist()))
+            for rotation, lever in map(link_tail, robot.link_poses())
         ),
         gravity=robot.gravity,
     )
@@ -89,11 +88,11 @@ def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
     """Return π of τ = Y π, (66,) [kg, kg m, kg m²]: ten per link, then the six rotor inertias.
 
     m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
-    the URDF's link_k: origin o_(k-1), and axes that the twist α of link k turns into frame k's.
+    the URDF's link_k: origin o_(k-1), and axes that the tail of link k turns into frame k's.
     """
     links = []
-    for k, parameters in enumerate(robot.denavit_hartenberg):
-        rotation, translation = link_tail(parameters)
+    for k, pose in enumerate(robot.link_poses()):
+        rotation, translation = link_tail(pose)
         mass, center = bodies.mass[k], translation + rotation @ bodies.center_of_mass[k]
         inertia = shift_inertia(rotation @ bodies.inertia[k] @ rotation.T, mass, center)
         upper = inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]

@@ -19,7 +19,7 @@ Vector = tuple[Number, ...]
 Matrix = tuple[Vector, ...]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
-NO_TAIL = Tail(a=0.0, d=0.0, cos=1.0, sin=0.0)
+NO_TAIL = Tail(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)), ZERO)
 
 
 class Joint(NamedTuple):
@@ -32,19 +32,18 @@ class Joint(NamedTuple):
     @property
     def lever(self) -> Vector:
         """Return the vector from one origin to the next, in the frame of the link before."""
-        return self.tail.a, 0.0, self.tail.d
+        return self.tail.lever
 
     def outwards(self, vector: Vector) -> Vector:
         """Transform a vector from the frame of the link before to that of the link after."""
-        x, y, z = vector
-        y, z = self.tail.cos * y + self.tail.sin * z, self.tail.cos * z - self.tail.sin * y
+        x, y, z = times(transposed(self.tail.rotation), vector)
         return self.cos * x + self.sin * y, self.cos * y - self.sin * x, z
 
     def inwards(self, vector: Vector) -> Vector:
         """Transform a vector from the frame of the link after to that of the link before."""
         x, y, z = vector
-        x, y = self.cos * x - self.sin * y, self.sin * x + self.cos * y
-        return x, self.tail.cos * y - self.tail.sin * z, self.tail.sin * y + self.tail.cos * z
+        turned = self.cos * x - self.sin * y, self.sin * x + self.cos * y, z
+        return times(self.tail.rotation, turned)
 
 
 class Inertia(NamedTuple):

@@ -145,7 +145,7 @@ def _pushed(geometry: Geometry, parameters: Any, q: Any, wrench: Any) -> Any:
     for joint in chain:
         force, moment = joint.outwards(force), joint.outwards(moment)
     end = geometry.tails[-1]
-    moment = recursion.plus(moment, recursion.cross((end.a, 0.0, end.d), force))
+    moment = recursion.plus(moment, recursion.cross(end.lever, force))
     inner = [recursion.NO_WRENCH] * 5
     return stacked(recursion.joint_torques(chain, [*inner, Wrench(force, moment)]), q[0])
 

@@ -22,12 +22,10 @@ Kernel = Callable[..., Any]
 
 
 class Tail(NamedTuple):
-    """Trans_z(d) Trans_x(a) Rot_x(α) of Equation 2.19, [m] and cos α, sin α: after the joint."""
+    """A link's constant transform, after its joint: rotation matrix by rows, and lever [m]."""
 
-    a: float
-    d: float
-    cos: float
-    sin: float
+    rotation: tuple[tuple[float, ...], ...]
+    lever: tuple[float, ...]
 
 
 class Geometry(NamedTuple):

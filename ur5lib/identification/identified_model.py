@@ -1,6 +1,4 @@
-"""Identified parameters as one more model of an arm, and the arm as YAML."""
-
-import yaml
+"""Identified parameters as one more model of an arm."""
 
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.inertia import shift_inertia, tensor
@@ -15,11 +13,9 @@ def identified_model(robot: Robot, parameters: Array, description: str) -> Model
     belongs to link 6. Raises ValueError if a mass or a rotor inertia is negative.
     """
     masses, centers, inertias = [], [], []
-    for link, geometry in zip(
-        parameters[:60].reshape(6, 10), robot.denavit_hartenberg, strict=True
-    ):
+    for link, pose in zip(parameters[:60].reshape(6, 10), robot.link_poses(), strict=True):
         mass, center = link[0], link[1:4] / link[0]
-        rotation, translation = link_tail(geometry)
+        rotation, translation = link_tail(pose)
         about_origin = tensor(link[[4, 6, 9, 5, 7, 8]].tolist())
         inertia = rotation.T @ shift_inertia(about_origin, -mass, center) @ rotation
         masses.append(float(mass))
@@ -34,8 +30,3 @@ def identified_model(robot: Robot, parameters: Array, description: str) -> Model
             "rotor_inertias": tuple(parameters[60:66].tolist()),
         }
     )
-
-
-def robot_yaml(robot: Robot) -> str:
-    """Return an arm as YAML, which `load_robot` reads."""
-    return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)

@@ -1,13 +1,19 @@
 """The payload of an arm: the actual one, and the one configured in its controller."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.robots.description import Payload
+from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import Payload, PerJoint
 from ur5lib.timeseries.arrays import Array
+
+# Differences that matter: 0.05 kg changes the gravity torque of a long arm by 0.5 Nm.
+MASS, MOMENT = 0.05, 0.005  # kg, kg m
+PLACE, TURN = 0.005, 0.01  # m, rad
 
 
 @dataclass(frozen=True)
@@ -55,8 +61,70 @@ def _medians(values: Array | None, count: int) -> Any:
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
 
 
-def load_account(load: Carried) -> dict[str, Any]:
-    """Return the payload, its source, and the controller's payload, as plain data."""
+def load_account(load: Carried, doubts: Sequence[Finding] = ()) -> dict[str, Any]:
+    """Return the payload, its source, the controller's payload, and doubts, as plain data."""
     payloads = {"payload": load.payload, "told": load.told}
     plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
-    return plain | {"source": load.source}
+    findings = {"findings": [doubt.as_row() for doubt in doubts]} if doubts else {}
+    return plain | {"source": load.source} | findings
+
+
+def disagreements(
+    declared: Payload | None, tcp: PerJoint | None, signals: Signals
+) -> list[Finding]:
+    """Return where a study's payload and tool centre point differ from the controller's.
+
+    declared, tcp: of the study, None where it declares none; tcp: position [m] and rotation vector
+    [rad] in frame 6. What was not recorded cannot differ.
+    """
+    found = {
+        "payload": _other_payload(declared, signals),
+        "changing payload": _changing_payload(signals),
+        "tool centre point": _other_tcp(tcp, signals),
+    }
+    return [Finding("robot", name, "warning", 1, text) for name, text in found.items() if text]
+
+
+def _other_payload(declared: Payload | None, signals: Signals) -> str:
+    if declared is None or signals.payload is None:
+        return ""
+    told = told_payload(signals)
+    apart = declared.mass - (told.mass if told else 0.0)
+    away = np.subtract(declared.center_of_mass, told.center_of_mass if told else 0.0)
+    if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MOMENT):
+        return ""
+    return (
+        f"the study declares {_in_words(declared)}, the controller was given {_in_words(told)}; "
+        "the currents are taken to carry the study's, `target_moment` to contain the controller's"
+    )
+
+
+def _in_words(payload: Payload | None) -> str:
+    if payload is None:
+        return "no payload"
+    return f"{payload.mass:.3g} kg at ({', '.join(f'{x:.3g}' for x in payload.center_of_mass)}) m"
+
+
+def _changing_payload(signals: Signals) -> str:
+    if (
+        signals.payload is None
+        or np.ptp(mass := signals.payload[np.isfinite(signals.payload)]) == 0
+    ):
+        return ""
+    return (
+        f"the payload given to the controller changes from {mass.min():.3g} to {mass.max():.3g} kg "
+        "in the recording; its median is used throughout: cut the recording where it changes"
+    )
+
+
+def _other_tcp(tcp: PerJoint | None, signals: Signals) -> str:
+    if tcp is None or signals.tcp_offset is None:
+        return ""
+    told = np.array(_medians(signals.tcp_offset, 6))
+    apart = np.abs(np.array(tcp) - told)
+    if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
+        return ""
+    return (
+        f"the study declares {list(tcp)} (m, rad), the controller was given "
+        f"{np.round(told, 4).tolist()}; correct the study, or the installation of the arm"
+    )

@@ -20,7 +20,7 @@ def load_regressor(columns: Array, robot: Robot) -> Array:
     columns: Y of τ = Y π, (N, 6, 66), whose moments of link 6 are about its joint: h = m t + R h₆,
     with the constant transform R, t from there to frame 6.
     """
-    rotation, tail = link_tail(robot.denavit_hartenberg[5])
+    rotation, tail = link_tail(robot.link_poses()[5])
     mass, moments = np.split(columns[:, :, LINK_6], [1], axis=2)
     return np.concatenate([mass + moments @ tail[:, None], moments @ rotation], axis=2)
 

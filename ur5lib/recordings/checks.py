@@ -101,6 +101,10 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
         if {f"{below}_0", f"{above}_0"} <= set(robot):
             slopes = _slopes(robot, below, above, period)
+            if slopes and not channel(robot, above).any():
+                detail = f"{above} is zero while {below} changes, as where the arm is led by hand"
+                yield Finding("robot", "silent channel", "warning", len(slopes), detail)
+                continue
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
                 ratios = ", ".join(f"joint {joint + 1}: {slopes[joint]:.3g}" for joint in wrong)

@@ -96,7 +96,8 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
         detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
         findings.append(Finding("robot", "incomplete channels", "warning", len(absent), detail))
     columns = _vectors(frames)
-    return frames.drop(columns=[column for name in absent for column in columns[name]])
+    dropped = [column for name in absent for column in columns[name]]
+    return frames.drop(columns=dropped).copy()  # in one block of memory, to which columns are added
 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:

@@ -12,6 +12,7 @@ from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
 from ur5lib.tables import has_unit
@@ -42,7 +43,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     findings += raw.findings + repairs
     placed = place_sensors(raw, findings)
     motors = [arm.motor(joint) for joint in range(1, 7)]
-    limits = [m.position_max for m in motors], [m.velocity_max for m in motors]
+    limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
         findings += CHECKS[device](record.table)
@@ -65,14 +66,25 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
 
 
 def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the channels whose meaning and unit are known, and a note on the others."""
-    unknown = [name for name in table if not has_unit(name)]
-    if not unknown:
+    """Return the channels whose meaning and unit are known, and notes on the others."""
+    others = [name for name in table if not has_unit(name)]
+    if not others:
         return table, []
-    names = ", ".join(unknown[:5]) + (", ..." if len(unknown) > 5 else "")
-    detail = f"{names}: not among the RTDE channels that are used here; ignored"
-    note = Finding("robot", "unknown channels", "note", len(unknown), detail)
-    return table.drop(columns=unknown), [note]
+    unused = list(filter(is_unused, others))
+    unknown = [name for name in others if name not in unused]
+    notes = [
+        Finding("robot", f"{kind} channels", "note", len(names), f"{_some(names)}: {detail}")
+        for kind, names, detail in (
+            ("unused", unused, "RTDE channels that nothing here uses; left out"),
+            ("unknown", unknown, "not among the channels of RTDE; ignored"),
+        )
+        if names
+    ]
+    return table.drop(columns=others), notes
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
 
 
 def checksum(path: str) -> str:

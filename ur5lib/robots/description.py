@@ -2,16 +2,20 @@
 
 import math
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
-from typing import Annotated, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar
 
 import yaml
 from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
 
 from ur5lib.errors import InputError
-from ur5lib.strict import Strict
+from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
+JOINT_SIZES = FOLDER / "joint_sizes.yaml"
+OWN_FOLDER = Path("robots")  # of the project, for arms that are not described here
+INVALID = "is not a valid description of an arm (docs/robots.md)"
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
@@ -39,11 +43,22 @@ class DenavitHartenberg(Strict):
     d: float
     alpha: float
 
+    def pose(self) -> "Pose":
+        """Return Trans_z(d) Trans_x(a) Rot_x(alpha), which follows the joint's rotation."""
+        return Pose(position=(self.a, 0.0, self.d), rpy=(self.alpha, 0.0, 0.0))
+
+
+class Pose(Strict):
+    """A frame in another: position [m]; roll, pitch, yaw [rad] of R = R_z(yaw) R_y R_x(roll)."""
+
+    position: Vector3
+    rpy: Vector3
+
 
 class Motor(Strict):
     """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
-    torque_constant: [Nm/A], of the motor, before the gear.
+    torque_constant [Nm/A], rotor_inertia [kg m²]: of the motor, before the gear.
     """
 
     position_max: Positive
@@ -57,6 +72,13 @@ class Motor(Strict):
     viscous_friction_backdrive: float | None = None
     torque_constant: Positive | None = None
     gear_ratio: Positive | None = None
+    rotor_inertia: NotNegative | None = None
+
+    def reflected_rotor(self) -> float | None:
+        """Return the rotor's inertia seen through the gear [kg m²], None where unknown."""
+        if self.rotor_inertia is None or self.gear_ratio is None:
+            return None
+        return self.rotor_inertia * self.gear_ratio**2
 
 
 class Cylinder(Strict):
@@ -155,13 +177,20 @@ class Gains(Strict):
 
 
 class Robot(Strict):
-    """A six-joint arm: geometry, masses, link models and published constants."""
+    """A six-joint arm: geometry, masses, link models and published constants.
+
+    joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
+    limit, 1 to 6; calibration: of one individual arm, frame k as the turned joint k carries it, in
+    place of `denavit_hartenberg`.
+    """
 
     name: str
     gravity: Gravity
     denavit_hartenberg: PerLink[DenavitHartenberg]
+    calibration: PerLink[Pose] | None = None
     joints: PerLink[str]
     motors: dict[str, Motor]
+    endless_joints: list[int] | None = None
     masses: PerLink[Positive]
     models: dict[str, Model]
     chosen_model: str
@@ -183,10 +212,32 @@ class Robot(Strict):
         """Return the motor of joint 1 to 6."""
         return self.motors[self.joints[joint - 1]]
 
+    def link_poses(self) -> list[Pose]:
+        """Return the constant transforms from the turned joints 1 to 6 to frames 1 to 6."""
+        return list(self.calibration or (link.pose() for link in self.denavit_hartenberg))
+
     def maker_torque_constants(self) -> list[float]:
         """Return the manufacturer's Nm/A of joints 1 to 6, after the gears; NaN where unknown."""
         motors = [self.motor(joint) for joint in range(1, 7)]
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
+
+    def position_limits(self) -> list[float]:
+        """Return how far joints 1 to 6 turn to either side [rad], infinity where without end."""
+        endless = self.endless_joints or []
+        return [math.inf if k in endless else self.motor(k).position_max for k in range(1, 7)]
+
+    def with_rotors(self) -> Self:
+        """Return the arm with the model "<chosen>+rotors", if its joints' sizes tell the rotors."""
+        name = f"{self.chosen_model}+rotors"
+        rotors = [self.motor(joint).reflected_rotor() for joint in range(1, 7)]
+        if name in self.models or None in rotors:
+            return self
+        bare = self.models[self.chosen_model]
+        text = f"{bare.description}, and the motors' rotors reflected through their gears"
+        return self.with_model(
+            name,
+            bare.model_copy(update={"description": text, "rotor_inertias": tuple(rotors)}),
+        )
 
     def fullest_model(self) -> str:
         """Return the most complete model: identified, else with rotors, else the chosen one."""
@@ -216,13 +267,15 @@ class Robot(Strict):
 
 
 def robot_names() -> list[str]:
-    """Return the names of the arms described in this folder."""
-    return sorted(path.stem for path in FOLDER.glob("*.yaml"))
+    """Return the names of the arms described here, and in the folder `robots` of the project."""
+    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
+    return sorted({path.stem for path in [*described, *OWN_FOLDER.glob("*.yaml")]})
 
 
 def robot_path(name: str) -> Path:
-    """Return the YAML file that describes an arm."""
-    return FOLDER / f"{name}.yaml"
+    """Return the YAML file that describes an arm: the project's own, or the one here."""
+    own = OWN_FOLDER / f"{name}.yaml"
+    return own if own.is_file() else FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
@@ -231,8 +284,45 @@ def load_robot(path: str | Path) -> Robot:
     Raises InputError when the file is invalid.
     """
     try:
-        return Robot.model_validate(yaml.safe_load(Path(path).read_text(encoding="utf-8")))
-    except (ValidationError, yaml.YAMLError) as error:
-        raise InputError(
-            f"{path} is not a valid description of an arm (docs/robots.md): {error}"
-        ) from error
+        return robot_of(read_description(path))
+    except ValidationError as error:
+        raise InputError(f"{path} {INVALID}: {error}") from error
+
+
+def read_description(path: str | Path) -> Any:
+    """Return the content of an arm's description, with the motors of its joints' sizes.
+
+    Raises InputError when the file cannot be read as YAML.
+    """
+    try:
+        return with_motors(read_yaml(Path(path)))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise InputError(f"{path} {INVALID}: {error}") from error
+
+
+def robot_of(description: Any) -> Robot:
+    """Return the arm of a description. Raises pydantic's ValidationError when it is invalid."""
+    return Robot.model_validate(with_motors(description)).with_rotors()
+
+
+def robot_yaml(robot: Robot) -> str:
+    """Return an arm as YAML, which `load_robot` reads."""
+    return yaml.safe_dump(robot.model_dump(mode="json", exclude_none=True), sort_keys=False)
+
+
+def with_motors(description: Any) -> Any:
+    """Return an arm's description with the motors of its joints' sizes, where it lacks them."""
+    if not isinstance(description, dict) or not isinstance(description.get("joints"), list):
+        return description
+    own = description.get("motors", {})
+    if not isinstance(own, dict):
+        return description
+    missing = [size for size in map(str, description["joints"]) if size not in own]
+    shared = {size: joint_sizes()[size] for size in missing if size in joint_sizes()}
+    return description | {"motors": shared | own} if shared else description
+
+
+@cache
+def joint_sizes() -> dict[str, dict[str, float]]:
+    """Return the motors of the manufacturer's joints, as plain data, by their size."""
+    return dict(yaml.safe_load(JOINT_SIZES.read_text(encoding="utf-8")))

@@ -17,9 +17,9 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
     In the base frame (Equation 2.19).
     """
     rotations, origins = [np.tile(np.eye(3), (len(q), 1, 1))], [np.zeros((len(q), 3))]
-    for angle, parameters in zip(q.T, robot.denavit_hartenberg, strict=True):
+    for angle, pose in zip(q.T, robot.link_poses(), strict=True):
         near = rotations[-1] @ _turn(angle)
-        rotation, translation = link_tail(parameters)
+        rotation, translation = link_tail(pose)
         origins.append(origins[-1] + near @ translation)
         rotations.append(near @ rotation)
     return np.stack(rotations, axis=1), np.stack(origins, axis=1)

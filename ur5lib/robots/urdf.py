@@ -6,30 +6,33 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 
-from ur5lib.robots.description import DenavitHartenberg, Robot
+from ur5lib.robots.description import Pose, Robot
 from ur5lib.robots.inertia import RigidBodies
 from ur5lib.timeseries.arrays import Array
 
 
-def link_tail(parameters: DenavitHartenberg) -> tuple[Array, Array]:
-    """Return rotation (3, 3) and translation (3,) of Trans_z(d) Trans_x(a) Rot_x(alpha) (2.19).
+def link_tail(pose: Pose) -> tuple[Array, Array]:
+    """Return rotation (3, 3) and translation (3,) [m] of a link's constant transform.
 
-    This is the constant transform from a URDF joint's frame, at the near end of a link, to the
-    Denavit-Hartenberg frame k at its far end.
+    It leads from a URDF joint's frame, at the near end of link k, to frame k at its far end:
+    Trans_z(d) Trans_x(a) Rot_x(alpha) of Equation 2.19, unless the arm was calibrated.
     """
-    c, s = math.cos(parameters.alpha), math.sin(parameters.alpha)
-    rotation = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    return rotation, np.array([parameters.a, 0.0, parameters.d])
+    (cr, cp, cy), (sr, sp, sy) = ([f(angle) for angle in pose.rpy] for f in (math.cos, math.sin))
+    roll = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    pitch = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    yaw = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return yaw @ pitch @ roll + 0.0, np.array(pose.position)
 
 
 def thick(inertia: Array) -> Array:
     """Return an inertia tensor that obeys the triangle inequality of a rigid body.
 
     Principal moments obey A + B >= C. For a flat plate A + B = C, which rounded digits can violate;
-    MuJoCo then rejects the link. In that case all moments are raised by 1e-12 of their sum.
+    MuJoCo then rejects the link. In that case all moments are raised by 1e-12 of their sum, those
+    of a point mass by 1e-12 kg m².
     """
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
-    margin = 1e-12 * np.trace(inertia)
+    margin = 1e-12 * (np.trace(inertia) or 1.0)
     return inertia if slack > margin else inertia + margin * np.eye(3)
 
 
@@ -55,22 +58,24 @@ def _text(values: Iterable[float]) -> str:
 
 
 def _add_link(root: Element, k: int, robot: Robot, bodies: RigidBodies) -> None:
-    parameters = robot.denavit_hartenberg[k - 1]
-    rotation, translation = link_tail(parameters)
+    pose = robot.link_poses()[k - 1]
+    rotation, translation = link_tail(pose)
     center = translation + rotation @ bodies.center_of_mass[k - 1]
     inertia = thick(bodies.inertia[k - 1])
     entries = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2)}
     entries |= {"ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
 
     inertial = SubElement(SubElement(root, "link", name=f"link_{k}"), "inertial")
-    SubElement(inertial, "origin", xyz=_text(center), rpy=_text([parameters.alpha, 0, 0]))
+    SubElement(inertial, "origin", xyz=_text(center), rpy=_text(pose.rpy))
     SubElement(inertial, "mass", value=_text([bodies.mass[k - 1]]))
     SubElement(inertial, "inertia", {name: _text([inertia[ij]]) for name, ij in entries.items()})
 
 
 def _add_joint(root: Element, k: int, robot: Robot) -> None:
-    motor = robot.motor(k)
-    joint = SubElement(root, "joint", name=f"joint_{k}", type="revolute")
+    motor, end = robot.motor(k), robot.position_limits()[k - 1]
+    kind = "revolute" if math.isfinite(end) else "continuous"
+    bounds = {"lower": _text([-end]), "upper": _text([end])} if math.isfinite(end) else {}
+    joint = SubElement(root, "joint", name=f"joint_{k}", type=kind)
     SubElement(joint, "parent", link=f"frame_{k - 1}")
     SubElement(joint, "child", link=f"link_{k}")
     SubElement(joint, "origin", xyz="0 0 0", rpy="0 0 0")
@@ -78,22 +83,16 @@ def _add_joint(root: Element, k: int, robot: Robot) -> None:
     SubElement(
         joint,
         "limit",
-        lower=_text([-motor.position_max]),
-        upper=_text([motor.position_max]),
+        bounds,
         effort=_text([motor.torque_max]),
         velocity=_text([motor.velocity_max]),
     )
 
 
 def _add_frame(root: Element, k: int, robot: Robot) -> None:
-    parameters = robot.denavit_hartenberg[k - 1]
+    pose = robot.link_poses()[k - 1]
     SubElement(root, "link", name=f"frame_{k}")
     joint = SubElement(root, "joint", name=f"frame_{k}_fixed", type="fixed")
     SubElement(joint, "parent", link=f"link_{k}")
     SubElement(joint, "child", link=f"frame_{k}")
-    SubElement(
-        joint,
-        "origin",
-        xyz=_text(link_tail(parameters)[1]),
-        rpy=_text([parameters.alpha, 0, 0]),
-    )
+    SubElement(joint, "origin", xyz=_text(pose.position), rpy=_text(pose.rpy))

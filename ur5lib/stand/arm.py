@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ur5lib.robots.description import DenavitHartenberg, Mounting, Robot
+from ur5lib.robots.description import Mounting, Pose, Robot
 from ur5lib.robots.inertia import rigid_bodies, tensor
 from ur5lib.robots.urdf import link_tail, thick
 from ur5lib.timeseries.arrays import Array
@@ -48,16 +48,16 @@ def _add_links(spec: mujoco.MjSpec, robot: Robot, model: str) -> mujoco.MjsBody:
     bare = robot.models[model].model_copy(update={"payload": None})
     bodies = rigid_bodies(robot.model_copy(update={"models": {model: bare}}), model)
     body = spec.worldbody
-    for k, parameters in enumerate(robot.denavit_hartenberg):
-        body = _add_link(body, f"link_{k + 1}", parameters)
+    for k, pose in enumerate(robot.link_poses()):
+        body = _add_link(body, f"link_{k + 1}", pose)
         body.joints[0].armature = bodies.rotor_inertia[k]
         _set_inertia(body, bodies.mass[k], bodies.center_of_mass[k], bodies.inertia[k])
     return body
 
 
-def _add_link(parent: mujoco.MjsBody, name: str, parameters: DenavitHartenberg) -> mujoco.MjsBody:
+def _add_link(parent: mujoco.MjsBody, name: str, pose: Pose) -> mujoco.MjsBody:
     """Add a body with its link's Denavit-Hartenberg frame that turns about z_(k-1)."""
-    rotation, translation = link_tail(parameters)
+    rotation, translation = link_tail(pose)
     quaternion = Rotation.from_matrix(rotation).as_quat(scalar_first=True)
     body = parent.add_body(name=name, pos=translation, quat=quaternion)
     hinge = mujoco.mjtJoint.mjJNT_HINGE

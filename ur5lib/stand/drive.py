@@ -16,7 +16,7 @@ MOVES = 0.05  # rad/s; speed at which the noise of a moving joint sets in
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
-TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A
+TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A, for joints that have more
 RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
 PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple per turn of the joint
 NOISE, NOISE_AT_REST = 0.05, 0.01  # A
@@ -74,7 +74,7 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
         viscous=KNOWN * friction.viscous,
         coulomb=KNOWN * friction.coulomb,
         torque_max=np.array([robot.motor(joint).torque_max for joint in range(1, 7)]),
-        torque_constant=TORQUE_CONSTANT,
+        torque_constant=np.fmin(TORQUE_CONSTANT, robot.maker_torque_constants()),
     )
 
 

@@ -11,7 +11,7 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
-from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -20,7 +20,7 @@ from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
 from ur5lib.report.tables import quality as quality_table
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import Robot
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording, Study, arms_without_fit
@@ -63,7 +63,7 @@ def print_tables(
     console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
 ) -> int:
     """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
-    rows = quality_table.finding_rows(qualities, clocks, {})
+    rows = quality_table.finding_rows(qualities, clocks, {}, {})
     quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
@@ -98,17 +98,32 @@ def read_study(path: Path) -> Study:
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
-    arm = load_robot(robot_path(recording.robot)).mounted(recording.gravity)
+    arm = recording.arm.description()
     try:
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    load = carried(recording.known_payload(), Signals.from_table(intake.robot))
-    fitted = recording.role == "fit"
-    signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
+    tool, signals = recording.known_tool(), Signals.from_table(intake.robot)
+    load, fitted = carried(recording.known_payload(), signals), recording.role == "fit"
+    mounted = arm.mounted(recording.known_gravity())
+    signs = stop_signs(intake.robot, mounted, load.told, load.payload, fitted)
+    doubts = disagreements(recording.known_payload(), tool.tcp if tool else None, signals)
+    doubts += unfiltered(study, intake.quality["period_s"])
     stops = [*quality_table.stop_rows(recording.name, signs)]
-    quality = intake.quality | {"findings": stops + intake.quality["findings"]}
-    return quality, _clocks_of(intake, arm)
+    findings = [*stops, *intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
+    return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
+
+
+def unfiltered(study: Study, period: float) -> list[Finding]:
+    """Return a note on low-pass filters that leave a recording as it is; period: its [s]."""
+    nyquist = 0.5 / period
+    cutoffs = study.settings.lowpass.model_dump()
+    beyond = [name for name, design in cutoffs.items() if design["cutoff_hz"] >= nyquist]
+    detail = (
+        f"`cutoff_hz` of {', '.join(beyond)} is not below {nyquist:g} Hz, half the rate of this "
+        "recording, which is not filtered there"
+    )
+    return [Finding("robot", "unfiltered", "note", len(beyond), detail)] if beyond else []
 
 
 def unusable(error: InputError) -> dict[str, Any]:
@@ -134,15 +149,15 @@ def settled(
     free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(
-            {r.name: own[r.name] for r in free if r.robot == robot and r.name in own},
+            {r.name: own[r.name] for r in free if r.arm.known_as == robot and r.name in own},
             study.devices_of_hosts(),
         )
-        for robot in {recording.robot for recording in study.recordings}
+        for robot in study.arms()
     }
     return {
         recording.name: settle_clocks(
             own[recording.name],
-            drifts[recording.robot],
+            drifts[recording.arm.known_as],
             qualities[recording.name].get("duration_s", 0.0),
         )
         for recording in study.recordings

@@ -54,7 +54,7 @@ def _descend(
         else:
             keys.append(part)
             node = _child(node, part)
-        node = next((option for option in node.get("anyOf", []) if "$ref" in option), node)
+        node = _present(node)
         if "$ref" in node:
             node = schema["$defs"][node["$ref"].rsplit("/", 1)[-1]]
     return keys, node
@@ -63,8 +63,15 @@ def _descend(
 def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the kinds of a part by tag; where two types are allowed, the types."""
     tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
-    options = {tags.get(o.get("$ref"), o.get("type")): o for o in node.get("oneOf", [])}
-    return {tag: option for tag, option in options.items() if tag is not None}
+    kinds = ((option.get("$ref"), option) for option in node.get("oneOf", []))
+    options = {tags.get(ref, option.get("type", "object")): option for ref, option in kinds}
+    return options if "oneOf" in node else {}
+
+
+def _present(node: dict[str, Any]) -> dict[str, Any]:
+    """Return the schema node of a value that may be omitted."""
+    options = (option for option in node.get("anyOf", []) if {"$ref", "oneOf"} & set(option))
+    return next(options, node)
 
 
 def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
@@ -91,7 +98,7 @@ def _choices(node: dict[str, Any]) -> list[str]:
 
 
 def allowed(node: dict[str, Any]) -> str:
-    """Return what a JSON schema node allows, in words: "a number above 0 and below 62.5"."""
+    """Return what a JSON schema node allows, in words: "a number above 0 and below 1000"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
     bounds = {

@@ -8,40 +8,23 @@ import json
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, ConfigDict, Field
-from pydantic_core import PydanticCustomError
 
 from ur5lib.recordings.quality import SENSORS
-from ur5lib.robots.description import Gravity, Payload, robot_names
+from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
-
-Name = Annotated[  # becomes the name of a folder
-    str,
-    Field(
-        pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
-        description="name, also of its folder in results",
-        json_schema_extra={
-            "characters": "letters, digits, `_`, `-`; dots too, except as the first character"
-        },
-    ),
-]
-
-
-def _known_robot(name: str) -> str:
-    if name not in robot_names():
-        message = "no description of `{name}`; docs/robots.md shows how to add one"
-        raise PydanticCustomError("no_description", message, {"name": name})
-    return name
+from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
 
 
 class Part(Strict):
     """One run of an arm: the keys that every format has."""
 
     name: Name
-    robot: Annotated[str, AfterValidator(_known_robot)] = Field(
-        description="an arm described in ur5lib/robots/",
-        json_schema_extra={"enum": [*robot_names()]},
+    robot: NamedArm | None = Field(
+        None,
+        description="the arm, as described in ur5lib/robots/ or robots/, or a mapping that says "
+        "what is its own; default: `robot` of the study",
     )
     folder: str = Field(description="the folder that holds the device files")
     role: Literal["fit", "validate", "contact"] = Field(
@@ -53,15 +36,43 @@ class Part(Strict):
         description="vector in the base frame [m/s²], for an arm on a ceiling, a wall or a slope; "
         "default: that of the arm's description",
     )
+    mounting: Mounting | None = Field(
+        None,
+        description="how the arm stands: floor, wall, ceiling, angles, or gravity in the base "
+        "frame [m/s²]; default: that of `robot`",
+    )
+    tool: Tool | None = Field(
+        None, description="what is mounted on the flange; default: that of `robot`"
+    )
     payload: Payload | None = Field(
         None,
-        description="load on the flange that the arm's description lacks, whether the controller "
-        "knows it or not; default: the recorded `payload` channels of RTDE, otherwise none",
+        description="load on the flange that the arm's description and its tool lack, whether the "
+        "controller knows it or not; default: the recorded `payload` channels of RTDE, otherwise "
+        "none",
     )
     format: str = Field(description="format of the files")
 
+    @property
+    def arm(self) -> Arm:
+        """Return the arm, also where it is only named."""
+        assert self.robot is not None, "`parse_study` gives each recording its arm"
+        return Arm(arm=self.robot) if isinstance(self.robot, str) else self.robot
+
+    def known_gravity(self) -> Vector3 | None:
+        """Return gravity in the base frame [m/s²]; None: as described for the arm."""
+        return self.gravity or self.arm.gravity(self.mounting or self.arm.mounting)
+
+    def known_tool(self) -> Tool | None:
+        """Return what is mounted on the flange, if the study says so."""
+        return self.tool or self.arm.tool
+
     def known_payload(self) -> Payload | None:
-        """Return the payload that the study declares."""
+        """Return all that the flange carries, as the study declares it."""
+        tool, load = self.known_tool(), self.declared_load()
+        return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
+
+    def declared_load(self) -> Payload | None:
+        """Return the payload that the study declares beside the tool."""
         return self.payload
 
     def file_names(self) -> list[str]:
@@ -127,11 +138,20 @@ class Simulable(Part):
         "replaces the keys that locate real files",
     )
 
-    def known_payload(self) -> Payload | None:
+    def declared_load(self) -> Payload | None:
         """Return the declared payload, or the plan's where the format cannot record it."""
-        if self.payload or self.simulate is None or self.format in layout.FORMATS_WITH_PAYLOAD:
+        recorded = self.format in layout.FORMATS_WITH_PAYLOAD and not self.known_tool()
+        if self.payload or self.simulate is None or recorded:
             return self.payload
         return self.simulate.payload
+
+    def plan(self) -> SimulatedRecording:
+        """Return what is to be simulated, the tool included; of a simulated recording only."""
+        assert self.simulate is not None, f"{self.name} is not simulated"
+        tool, load = self.known_tool(), self.simulate.payload
+        if tool is None:
+            return self.simulate
+        return self.simulate.model_copy(update={"payload": tool.payload().joined(load)})
 
     def file_names(self) -> list[str]:
         """Return the files in its folder, or those that the test stand writes there."""
@@ -173,7 +193,10 @@ Recording = Annotated[
 
 
 ORDER = "order of the Butterworth filter, which runs forwards and backwards"
-CUTOFF = "frequency at which a signal loses half its amplitude (-6 dB)"
+CUTOFF = (
+    "frequency at which a signal loses half its amplitude (-6 dB); a recording of at most twice "
+    "this rate is not filtered"
+)
 
 
 class Frames(Strict):
@@ -191,7 +214,7 @@ class MotionLowpass(Strict):
     """Of the controller's torque and the measured motion that it is identified from."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(10.0, gt=0, lt=62.5, description=CUTOFF)
+    cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class CurrentLowpass(Strict):
@@ -199,7 +222,7 @@ class CurrentLowpass(Strict):
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
-        2.0, gt=0, lt=62.5, description="above this frequency, measured currents are mostly noise"
+        2.0, gt=0, lt=1000, description="above this frequency, measured currents are mostly noise"
     )
 
 
@@ -207,7 +230,7 @@ class AccelerationLowpass(Strict):
     """Of accelerations by joints and IMU where they are compared."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
-    cutoff_hz: float = Field(2.0, gt=0, lt=62.5, description=CUTOFF)
+    cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class PublishedLowpass(Strict):
@@ -215,7 +238,7 @@ class PublishedLowpass(Strict):
 
     order: int = Field(5, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
-        1.454, gt=0, lt=62.5, description="cut-off frequency in the thesis (erratum 4)"
+        1.454, gt=0, lt=1000, description="cut-off frequency in the thesis (erratum 4)"
     )
 
 
@@ -296,6 +319,9 @@ class Study(Strict):
 
     study: Name
     title: str = Field(description="title of the report")
+    robot: NamedArm | None = Field(
+        None, description="the arm of all recordings that name none themselves"
+    )
     recordings: list[Recording] = Field(min_length=1, description="recordings to analyse")
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file with published values and errata to compare the results with"
@@ -306,6 +332,11 @@ class Study(Strict):
         "timestamps; devices of one host share its clock drift",
     )
     settings: Settings = Field(Settings(), description="settings of the analysis")
+
+    def arms(self) -> dict[str, Arm]:
+        """Return the arms by their names in results, without mountings and tools."""
+        arms = [one.arm for one in self.recordings]
+        return {arm.known_as: arm.itself() for arm in reversed(arms)}  # the first of a name counts
 
     def devices_of_hosts(self) -> dict[str, list[str]]:
         """Return each host's devices, by their names in results."""
@@ -319,5 +350,5 @@ def schema_text() -> str:
 
 def arms_without_fit(study: Study) -> list[str]:
     """Return the arms without a recording of role `fit`: they get no friction and no forces."""
-    fitted = {recording.robot for recording in study.recordings if recording.role == "fit"}
-    return sorted({recording.robot for recording in study.recordings} - fitted)
+    fitted = {recording.arm.known_as for recording in study.recordings if recording.role == "fit"}
+    return sorted({recording.arm.known_as for recording in study.recordings} - fitted)

@@ -49,16 +49,20 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     problems = [
         *_missing_folders(raw),
         *_files_of_simulated(raw),
+        *_without_arm(raw),
+        *_two_gravities(raw),
         *_repeated_names(raw),
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
         *_renamed_settings(raw),
     ]
     try:
-        study = Study.model_validate(_with_simulated_files(raw))
+        study = Study.model_validate(_with_arms(_with_simulated_files(raw)))
+        if all(recording.robot for recording in study.recordings):
+            problems += [*_different_arms(study), *_wrong_arms(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
-        unknown = [detail for detail in error.errors() if not _is_renamed(raw, detail["loc"])]
+        unknown = [detail for detail in error.errors() if not _is_explained(raw, detail["loc"])]
         problems = [explain(detail, schema) for detail in unknown] + problems
     if problems:
         raise InputError("\n".join(f"{source}: {problem}" for problem in problems))
@@ -107,6 +111,54 @@ def _with_files(entry: Any, study: object) -> Any:
     return entry | files
 
 
+def _with_arms(raw: dict[str, Any]) -> dict[str, Any]:
+    """Return the configuration with the study's arm in each recording that names none."""
+    if raw.get("robot") is None or not isinstance(raw.get("recordings"), list):
+        return raw
+    recordings = [
+        {**entry, "robot": entry.get("robot") or raw["robot"]} if isinstance(entry, dict) else entry
+        for entry in raw["recordings"]
+    ]
+    return raw | {"recordings": recordings}
+
+
+def _without_arm(raw: Mapping[str, Any]) -> Iterator[str]:
+    for place, entry in _entries(raw):
+        if entry.get("robot") is None and raw.get("robot") is None:
+            yield (
+                f"`{place}.robot` is missing; name the arm there, or as `robot` of the study for "
+                "all recordings"
+            )
+
+
+def _two_gravities(raw: Mapping[str, Any]) -> Iterator[str]:
+    for place, entry in _entries(raw):
+        if entry.get("gravity") is not None and entry.get("mounting") is not None:
+            yield f"`{place}` has both `gravity` and `mounting`; remove one"
+
+
+def _different_arms(study: Study) -> Iterator[str]:
+    """Find two arms of one name: what is fitted is fitted for all recordings of a name."""
+    arms = study.arms()
+    for recording in study.recordings:
+        if recording.arm.itself() != arms[recording.arm.known_as]:
+            yield (
+                f"recordings: the arm of {recording.name} differs from another called "
+                f"{recording.arm.known_as}; give each its own `name`, or move it to `robot` of the "
+                "study"
+            )
+
+
+def _wrong_arms(study: Study) -> Iterator[str]:
+    """Yield what is wrong with the numbers of arms of their own."""
+    for arm in study.arms().values():
+        if arm.override or arm.calibration:
+            try:
+                arm.description()
+            except InputError as error:
+                yield str(error)
+
+
 def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
     names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
     for name in sorted({str(name) for name in names if names.count(name) > 1}):
@@ -140,6 +192,18 @@ def _renamed_settings(raw: Mapping[str, Any]) -> Iterator[str]:
         given = given if isinstance(given, dict) else {}
         for key in (key for key in given if key in keys):
             yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
+
+
+def _is_explained(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+    """Return whether an error is explained elsewhere: at its new name, or for the whole study."""
+    return _is_renamed(raw, location) or _is_study_s_arm(raw, location)
+
+
+def _is_study_s_arm(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+    """Return whether an error is that of the study's arm, which a recording only inherits."""
+    if location[0] != "recordings" or "robot" not in location[:4]:
+        return False
+    return raw["recordings"][location[1]].get("robot") is None
 
 
 def _is_renamed(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:

@@ -43,7 +43,8 @@ def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
         yield "", "", node["$ref"].rsplit("/", 1)[-1]
     for kind, option in branches(node).items():
         if "$ref" in option:
-            label = f", {node['discriminator']['propertyName']}: {kind}"
+            chosen_by = node.get("discriminator", {}).get("propertyName")
+            label = f", {chosen_by}: {kind}" if chosen_by else ""
             yield "", label, option["$ref"].rsplit("/", 1)[-1]
     for option in node.get("anyOf", []):
         yield from _named(option)
@@ -78,7 +79,13 @@ def _default(key: str, node: Schema, part: Schema) -> str:
 
 def _allowed(node: Schema) -> str:
     """Return what a key may hold, without the null that stands for omitting it."""
-    options = [option for option in node.get("anyOf", [node]) if option.get("type") != "null"]
-    if any("$ref" in option for option in options):
+    present = [option for option in node.get("anyOf", [node]) if option.get("type") != "null"]
+    types = [] if "discriminator" in present[0] else present[0].get("oneOf", [])
+    return ", or ".join(map(_allowed_type, types or present[:1]))
+
+
+def _allowed_type(node: Schema) -> str:
+    """Return what one type of value may hold."""
+    if "$ref" in node:
         return "a mapping, below"
-    return allowed(options[0]) + (", below" if any(_named(node)) else "")
+    return allowed(node) + (", below" if any(_named(node)) else "")

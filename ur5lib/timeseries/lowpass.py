@@ -1,4 +1,8 @@
-"""Butterworth low-pass filters, designed in Hz as second-order sections."""
+"""Butterworth low-pass filters, designed in Hz as second-order sections.
+
+A record contains nothing beyond its Nyquist frequency, half its rate: there, a filter with a
+cut-off at or beyond it changes nothing. Records of different rates can thus share a cut-off.
+"""
 
 from typing import NamedTuple
 
@@ -19,12 +23,14 @@ class Butterworth(NamedTuple):
 THESIS_ACCELERATION = Butterworth(8, 4.7)
 THESIS_CURRENT = Butterworth(5, 1.454)
 
+PASSES_ALL = np.array([[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]])  # a second-order section
+
 
 def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
     """Apply a Butterworth low-pass forwards and backwards: no delay, and -6 dB at the cut-off.
 
-    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist. Both ends
-    are continued by their reflection in the end point, so that lines stay lines.
+    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
+    Both ends are continued by their reflection in the end point, so that lines stay lines.
     """
     sections = _design(rate, order, cutoff)
     padding = min(len(values) - 1, int(3 * rate / cutoff))
@@ -34,7 +40,7 @@ def zero_phase_lowpass(values: Array, rate: float, order: int, cutoff: float) ->
 def causal_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Array:
     """Apply a Butterworth low-pass forwards from rest, with delay, as the thesis's scripts did.
 
-    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError beyond Nyquist.
+    values: (N, M) without gaps; rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """
     return signal.sosfilt(_design(rate, order, cutoff), values, axis=0)
 
@@ -52,12 +58,14 @@ def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arra
 def frequency_response(frequency: Array, rate: float, order: int, cutoff: float) -> Array:
     """Return the gain (K,) of one pass at frequencies (K,) [Hz] (Equation 5.12); two: its square.
 
-    rate, cutoff: [Hz]. Raises ValueError for a cut-off beyond Nyquist.
+    rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """
     return np.abs(signal.freqz_sos(_design(rate, order, cutoff), frequency, fs=rate)[1])
 
 
 def _design(rate: float, order: int, cutoff: float) -> Array:
-    if not 0 < cutoff < rate / 2:
-        raise ValueError(f"a cut-off of {cutoff:g} Hz is not below half the rate of {rate:g} Hz")
+    if not cutoff > 0:
+        raise ValueError(f"a cut-off of {cutoff:g} Hz is not above zero")
+    if cutoff >= rate / 2:
+        return PASSES_ALL
     return signal.butter(order, cutoff, fs=rate, output="sos")

@@ -1,4 +1,5 @@
 # The study as a typed model, and the files, settings and code that all steps need.
+import json
 import os
 import re
 import tempfile
@@ -10,6 +11,7 @@ from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
 from ur5lib.report.reference import read_reference
+from ur5lib.robots.description import robot_path
 from ur5lib.steps.workers import run_step
 from ur5lib.study.reading import parse_study
 
@@ -40,7 +42,8 @@ STUDY_YAML = yaml.safe_dump(
 )
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
-ROBOTS = sorted({recording.robot for recording in STUDY.recordings})
+ARMS = STUDY.arms()
+ROBOTS = sorted(ARMS)
 
 
 # Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
@@ -77,7 +80,7 @@ def parameters(name):
 
 def parameter_of(name):
     """Return a function of the path of a file of a recording's arm."""
-    return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).robot}/{name}"
+    return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).arm.known_as}/{name}"
 
 
 def fitted_on(wildcards):
@@ -85,7 +88,7 @@ def fitted_on(wildcards):
     return [
         name
         for name, recording in RECORDINGS.items()
-        if recording.role == "fit" and recording.robot == wildcards.robot
+        if recording.role == "fit" and recording.arm.known_as == wildcards.robot
     ]
 
 
@@ -101,7 +104,8 @@ def results_of_fitted(name):
     return lambda wildcards: [
         f"{RESULTS}/recordings/{other}/{name}"
         for other, recording in RECORDINGS.items()
-        if recording.role == "fit" and recording.robot == recording_of(wildcards).robot
+        if recording.role == "fit"
+        and recording.arm.known_as == recording_of(wildcards).arm.known_as
     ]
 
 
@@ -110,7 +114,7 @@ def contact_free(wildcards):
     return [
         name
         for name, recording in RECORDINGS.items()
-        if recording.role != "contact" and recording.robot == wildcards.robot
+        if recording.role != "contact" and recording.arm.known_as == wildcards.robot
     ]
 
 
@@ -127,7 +131,7 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    unread = {"name", "role", "robot", "gravity", "payload", "simulate"}
+    unread = {"name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate"}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 
 
@@ -138,7 +142,7 @@ def gravity_of(wildcards):
 
 def gravities(names):
     """Return gravity in the base frames of several recordings."""
-    found = [RECORDINGS[name].gravity for name in names]
+    found = [RECORDINGS[name].known_gravity() for name in names]
     return [gravity and list(gravity) for gravity in found]
 
 
@@ -156,6 +160,12 @@ def payload_of(wildcards):
     """Return the payload that the study declares for a recording, as JSON; empty without one."""
     payload = recording_of(wildcards).known_payload()
     return payload.model_dump_json() if payload else ""
+
+
+def tcp_of(wildcards):
+    """Return the tool centre point that the study declares for a recording; empty without one."""
+    tool = recording_of(wildcards).known_tool()
+    return list(tool.tcp) if tool and tool.tcp else []
 
 
 def raw_files(name):
@@ -192,8 +202,13 @@ def way_points(name):
 
 
 def arm_file(wildcards):
-    robot = getattr(wildcards, "robot", None) or recording_of(wildcards).robot
-    return f"ur5lib/robots/{robot}.yaml"
+    robot = getattr(wildcards, "robot", None) or recording_of(wildcards).arm.known_as
+    return described(robot)
+
+
+def described(robot):
+    """Return the path of an arm's description, with what is its own."""
+    return f"{RESULTS}/parameters/{robot}/described.yaml"
 
 
 def traces(step, of=None):

@@ -27,5 +27,6 @@ rule compute_torques:
         gravity=gravity_of,
         payload=payload_of,
         role=lambda wildcards: recording_of(wildcards).role,
+        tcp=tcp_of,
     run:
         run_step(rule, input, output, params, log)

@@ -6,7 +6,7 @@ for recording in SIMULATED:
             f"simulate_recording_{recording}"
         input:
             **way_points(recording),
-            arm=f"ur5lib/robots/{RECORDINGS[recording].robot}.yaml",
+            arm=described(RECORDINGS[recording].arm.known_as),
         output:
             raw=raw_files(recording),
             truth=f"{RESULTS}/truth/{recording}.parquet",
@@ -17,7 +17,7 @@ for recording in SIMULATED:
             code=code("simulate_recording"),
             format=RECORDINGS[recording].format,
             gravity=gravities([recording])[0],
-            plan=RECORDINGS[recording].simulate.model_dump_json(),
+            plan=RECORDINGS[recording].plan().model_dump_json(),
         run:
             run_step("simulate_recording", input, output, params, log)
 
@@ -33,7 +33,7 @@ if SIMULATED:
             fused=results("fused_motion.parquet", SIMULATED),
             accelerations=results("accelerations.parquet", SIMULATED),
             forces=results("forces.parquet", SIMULATED),
-            described=[f"ur5lib/robots/{robot}.yaml" for robot in ROBOTS],
+            described=[described(robot) for robot in ROBOTS],
             fitted=parameters("arm.yaml"),
             rotors=parameters("rotor_inertia.json"),
             identification=parameters("identification.json"),

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.pipeline.carried import carried, load_account
+from ur5lib.pipeline.carried import carried, disagreements, load_account
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import joint_torques
@@ -19,4 +19,5 @@ def compute_torques(input: Any, output: Any, params: Any) -> None:
     joint_torques(robot, load, signals, motion).write(output.torques)
     fitted = params.role == "fit"
     signs = stop_signs(read_table(input.signals), robot, load.told, load.payload, fitted)
-    write_json(load_account(load) | {"stop_signs": signs}, output.summary)
+    doubts = disagreements(declared, params.tcp or None, signals)
+    write_json(load_account(load, doubts) | {"stop_signs": signs}, output.summary)

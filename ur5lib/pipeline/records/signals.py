@@ -22,7 +22,8 @@ class Signals(SegmentedTable):
     interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
     actual_TCP_force: (N, 6), the controller's estimate, base frame; payload: (N,), payload_cog:
     (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz, xy, xz, yz, that the controller was
-    given; force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
+    given; tcp_offset: (N, 6), its tool centre point in frame 6, position and rotation vector;
+    force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
     gyroscope: (N, 3), of the IMU, in its frame.
     """
 
@@ -41,6 +42,7 @@ class Signals(SegmentedTable):
     payload: Array | None = channel("payload", "kg", optional=True)
     payload_cog: Array | None = channel("payload_cog", "m", XYZ, optional=True)
     payload_inertia: Array | None = channel("payload_inertia", "kg m2", JOINTS, optional=True)
+    tcp_offset: Array | None = channel("tcp_offset", "m, rad", JOINTS, optional=True)
     force_sensor: Array | None = channel("ft", "N, Nm", FORCE_SENSOR, optional=True)
     accelerometer: Array | None = channel("imu", "m/s2", ACCELEROMETER, optional=True)
     gyroscope: Array | None = channel("imu", "rad/s", GYROSCOPE, optional=True)

@@ -11,9 +11,12 @@ REMEDY = "if one computer timestamps both this device and an IMU, list both unde
 
 def rows(results: StudyResults) -> Iterator[Row]:
     """Yield the table's rows."""
-    for recording, load in results.each("loads"):
+    loads = results.all("loads")
+    for recording, load in loads.items():
         yield from stop_rows(recording, load["stop_signs"])
-    yield from finding_rows(results.all("quality"), results.all("clocks"), results.all("forces"))
+    yield from finding_rows(
+        results.all("quality"), results.all("clocks"), results.all("forces"), loads
+    )
 
 
 def stop_rows(recording: str, signs: Iterable[str]) -> Iterator[Row]:
@@ -30,12 +33,18 @@ def stop_rows(recording: str, signs: Iterable[str]) -> Iterator[Row]:
 
 
 def finding_rows(
-    qualities: Mapping[str, Any], clocks: Mapping[str, Any], forces: Mapping[str, Any]
+    qualities: Mapping[str, Any],
+    clocks: Mapping[str, Any],
+    forces: Mapping[str, Any],
+    loads: Mapping[str, Any],
 ) -> Iterator[Row]:
-    """Yield the findings of quality.json, clocks.json and forces.json, each by recording."""
+    """Yield the findings of quality.json, clocks.json, forces.json and torques.json (loads), each
+    by recording.
+    """
     for recording, quality in qualities.items():
         for finding in [
             *quality["findings"],
+            *loads.get(recording, {}).get("findings", []),
             *_copies(recording, qualities),
             *_poor_clocks(clocks.get(recording, {})),
             *_doubted_sensor(forces.get(recording, {})),

@@ -1,0 +1,88 @@
+"""A simulated e-Series arm on a ceiling with a tool, at 125 and at 500 Hz, by all steps."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+
+from tests.conftest import Workflow, copy_project
+from ur5lib.tables import read_csv, read_json
+
+TOOL = {"mass": 1.2, "center_of_mass": [0, 0, 0.05], "tcp": [0, 0, 0.12, 0, 0, 0]}
+PUSH = {"kind": "push", "start_s": 4, "seconds": 4, "force": [60, 30, -45]}
+
+
+def recording(name: str, format: str, role: str, draw: int, **more: Any) -> dict[str, Any]:
+    trajectory = {"kind": "fourier", "draw": draw, "period_s": 6, "limit_share": 0.3}
+    plan = {"trajectory": trajectory, "seconds": 12, "seed": draw} | more
+    return {"name": name, "format": format, "role": role, "simulate": plan}
+
+
+STUDY = {
+    "study": "e_series",
+    "title": "A UR5e on a ceiling",
+    "robot": {"arm": "ur5e", "name": "cell-2", "mounting": "ceiling", "tool": TOOL},
+    "recordings": [
+        recording("fit_1", "rtde-csv", "fit", 1),
+        recording("fit_2", "realtime-stream", "fit", 2),
+        recording("fit_3", "realtime-stream", "fit", 4),
+        recording("pushed", "rtde-csv", "contact", 3, contacts=[PUSH]),
+    ],
+    "settings": {"lowpass": {"motion": {"cutoff_hz": 80}}},  # beyond Nyquist of two of them
+}
+
+
+@pytest.fixture(scope="module")
+def workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    made = Workflow(copy_project(tmp_path_factory.mktemp("e_series") / "project"))
+    (made.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
+    made.build("--until", "compare_with_truth", "make_tables")
+    return made
+
+
+@pytest.fixture(scope="module")
+def results(workflow: Workflow) -> Path:
+    return workflow.folder / "results" / "e_series"
+
+
+@pytest.fixture(scope="module")
+def truth(results: Path) -> pd.DataFrame:
+    return read_csv(results / "tables" / "truth.csv")
+
+
+def test_each_recording_has_its_own_rate(results: Path) -> None:
+    quality = [read_json(results / f"recordings/{n}/quality.json") for n in ("fit_1", "fit_2")]
+    assert [one["period_s"] for one in quality] == [0.002, 0.008]
+
+
+def test_the_tool_is_carried_and_the_controller_given_it(results: Path) -> None:
+    """Where the format says so: then both agree."""
+    loads = {n: read_json(results / f"recordings/{n}/torques.json") for n in ("fit_1", "fit_2")}
+    assert [load["payload"]["mass"] for load in loads.values()] == [1.2, 1.2]
+    assert [load["told"] and load["told"]["mass"] for load in loads.values()] == [1.2, None]
+    assert not any("findings" in load for load in loads.values())
+
+
+def test_the_arm_s_parameters_come_back(truth: pd.DataFrame) -> None:
+    for quantity, most in (("rotor_inertia", 1e-5), ("base_parameter", 1e-4)):
+        rows = truth[truth["quantity"] == quantity]
+        assert len(rows)
+        assert (rows["estimate"] - rows["truth"]).abs().max() < most
+    constants = truth[truth["quantity"] == "torque_constant"]
+    assert len(constants) == 6
+    assert (constants["estimate"] / constants["truth"] - 1).abs().max() < 0.25
+
+
+def test_models_of_the_arm_have_its_torques(truth: pd.DataFrame) -> None:
+    rows = truth[(truth["quantity"] == "torque_rmse") & (truth["method"] == "Model identified")]
+    assert len(rows) == 4 * 6
+    assert rows["estimate"].max() < 1e-3  # Nm
+
+
+def test_the_push_is_found(truth: pd.DataFrame) -> None:
+    rows = truth[(truth["quantity"] == "wrench_mae") & (truth["recording"] == "pushed")]
+    forces = rows[(rows["method"] == "Fmap") & rows["index"].isin(["Fx", "Fy", "Fz"])]
+    assert len(forces) == 3
+    assert (forces["estimate"] < 0.6 * forces["zero"]).all()

@@ -1,0 +1,156 @@
+"""The arm of a recording: its description, and what is its own: numbers, mounting, tool."""
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
+
+from ur5lib.robots.description import (
+    FOLDER,
+    OWN_FOLDER,
+    Gravity,
+    Payload,
+    PerJoint,
+    Robot,
+    Vector3,
+    load_robot,
+    robot_names,
+    robot_path,
+)
+from ur5lib.robots.individual import individual_robot
+from ur5lib.strict import Strict, existing_file
+
+TILTS = {"floor": 0.0, "wall": 90.0, "ceiling": 180.0}  # degrees
+
+Name = Annotated[  # becomes the name of a folder
+    str,
+    Field(
+        pattern=r"^[A-Za-z0-9_-][A-Za-z0-9_.-]*$",
+        description="name, also of its folder in results",
+        json_schema_extra={
+            "characters": "letters, digits, `_`, `-`; dots too, except as the first character"
+        },
+    ),
+]
+
+
+def _described(name: str) -> str:
+    if name not in robot_names():
+        message = "no description of `{name}`; docs/robots.md shows how to add one"
+        raise PydanticCustomError("no_description", message, {"name": name})
+    if (FOLDER / f"{name}.yaml").is_file() and (OWN_FOLDER / f"{name}.yaml").is_file():
+        raise ValueError(f"another name to {OWN_FOLDER}/{name}.yaml: ur5lib describes a {name} too")
+    return name
+
+
+Described = Annotated[str, AfterValidator(_described)]
+
+
+class Tilt(Strict):
+    """How the base is tilted."""
+
+    tilt_deg: float = Field(
+        ge=-180,
+        le=180,
+        description="turn about the base's x axis: 0 on the floor, 90 on a wall, 180 on a ceiling",
+    )
+    rotation_deg: float = Field(
+        0.0, ge=-360, le=360, description="turn about the base's z axis before it is tilted"
+    )
+
+
+def _type_of(value: Any) -> str:
+    """Return the JSON type of a value, so that errors concern only that type."""
+    if isinstance(value, str):
+        return "string"
+    return "array" if isinstance(value, list | tuple) else "object"
+
+
+Mounting = Annotated[
+    Annotated[Literal["floor", "wall", "ceiling"], Tag("string")]
+    | Annotated[Gravity, Tag("array")]
+    | Annotated[Tilt, Tag("object")],
+    Discriminator(_type_of),
+]
+
+
+def base_gravity(mounting: Any, size: float) -> Vector3:
+    """Return gravity in the base frame [m/s²] of a mounted arm; size: its magnitude.
+
+    A tilt θ about the base's x axis turns the base's acceleration against gravity to
+    g [0, sin θ, cos θ], as in URScript's `set_gravity`; a turn φ about z before it turns it back.
+    """
+    if isinstance(mounting, tuple):
+        return mounting
+    tilt = mounting if isinstance(mounting, Tilt) else Tilt(tilt_deg=TILTS[mounting])
+    theta, phi = math.radians(tilt.tilt_deg), math.radians(tilt.rotation_deg)
+    up = math.sin(theta) * math.sin(phi), math.sin(theta) * math.cos(phi), math.cos(theta)
+    x, y, z = (round(-size * part, 12) + 0.0 for part in up)
+    return x, y, z
+
+
+class Tool(Payload):
+    """What is mounted on the flange for good, as the controller knows it [kg, m, kg m²]; frame 6.
+
+    inertia: xx yy zz xy xz yz, about its centre of mass; tcp: pose of its tool centre point,
+    position [m] and rotation vector [rad].
+    """
+
+    tcp: PerJoint | None = Field(
+        None, description="pose of the tool centre point: position [m], rotation vector [rad]"
+    )
+
+    def payload(self) -> Payload:
+        """Return the tool as a load on the flange."""
+        return Payload(mass=self.mass, center_of_mass=self.center_of_mass, inertia=self.inertia)
+
+
+class Arm(Strict):
+    """One individual arm: a described one, and what is its own."""
+
+    arm: Described = Field(description="the arm as described in ur5lib/robots/ or robots/")
+    name: Name | None = Field(
+        None, description="its name in results; default: that of the description"
+    )
+    override: dict[str, Any] | None = Field(
+        None,
+        description="numbers of the description that are different, by its keys; the entry of a "
+        "list by its number, from 1",
+    )
+    calibration: Annotated[str, AfterValidator(existing_file)] | None = Field(
+        None,
+        description="its kinematic calibration: calibration.conf of the controller, or the YAML "
+        "file that the ROS driver extracts",
+    )
+    mounting: Mounting | None = Field(
+        None,
+        description="how it stands: floor, wall, ceiling, angles, or gravity in the base frame "
+        "[m/s²]; default: as described",
+    )
+    tool: Tool | None = Field(None, description="what is mounted on its flange")
+
+    @property
+    def known_as(self) -> str:
+        """Return its name in results."""
+        return self.name or self.arm
+
+    def itself(self) -> "Arm":
+        """Return the arm without its mounting and tool, which may differ between recordings."""
+        return self.model_copy(update={"mounting": None, "tool": None})
+
+    def description(self) -> Robot:
+        """Return its description. Raises InputError where it is invalid."""
+        path, override = robot_path(self.arm), self.override or {}
+        return individual_robot(path, self.known_as, override, self.calibration)
+
+    def gravity(self, mounting: Any) -> Vector3 | None:
+        """Return gravity in its base frame [m/s²] where it is mounted so; None: as described."""
+        if mounting is None:
+            return None
+        return base_gravity(mounting, math.hypot(*load_robot(robot_path(self.arm)).gravity))
+
+
+NamedArm = Annotated[
+    Annotated[Described, Tag("string")] | Annotated[Arm, Tag("object")], Discriminator(_type_of)
+]

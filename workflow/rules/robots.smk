@@ -1,0 +1,20 @@
+# It takes less than a second: on a cluster it is no job, but runs where Snakemake was started.
+localrules:
+    describe_arm,
+
+
+rule describe_arm:
+    input:
+        description=lambda wildcards: os.path.relpath(robot_path(ARMS[wildcards.robot].arm)),
+        sizes="ur5lib/robots/joint_sizes.yaml",
+        calibration=lambda wildcards: ARMS[wildcards.robot].calibration or [],
+    output:
+        arm=parameter("described.yaml"),
+    log:
+        **traces("describe_arm", "{robot}"),
+    params:
+        code=code("describe_arm"),
+        robot="{robot}",
+        override=lambda wildcards: json.dumps(ARMS[wildcards.robot].override or {}),
+    run:
+        run_step(rule, input, output, params, log)
