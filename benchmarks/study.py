@@ -1,62 +1,78 @@
-"""How long a whole study takes on two cores, its documents alone, and nothing to do.
+"""How long a study takes on two cores: whole, changed a little, finished, and as it grows.
 
 It makes the study's results anew; by default those of config.yaml, which simulates. Processor time
 hardly depends on what else runs on the machine. Of a step, start-up is the processor time in which
-its jobs load Python and its packages.
+its jobs load Python and its packages. `--growth 50 100` adds so many copies of the last recording,
+under other names, and prints the time for each of them.
 """
 
 import argparse
 import resource
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import yaml
 
 from ur5lib.tables import read_csv
 
-DOCUMENTS = [
-    "draw_figures",
-    "draw_filters",
-    "draw_friction",
-    "draw_models",
-    "draw_calibration",
-    "make_tables",
-    "write_report",
-]
-RUNS = {
-    "whole study, from raw files": ["--forceall"],
-    "figures and documents": ["--forcerun", *DOCUMENTS],
-    "nothing to do": [],
+COPY = "copy_{}"
+RUNS: dict[str, tuple[int, list[str]]] = {  # copies of the last recording, options of Snakemake
+    "whole study, from raw files": (0, ["--forceall"]),
+    "one more recording": (1, []),
+    "without it again": (0, []),
+    "a changed caption": (0, ["--forcerun", "write_report"]),
+    "nothing to do": (0, []),
 }
 
 
 def main() -> None:
-    """Print wall and processor time of each run, then of each step."""
+    """Print wall and processor time of each run, then of each step, then by copies."""
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--quick", action="store_true", help="plan the runs, but do none")
+    options.add_argument("--growth", type=int, nargs="*", default=[], help="numbers of copies")
     options.add_argument("study", nargs="?", default="config.yaml", help="its configuration")
     given = options.parse_args()
     plan = ["--dry-run"] if given.quick else []
+    study = yaml.safe_load(Path(given.study).read_text(encoding="utf-8"))
     print(f"{'on two cores':<30}{'wall':>10}{'processor':>12}")
-    for name, settings in RUNS.items():
-        wall, processor = snakemake(given.study, *settings, *plan)
+    for name, (copies, settings) in RUNS.items():
+        wall, processor = snakemake(with_copies(study, copies), *settings, *plan)
         print(f"{name:<30}{wall:>8.1f} s{processor:>10.1f} s", flush=True)
-    name = yaml.safe_load(Path(given.study).read_text(encoding="utf-8"))["study"]
-    times = Path("results") / name / "tables" / "run_times.csv"
-    if given.quick and not times.exists():
-        return
-    steps = read_csv(times).sort_values("cpu_s", ascending=False)
-    print("\n" + steps[["step", "jobs", "wall_s", "start_up_s", "cpu_s"]].to_string(index=False))
+    show_steps(Path("results") / study["study"] / "tables" / "run_times.csv")
+    for copies in given.growth:
+        grown = with_copies(study, copies) | {"study": f"{study['study']}_and_{copies}"}
+        wall, _ = snakemake(grown, *plan)
+        print(f"{copies} copies: {wall:.0f} s, {wall / copies:.2f} s each", flush=True)
 
 
-def snakemake(study: str, *options: str) -> tuple[float, float]:
+def with_copies(study: dict[str, Any], count: int) -> dict[str, Any]:
+    """Return a study with copies of its last recording, as recordings with a contact."""
+    last = study["recordings"][-1]
+    copies = [last | {"name": COPY.format(k), "role": "contact"} for k in range(count)]
+    return study | {"recordings": [*study["recordings"], *copies]}
+
+
+def show_steps(times: Path) -> None:
+    """Print the time and the largest memory of each step."""
+    if times.exists():
+        steps = read_csv(times).sort_values("cpu_s", ascending=False)
+        shown = ["step", "jobs", "wall_s", "start_up_s", "cpu_s", "max_rss_mb"]
+        print("\n" + steps[shown].to_string(index=False), flush=True)
+
+
+def snakemake(study: dict[str, Any], *options: str) -> tuple[float, float]:
     """Return wall and processor time of a run [s]."""
-    start, before = time.perf_counter(), processor_time()
-    command = ["snakemake", "--cores", "2", "--configfile", study, *options]
-    pipe, both = subprocess.PIPE, subprocess.STDOUT
-    done = subprocess.run(command, text=True, stdout=pipe, stderr=both, check=False)
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+        yaml.safe_dump(study, file, sort_keys=False)
+        file.flush()
+        start, before = time.perf_counter(), processor_time()
+        command = ["snakemake", "--cores", "2", "--configfile", file.name, *options]
+        pipe, both = subprocess.PIPE, subprocess.STDOUT
+        done = subprocess.run(command, text=True, stdout=pipe, stderr=both, check=False)
     if done.returncode:
         sys.exit(f"{done.stdout}\nthis run failed (status {done.returncode})")
     return time.perf_counter() - start, processor_time() - before

@@ -18,13 +18,13 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import sys
 import time
 from collections.abc import Iterator
 from multiprocessing import get_context
 from pathlib import Path
-from types import FrameType
 from typing import Any, NamedTuple
 
 import pytest
@@ -98,8 +98,11 @@ def changes(node: ast.AST) -> Iterator[ast.AST]:
 
 
 def code(node: ast.AST, function: str = "") -> Iterator[tuple[ast.AST, str]]:
-    """All nodes that are run, with the function they are in: no types, texts and decorators."""
+    """All nodes that are run, with the function they are in: no types, texts and decorators, and
+    no assertions, of which `strict=True` of a zip is one."""
     if isinstance(node, ast.JoinedStr | ast.Raise | ast.Assert):
+        return
+    if isinstance(node, ast.keyword) and node.arg == "strict":
         return
     if isinstance(node, ast.ClassDef):
         function = f"{node.name}."
@@ -141,22 +144,16 @@ def mutants(path: Path) -> Iterator[Mutant]:
 class Watch:
     """Which functions each test calls, how long it takes, and which test fails first."""
 
-    def __init__(self, files: set[str]) -> None:
-        self.files, self.called, self.failed = files, set[str](), ""
+    def __init__(self) -> None:
+        self.called, self.failed = set[str](), ""
         self.tests: dict[str, Any] = {}
-
-    def see(self, frame: FrameType, *_: object) -> None:
-        if frame.f_code.co_filename in self.files:
-            path = os.path.relpath(frame.f_code.co_filename)
-            self.called.add(f"{path}:{frame.f_code.co_qualname.split('.<')[0]}")
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
-        self.called, begin = set(), time.perf_counter()
-        sys.settrace(self.see if self.files else None)
+        self.called.clear()
+        begin = time.process_time()
         result = yield
-        sys.settrace(None)
-        seconds = round(time.perf_counter() - begin, 3)
+        seconds = round(time.process_time() - begin, 3)
         self.tests[item.nodeid] = {"seconds": seconds, "calls": sorted(self.called)}
         return result
 
@@ -164,41 +161,50 @@ class Watch:
         self.failed = self.failed or (report.nodeid if report.failed else "")
 
 
-class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Imports one module from a source that is not on the disk."""
+def noting_calls(path: Path) -> ast.Module:
+    """A module whose functions note their names when they are called."""
+    tree = ast.parse(path.read_bytes())
+    for node, function in code(tree):
+        if isinstance(node, ast.FunctionDef):
+            note = ast.parse(f"_note({f'{path}:{function}'!r})").body
+            node.body[bool(ast.get_docstring(node)) : 0] = note
+    return ast.fix_missing_locations(tree)
 
-    def __init__(self, mutant: Mutant) -> None:
-        self.mutant, self.name = mutant, mutant.module.removesuffix(".py").replace("/", ".")
+
+class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports modules from sources that are not on the disk."""
+
+    def __init__(self, sources: dict[str, Any], note: Any) -> None:
+        self.sources, self.note = sources, note
 
     def find_spec(self, name: str, *_: object) -> Any:
-        if name == self.name:
-            return importlib.util.spec_from_loader(name, self, origin=self.mutant.module)
+        path = name.replace(".", "/") + ".py"
+        if path in self.sources:
+            return importlib.util.spec_from_loader(name, self, origin=path)
         return None
 
     def exec_module(self, module: Any) -> None:
-        path = os.path.abspath(self.mutant.module)
-        module.__file__ = path
-        exec(compile(self.mutant.source, path, "exec"), module.__dict__)
+        path = module.__spec__.origin
+        module.__file__, module._note = os.path.abspath(path), self.note
+        exec(compile(self.sources[path], module.__file__, "exec"), module.__dict__)
 
 
-def pytested(
-    arguments: list[str], watch: Watch, mutant: Mutant | None, limit: int, answer: Any
-) -> None:
+def pytested(arguments: list[str], sources: dict[str, Any], limit: int, answer: Any) -> None:
     """In a process of its own: run some tests, and send what came of it."""
     resource.setrlimit(resource.RLIMIT_CPU, (limit, limit))
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, 1)
     os.dup2(nothing, 2)
-    if mutant:
-        sys.meta_path.insert(0, Changed(mutant))
+    watch = Watch()
+    sys.meta_path.insert(0, Changed(sources, watch.called.add))
     status = pytest.main([*QUIET, *arguments], plugins=[watch])
     answer.send((int(status), watch.failed or f"exit status {int(status)}", watch.tests))
 
 
-def asked(arguments: list[str], watch: Watch, mutant: Mutant | None, limit: int) -> Any:
+def asked(arguments: list[str], sources: dict[str, Any], limit: int) -> Any:
     """Exit status, first failed test, and all tests; None where the time ran out or it died."""
     ours, theirs = FORK.Pipe(duplex=False)
-    process = FORK.Process(target=pytested, args=(arguments, watch, mutant, limit, theirs))
+    process = FORK.Process(target=pytested, args=(arguments, sources, limit, theirs))
     process.start()
     theirs.close()
     try:
@@ -213,13 +219,13 @@ def asked(arguments: list[str], watch: Watch, mutant: Mutant | None, limit: int)
 def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
     """Seconds and calls of all tests, by file; measured anew for files that were edited."""
     kept = json.loads(MEASURED.read_text()) if MEASURED.exists() else {}
-    files = {str(each.resolve()) for path in modules for each in path.parent.glob("*.py")}
+    noting = {str(each): noting_calls(each) for each in modules}
     for path in tests:
         edited = path.stat().st_mtime
         if kept.get(str(path), {}).get("edited") == edited:
             continue
         print(f"measuring {path}", file=sys.stderr)
-        status, _, ran = asked([str(path)], Watch(files), None, 600) or (1, "", {})
+        status, _, ran = asked([str(path)], noting, 600) or (1, "", {})
         if status:
             print(f"{path} fails or takes too long: left out", file=sys.stderr)
         kept[str(path)] = {"edited": edited, "tests": {} if status else ran}
@@ -229,13 +235,20 @@ def measured(tests: list[Path], modules: list[Path]) -> dict[str, Any]:
 
 
 def chosen(mutant: Mutant, files: dict[str, Any]) -> list[str]:
-    """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes,
-    then those that call its module, then others of their files, which may share what one of them
-    prepared."""
+    """Fast tests of a mutant, the likeliest and quickest first: those that call what it changes
+    (or, of what is no function, those of a file that imports its module), then those that call its
+    module, then others of their files, which may share what one of them prepared."""
     own, module = f"{mutant.module}:{mutant.function}", f"{mutant.module}:"
+    called = any(own in test["calls"] for tests in files.values() for test in tests.values())
+    package, _, name = mutant.module.removesuffix(".py").replace("/", ".").rpartition(".")
+    of_package = rf"from {package} import (?:\([^)]*|.*)\b{name}\b"
+    imported = rf"\b{package}\.{name}\b|{of_package}|from {name} import"
     ranked = []
-    for tests in files.values():
-        far = {name: _far(test["calls"], own, module) for name, test in tests.items()}
+    for file, tests in files.items():
+        if not called and re.search(imported, Path(file).read_text()):
+            far = dict.fromkeys(tests, 1)
+        else:
+            far = {name: _far(test["calls"], own, module) for name, test in tests.items()}
         if min(far.values(), default=3) < 3:
             ranked += [(far[n], t["seconds"], n) for n, t in tests.items()]
     names, spent = [], 0.0
@@ -269,6 +282,7 @@ def main() -> None:
     options = parser.parse_args()
     sys.path.insert(0, os.getcwd())
     sys.dont_write_bytecode = True
+    os.environ["OMP_NUM_THREADS"] = "1"  # threads that wait for one another spend its time, too
     modules = sorted(path for pattern in options.module for path in Path().glob(pattern))
     tests = sorted(path for pattern in options.tests for path in Path().glob(pattern))
     everything = sorted({p for pattern in [*ROOMS, *options.module] for p in Path().glob(pattern)})
@@ -295,7 +309,7 @@ def main() -> None:
         verdict, by = "equivalent", ""
         if (mutant.line, mutant.becomes) not in known:
             names = chosen(mutant, files)
-            answer = asked(names, Watch(set()), mutant, LIMIT) if names else (0, "", {})
+            answer = asked(names, {mutant.module: mutant.source}, LIMIT) if names else (0, "", {})
             status, failed, _ = answer or (1, "time limit", {})
             verdict = "killed" if status else "survived"
             by = failed if status else f"{len(names)} tests"

@@ -4,6 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.statics import gravity_torque, link_frames
+
 PERIOD = 0.008
 START = 1386689097.80
 
@@ -11,7 +14,7 @@ START = 1386689097.80
 def write_recording(
     folder: Path, seconds: float, seed: int, force_sensor: bool = False, imu: bool = False
 ) -> Path:
-    """A swinging arm; with a force sensor, it is pushed in the middle. Returns its CSV folder."""
+    """A swinging UR5; with a force sensor, it is pushed in the middle. Returns its CSV folder."""
     csv = folder / "csv_files"
     csv.mkdir(parents=True)
     random = np.random.default_rng(seed)
@@ -21,18 +24,20 @@ def write_recording(
     angle = np.outer(time, pace) + phase
     q, qd, qdd = 0.3 * np.sin(angle) + home, 0.3 * pace * np.cos(angle), 0.0 * angle
     qdd -= 0.3 * pace**2 * np.sin(angle)
+    ur5 = load_robot(robot_path("ur5"))
+    torque = gravity_torque(ur5, "C", q) + qdd
     channels = {
         "q_actual": q,
         "q_target": q,
         "qd_actual": qd,
         "qd_target": qd,
         "qdd_target": qdd,
-        "i_actual": np.sin(angle) + 0.1 * random.normal(size=angle.shape),
-        "i_target": np.sin(angle),
-        "m_target": 9 * np.sin(angle),
+        "i_actual": (torque + np.sign(qd)) / 10 + 0.1 * random.normal(size=angle.shape),
+        "i_target": torque / 10,
+        "m_target": torque,
         "tcp_force": np.cos(angle),
         "tcp_speed": 0.1 * np.cos(angle),
-        "tool_vector": 0.1 * np.sin(angle),
+        "tool_vector": np.hstack([link_frames(ur5, q)[1][:, 6], np.zeros_like(q[:, :3])]),
     }
     for name, values in channels.items():
         write_channel(csv / f"log_{name}.csv", time, values)

@@ -108,10 +108,7 @@ def _load(robot: str) -> "Robot":
     from ur5lib.robots.description import load_robot, robot_names, robot_path
 
     if robot not in robot_names():
-        known = ", ".join(robot_names())
-        raise InputError(
-            f"no description of {robot!r}; available: {known} (docs/robots.md: how to add an arm)"
-        )
+        raise InputError(f"no description of `{robot}`; docs/robots.md shows how to add one")
     return load_robot(robot_path(robot))
 
 

@@ -140,6 +140,59 @@ def test_what_cannot_be_fitted_is_refused(ur5: Robot) -> None:
         fit(rows, torque, parameters(ur5, "C"), size=100)
 
 
+def test_a_prior_is_as_wide_as_an_arm_may_be() -> None:
+    """Of mass, first moments and inertias of each link, of rotors, and of three kinds of friction:
+    half a kilogram, a decimetre of a kilogram, and so on."""
+    link = [0.5, *[0.1] * 3, *[0.05] * 6]
+    np.testing.assert_array_equal(prior_width(), [*link * 6, *[2.0] * 6])
+    np.testing.assert_array_equal(prior_width(84), [*link * 6, *[2.0] * 6, *[20.0] * 18])
+
+
+def test_of_many_blocks_a_hundred_are_kept() -> None:
+    """The shortest neighbours are joined: of 104, with four short ones, those with their next."""
+    random, sizes = np.random.default_rng(0), [4] * 104
+    for short in (10, 30, 50, 70):
+        sizes[short] = 1
+    parts = [(random.normal(size=(n, 6, 3)), random.normal(size=(n, 6))) for n in sizes]
+    data = stack(parts[:100])
+    np.testing.assert_array_equal(data.samples, sizes[:100])
+    data = stack(parts)
+    assert len(data.samples) == 100
+    assert data.samples.sum() == sum(sizes)
+    assert sorted(data.samples)[:96] == [4] * 96
+    assert sorted(data.samples)[-4:] == [5] * 4
+
+
+def test_noise_is_at_least_the_last_digit_of_a_torque(ur5: Robot) -> None:
+    rows = columns("ur5", *sines(20))
+    exact = fit(rows, rows @ parameters(ur5, "C"), parameters(ur5, "C"))
+    np.testing.assert_array_equal(exact.noise, 1e-6)
+
+
+def test_noise_is_by_the_degrees_of_freedom_that_are_left() -> None:
+    """Six joints of one parameter each, in blocks of one sample: n - 1 of n."""
+    random, count = np.random.default_rng(3), 12
+    rows = np.eye(6) * random.normal(size=(count, 6, 1))
+    torque = rows @ np.arange(6.0) + random.normal(size=(count, 6))
+    found = identify(
+        stack(zip(rows[:, None], torque[:, None], strict=True)), np.zeros(6), np.full(6, 1e6)
+    )
+    for joint in range(6):
+        slope = rows[:, joint, joint] @ torque[:, joint] / (rows[:, joint, joint] ** 2).sum()
+        residual = torque[:, joint] - slope * rows[:, joint, joint]
+        assert found.parameters[joint] == pytest.approx(slope)
+        assert found.noise[joint] == pytest.approx(np.sqrt((residual**2).sum() / (count - 1)))
+        changes = [
+            (drop * rows[:, joint, joint])
+            @ torque[:, joint]
+            / (drop * rows[:, joint, joint] ** 2).sum()
+            - slope
+            for drop in 1 - np.eye(count)
+        ]
+        error = np.sqrt((count - 1) / count * np.sum(np.square(changes)))
+        assert found.standard_errors(np.eye(6))[joint] == pytest.approx(error, rel=1e-6)
+
+
 # Known arms
 
 

@@ -15,7 +15,7 @@ PRINTED = {  # what each prints at least
     "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
-    "study": ["whole study, from raw files", "figures and documents", "nothing to do"],
+    "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 OF_A_BUILT_STUDY = {"leave_out"}  # in tests/artefacts/test_demo.py
 

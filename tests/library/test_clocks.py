@@ -1,7 +1,7 @@
 """Clocks found from the turning that both the joints and a gyroscope tell; resampling."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -20,6 +20,8 @@ from ur5lib.signals.clocks import (
     Clock,
     clock_from_rotation,
     clock_from_stamps,
+    even_samples,
+    interpolate,
 )
 from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.derivative import differentiate
@@ -188,6 +190,92 @@ def test_a_record_that_is_too_short_is_no_failure(count: int) -> None:
     assert clock == STAMPS
     assert reason is not None
     assert "too short" in reason or "hardly overlap" in reason
+
+
+@pytest.mark.parametrize(("count", "told"), [(159, True), (160, False)])
+def test_a_clock_needs_a_hundred_and_sixty_samples_of_both(count: int, told: bool) -> None:
+    """Twenty in each of eight blocks: of the device as of the robot."""
+    own = record(trajectory)
+    every = 125 // 16 + 1
+    robot = slice(0, count * every, every)
+    given = TIME[robot], own.rate[robot], own.segment[robot], own.device_time, own.gyroscope
+    device = slice(0, count * 16, 16)
+    other = TIME, own.rate, own.segment, own.device_time[device], own.gyroscope[device]
+    for one in (given, other):
+        clock, reason = clock_from_rotation(*one, STAMPS)
+        assert ("too short" in str(reason)) == told
+        assert clock == STAMPS or not told
+
+
+@pytest.mark.parametrize(("rate", "told"), [(15.5, True), (16.5, False)])
+def test_a_clock_needs_four_samples_in_a_period_of_the_band(rate: float, told: bool) -> None:
+    """Of 4 Hz: sixteen a second, of the device as of the robot."""
+    own = np.arange(0, DURATION, 1 / rate)
+    whole = record(trajectory)
+    segment = np.zeros(len(own), dtype=np.int64)
+    slow_robot = own, trajectory(own), segment, whole.device_time, whole.gyroscope
+    slow_device = TIME, whole.rate, whole.segment, own, trajectory(own)
+    for one in (slow_robot, slow_device):
+        assert ("sampling rate is too low" in str(clock_from_rotation(*one, STAMPS)[1])) == told
+
+
+def test_a_clock_is_believed_within_five_errors_of_its_stamps() -> None:
+    """And if it drifts by no more than a hundredth."""
+    own = record(trajectory)
+    for away, told in ((0.048, True), (0.052, False)):  # s, of stamps good to 10 ms
+        for side in (1, -1):
+            clock, reason = own.clock(clock_from_stamps(OFFSET + side * away, 0.01))
+            assert (reason is None) == told
+            assert (clock.method == "angular rate") == told
+    for drift, told in ((0.009, True), (0.0115, False)):
+        for side in (1, -1):
+            drifting = replace(own, device_time=own.device_time * (1 + DRIFT) / (1 + side * drift))
+            assert (drifting.clock()[1] is None) == told
+
+
+def test_joints_explain_four_fifths_of_what_a_gyroscope_feels() -> None:
+    """The rest is a shaking of its own, of which the joints know nothing."""
+    own = record(trajectory)
+    other = swinging(1 / 1.37)(own.device_time) / np.sqrt(0.5) / [0.5, 0.3, 0.4]
+    for share, told in ((0.18, True), (0.22, False)):
+        power = np.var(own.gyroscope, axis=0).mean() * share / (1 - share)
+        shaken = replace(own, gyroscope=own.gyroscope + np.sqrt(power) * other)
+        _, reason = shaken.clock()
+        assert (reason is None) == told
+        assert told or "explain only 7" in str(reason)
+
+
+def test_time_is_counted_from_either_clock() -> None:
+    """t_robot = offset + (1 + drift) t_device."""
+    clock = Clock(-0.5, 0.03, 0.01, 0.002, "")
+    device = np.array([0.0, 10.0])
+    np.testing.assert_allclose(clock.device_time(-0.5 + 1.01 * device), device, atol=1e-12)
+    assert clock.end_std(20.0) == pytest.approx(0.05)
+    unknown = clock_from_stamps(2.0, 0.03)
+    np.testing.assert_allclose(unknown.device_time(2.0 + device), device)
+
+
+@pytest.mark.parametrize(("steps", "bridged"), [(4.8, True), (5.2, False)])
+def test_a_gap_is_longer_than_five_mean_steps(steps: float, bridged: bool) -> None:
+    time = 0.01 * np.arange(2000.0)
+    time[1000:] += 0.01 * (steps * np.diff(time).mean() / 0.01 - 1)
+    at = np.array([(time[999] + time[1000]) / 2, time[999], time[1000], time[500] + 0.002])
+    told = interpolate(at, time, time[:, None])[:, 0]
+    np.testing.assert_allclose(told[1:], at[1:])
+    assert (told[0] == pytest.approx(at[0])) == bridged
+    assert np.isnan(told[0]) != bridged
+    outside = interpolate(np.array([-0.001, time[-1] + 0.001]), time, time[:, None])
+    assert np.isnan(outside).all()
+
+
+def test_even_samples_keep_the_usual_step_and_both_ends() -> None:
+    """Gaps do not lengthen it, and hold nothing."""
+    own = np.delete(0.01 * np.arange(1001), slice(300, 400))
+    grid, even = even_samples(own, np.column_stack([own, 2 * own]))
+    np.testing.assert_allclose(grid, 0.01 * np.arange(1001), atol=1e-12)
+    known = np.isfinite(even).all(axis=1)
+    np.testing.assert_array_equal(np.flatnonzero(~known), np.arange(300, 400))
+    np.testing.assert_allclose(even[known], np.column_stack([grid, 2 * grid])[known], atol=1e-12)
 
 
 # Resampling

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.signal import lfilter, lsim
+from scipy.stats import f as fisher
 
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.identification.closed_loop import (
@@ -185,6 +186,29 @@ def test_cost_is_the_least_at_the_estimate() -> None:
     for factor in (0.8, 1.25):
         assert (tracking_cost(recording, factor * best[0], best[1], noise) > least).all()
         assert (tracking_cost(recording, best[0], factor * best[1], noise) > least).all()
+
+
+def test_noise_counts_as_many_times_as_it_lasts() -> None:
+    """(1 + a) / (1 - a) samples of an autoregressive process; the limit is that of Fisher. Gains
+    are searched from one radian over the longest stretch up to Nyquist's frequency."""
+    lasting, segment = 19.0, np.repeat([0, 1], [300, 500])
+    recording = replace(tracking(0.5, seed=5, memory=0.9), segment=segment)
+    joints = estimate_gains(recording)
+    frequency = np.geomspace(1 / (500 * PERIOD), np.pi / PERIOD, 31)
+    np.testing.assert_allclose(joints[0].position.grid, frequency**2)
+    np.testing.assert_allclose(joints[0].velocity.grid, 2 * frequency)
+    noise = np.array([joint.noise for joint in joints])
+    np.testing.assert_allclose(noise.mean(axis=0) / [1e-4, 3e-3], np.sqrt(lasting), rtol=0.1)
+    pairs = (
+        (recording.actual_q, recording.target_q),
+        (recording.actual_qd, recording.target_qd),
+    )
+    late = np.stack([actual - target for actual, target in pairs], axis=2)
+    stiff = np.sum((late / noise) ** 2, axis=(0, 2))
+    np.testing.assert_allclose([joint.stiff for joint in joints], stiff)
+    free = 2 * len(recording.segment) / lasting - 2
+    rise = [joint.limit / joint.cost - 1 for joint in joints]
+    assert np.mean(rise) == pytest.approx(2 / free * fisher.ppf(0.95, 2, free), rel=0.15)
 
 
 def test_nothing_is_fitted_across_a_gap() -> None:

@@ -83,8 +83,18 @@ def test_samples_without_an_estimate_count_for_neither() -> None:
     reference = pushed(2)
     estimate = 0.8 * reference
     estimate[:300] = np.nan
-    figures = figures_by_contact(estimate, None, reference, norm(reference), PERIOD)
-    assert figures["all"]["zero_mae"][0] == pytest.approx(np.abs(reference[300:, 0]).mean())
+    known = pytest.approx(np.abs(reference[300:, 0]).mean())
+    assert figures_of(estimate, reference)["zero_mae"][0] == known
+    estimate[:300], estimate[:300, 5] = reference[:300], np.nan  # not even one component
+    assert figures_of(estimate, reference)["zero_mae"][0] == known
+    unread = reference.copy()
+    unread[:300, 2] = np.nan
+    assert figures_of(0.8 * reference, unread)["zero_mae"][0] == known
+
+
+def figures_of(estimate: np.ndarray, reference: np.ndarray) -> dict[str, np.ndarray]:
+    """Over all samples, of contacts that the undamaged sensor tells."""
+    return figures_by_contact(estimate, None, reference, norm(pushed(2)), PERIOD)["all"]
 
 
 def test_the_interval_by_contacts_is_as_wide_as_contacts_differ() -> None:
@@ -165,3 +175,62 @@ def test_a_dip_divides_contacts_and_noise_makes_none() -> None:
     force = np.array([0, 6, 1.9, 6, 0, 2.5, 0, 4, np.nan])
     assert contacts(force) == [(1, 2), (3, 4), (7, 8)]
     assert contacts(force, 5.0) == [(1, 2), (3, 4)]
+
+
+def test_three_contacts_tell_an_interval() -> None:
+    reference = pushed(3)
+    assert resampled_figures(0.9 * reference, reference, norm(reference)).keys() == {
+        "mae_low",
+        "mae_high",
+        "skill_low",
+    }
+
+
+def test_an_interval_of_many_contacts_is_the_normal_one() -> None:
+    """Of forty contacts: 1.96 standard errors of their mean on both sides; skill from below."""
+    reference = pushed(40)
+    each = np.repeat(np.random.default_rng(5).uniform(0, 0.4, 41), 300)[: len(reference), None]
+    touched = norm(reference) > 5
+    figures = resampled_figures((1 - each) * reference, reference, norm(reference))
+    errors = (each * reference)[touched, 0].reshape(40, -1).mean(axis=1)
+    half = 1.96 * errors.std(ddof=1) / np.sqrt(40)
+    assert figures["mae_high"][0] - figures["mae_low"][0] == pytest.approx(2 * half, rel=0.1)
+    zero = reference[touched, 0].mean()
+    assert figures["skill_low"][0] == pytest.approx(1 - (errors.mean() + half) / zero, rel=0.02)
+
+
+def test_figures_of_a_known_error() -> None:
+    """Half a newton too much throughout, of pushes up to 20 N."""
+    reference = pushed(3)
+    force = norm(reference)
+    std = np.full_like(reference, 1.0)
+    figures = figures_by_contact(reference + 0.5, std, reference, force, PERIOD)["all"]
+    for name, value in {
+        "mae": 0.5,
+        "max": 0.5,
+        "zero_mae": force.mean(),
+        "mean_force": force.mean(),
+        "zero_max": force.max(),
+        "correlation": 1.0,
+        "coverage50": 1.0,
+        "coverage80": 1.0,
+        "coverage95": 1.0,
+    }.items():
+        assert figures[name][0] == pytest.approx(value), name
+    narrow = figures_by_contact(reference + 0.5, 0.5 * std, reference, force, PERIOD)["all"]
+    assert [narrow[f"coverage{stated}"][0] for stated in (50, 80, 95)] == [0, 1, 1]
+
+
+def test_a_contact_is_named_by_its_first_and_last_sample() -> None:
+    """It begins above 2 N and ends there, if it reaches 5 N."""
+    reference = pushed(2)[:, :3]
+    time = PERIOD * np.arange(len(reference))
+    rows = [*contact_errors(reference, reference, time)]
+    above = np.flatnonzero(reference[:, 0] > 2)
+    first = above[above < 300]
+    assert rows[0]["start_s"] == time[first[0]]
+    assert rows[0]["end_s"] == time[first[-1]]
+    assert rows[0]["impulse"] == pytest.approx(PERIOD * reference[first, 0].sum())
+    assert [*contact_errors(0.24 * reference, 0.24 * reference, time)] == []
+    one = 6.0 * (np.arange(9) == 4)[:, None] * np.eye(3)[0]  # of a single sample: no duration
+    assert next(iter(contact_errors(one, one, time[:9])))["impulse"] == 0.0

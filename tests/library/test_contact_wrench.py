@@ -142,3 +142,36 @@ def test_unknown_samples_do_not_shrink_a_contact(ur5: Robot) -> None:
     np.testing.assert_allclose(whole.mean[:48], half.mean[:48], rtol=1e-3, atol=1e-3)
     assert (whole.mean[50:] == 0).all()
     assert (whole.variance[50:, 1] > 4 * half.variance[:40, 1].max()).all()
+
+
+def test_a_contact_of_one_known_sample_has_no_change(ur5: Robot) -> None:
+    """Nor a band for it."""
+    torque, J, noise = contact(ur5, np.array([0.0, 50, 0, 0, 0, 0]), seed=9)
+    torque[1:] = np.nan
+    told = contact_wrench(torque, J, noise, WORTH, PERIOD, PRIOR)
+    sharp = contact_wrench(torque, J, noise, WORTH, PERIOD, replace(PRIOR, resolution=0.0))
+    assert (told.mean[0] != 0).all()
+    np.testing.assert_array_equal(told.variance, sharp.variance)
+
+
+def test_the_rate_of_a_force_is_by_its_period(ur5: Robot) -> None:
+    """A ramp of 40 N/s is uncertain by 40 N/s times the resolution."""
+    wrench = 400.0 + 40 * PERIOD * np.arange(COUNT)[:, None] * np.eye(6)[1]
+    _, J, noise = contact(ur5, np.zeros(6), seed=10, noise=1e-3)
+    own = torque_of(J, wrench * np.eye(6)[1]), J, noise
+    blurred = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.1)).variance
+    sharp = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, resolution=0.0)).variance
+    np.testing.assert_allclose((blurred - sharp)[:, 1], (0.1 * 40) ** 2, rtol=0.05)
+
+
+def test_moments_are_uncertain_by_a_lever_of_five_centimetres(ur5: Robot) -> None:
+    """Of whatever force; the force is not."""
+    own = contact(ur5, np.array([300.0, -200, 400, 0, 0, 0]), seed=11)
+    told, exact = (
+        contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, levers=levers))
+        for levers in ((0.0, 0.05, 0.15), (0.0, 0.0, 0.15))
+    )
+    np.testing.assert_array_equal(told.variance[:, :3], exact.variance[:, :3])
+    force = np.linalg.norm(told.mean[:, :3], axis=1)[:, None]
+    added = told.variance[:, 3:] - exact.variance[:, 3:]
+    np.testing.assert_allclose(added, np.tile((0.05 * force) ** 2, 3))

@@ -35,6 +35,32 @@ def test_candidates_fill_the_range_and_no_more() -> None:
             assert (np.abs(values.mean(axis=0)) < 0.1 * limit).all()
 
 
+def test_candidates_are_named_by_the_joints_that_move() -> None:
+    """None, each alone, each two, all; in the same poses."""
+    motions = candidate_motions(2.0, 5.0, 50)
+    assert len(motions) == 1 + 6 + 15 + 1
+    for name, (q, qd, qdd) in motions.items():
+        np.testing.assert_array_equal(q, motions["Holding still"][0])
+        moving = np.flatnonzero((qd != 0).any(axis=0))
+        np.testing.assert_array_equal(np.flatnonzero((qdd != 0).any(axis=0)), moving)
+        joints = " and ".join(f"joint {joint + 1}" for joint in moving)
+        joints = "all joints" if len(moving) == 6 else joints
+        fast = f"Moving {joints} at up to 2 rad/s and 5 rad/s²"
+        assert name == (fast if joints else "Holding still")
+
+
+def test_a_condition_number_is_of_columns_by_the_width_of_their_parameters() -> None:
+    rows, base = columns("ur5", *sines(20)), ur5_base()
+    noise = np.array([1.0, 2, 3, 0.5, 0.1, 0.2])
+    data = stack(blocks(rows, np.zeros(rows.shape[:2])))
+    found = check_excitation(data, base, prior_width(), noise, candidates())
+    weighted = (rows / noise[:, None] * prior_width()).reshape(-1, 66)
+    rotors = [column for column in base.columns if column >= 60]
+    for group, chosen in (("all", base.columns), ("rotors", rotors)):
+        expected = np.linalg.cond(weighted[:, chosen])
+        assert found.condition[group] == pytest.approx(expected, rel=1e-6)
+
+
 def test_rich_motion_needs_no_advice() -> None:
     found = check(*sines(60))
     assert found.condition.keys() == {"gravity", "inertia", "rotors", "all"}

@@ -199,3 +199,57 @@ def test_the_smallest_force_of_extreme_detectors() -> None:
     assert smallest_force(force, np.zeros(100, bool)).force == np.inf
     sharp = smallest_force(force, force > 10)
     assert 8 < sharp.force < 16
+
+
+def test_an_alarm_ends_two_below_its_threshold() -> None:
+    odds = np.array([1, -1.9, 1, -2, 1, -2.1, 0, -9])
+    assert alarms(odds, 0.0) == [(0, 3), (4, 5), (6, 7)]
+    assert alarms(odds + 3, 3.0) == alarms(odds, 0.0)
+    assert alarms(odds, 1.1) == []
+
+
+def test_as_many_alarms_as_are_allowed_need_no_threshold() -> None:
+    """Two a minute in half a minute: one alarm is allowed, two are one too many."""
+    odds = np.full(3000, -5.0)
+    odds[1000] = 4.0
+    assert alarm_threshold([odds], [0.01], per_minute=2) == 0.0
+    odds[2000] = 3.0
+    threshold = alarm_threshold([odds], [0.01], per_minute=2)
+    assert threshold == np.nextafter(3.0, np.inf)
+    assert alarms(odds, threshold) == [(1000, 1001)]
+
+
+def test_a_push_lasts_a_second_after_a_pause_of_two() -> None:
+    profile, places = pushes(900, 0.01)
+    assert places == [(200, 300), (500, 600)]
+    np.testing.assert_allclose(profile[200:300], np.sin(np.pi * np.arange(100) / 100) ** 2)
+    assert profile.sum() == pytest.approx(100)
+
+
+def test_a_rate_of_what_there_is_none_of_is_zero() -> None:
+    """All four samples in contact, or none."""
+    rising = np.linspace(0, 1, 5)
+    for contact in (np.zeros(4, bool), np.ones(4, bool)):
+        false, found = receiver_curve(np.arange(4.0), contact)
+        np.testing.assert_array_equal(found, rising * contact.all())
+        np.testing.assert_array_equal(false, rising * (not contact.any()))
+
+
+def test_the_error_of_the_smallest_force_is_how_it_scatters() -> None:
+    """Over a hundred sets of pushes of the detector above; none is far off what it promises."""
+    random = np.random.default_rng(1)
+    told = []
+    for _ in range(100):
+        force = random.uniform(2, 40, 200)
+        told.append(smallest_force(force, random.random(200) < 1 / (1 + (force / 8) ** -6)))
+    forces, stds = np.array([(one.force, one.std) for one in told]).T
+    assert np.std(forces) == pytest.approx(np.mean(stds), rel=0.25)
+    assert np.mean(forces) == pytest.approx(8 * 19 ** (1 / 6), rel=0.05)
+
+
+def test_few_pushes_leave_the_usual_steepness() -> None:
+    """From 25 to 75 % found within a factor of 1.6: 9 = 1.6^k, so 95 % is 19^(1/k) above half."""
+    steepness = np.log(9) / np.log(1.6)
+    force = np.array([9.9, 10.1])
+    smallest = smallest_force(force, np.array([False, True]))
+    assert smallest.force == pytest.approx(10 * 19 ** (1 / steepness), rel=0.05)

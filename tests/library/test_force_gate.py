@@ -21,6 +21,7 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.hidden_markov import log_odds
+from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
     Ablation,
@@ -175,6 +176,23 @@ def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
             np.abs((getattr(one, name) - wrench)[during, :3]).mean() for one in (without, with_it)
         )
         assert off < 0.4 * kept, name
+
+
+def test_a_contact_that_learns_nothing_is_a_typical_one(ur5: Robot) -> None:
+    """Of a push of 80 N, the prior of 15 N then takes its share."""
+    run = free_run(ur5, seed=24, scale=0.3)
+    touched = run.pushed(push(run, 2, 80.0, 12.0, 14.0))
+    given = touched.torque, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
+    during = between(run.time, 12.2, 13.8) > 0
+    told = {
+        learning: estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(None, True, learning))
+        for learning in (True, False)
+    }
+    forces = {learning: one.wrench[during, 2].mean() for learning, one in told.items()}
+    assert forces[True] == pytest.approx(80, rel=0.1)
+    assert forces[False] < 0.95 * forces[True]
+    plain = touched.estimate().wrench
+    np.testing.assert_array_equal(told[True].wrench, plain)
 
 
 # Noise
@@ -410,3 +428,28 @@ def test_at_rest_more_may_be_hidden_than_in_motion(ur5: Robot) -> None:
     nothing = np.zeros(still.shape)
     hidden = [Noise.of(states, MODEL, PRIOR, nothing).hidden for states in (still, moving)]
     assert (np.diagonal(hidden[0], axis1=1, axis2=2)[0] > 4 * np.diag(hidden[1][0])).all()
+
+
+def test_what_may_act_unnoticed_is_what_its_torques_hide(ur5: Robot) -> None:
+    """In motion, so many deviations of the free band; of a contact of unknown size."""
+    run = free_run(ur5, seed=82, seconds=6.0, scale=0.05)
+    noise = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape))
+    nothing, free = np.zeros(run.torque.shape), ~(run.states == STILL).all(axis=1)
+    for unnoticed in (1.0, 3.0):
+        estimate = run.estimate(replace(PRIOR, unnoticed=unnoticed))
+        hidden = unnoticed**2 * noise.spread
+        expected = regularised_wrench(nothing, run.jacobian, hidden, PRIOR.unknown()).covariance
+        std = np.sqrt(np.diagonal(expected, axis1=1, axis2=2))
+        assert free.all()
+        assert probability(estimate).max() < 0.01
+        np.testing.assert_allclose(estimate.std, std, rtol=0.01)
+
+
+@pytest.mark.parametrize(("most", "found"), [(0.49, False), (0.5, True)])
+def test_a_contact_is_from_even_odds_to_one_in_ten_and_a_margin(most: float, found: bool) -> None:
+    """Of 0.15 s at both ends, within the record."""
+    probability = np.zeros(300)
+    probability[100:110], probability[110:115], probability[115] = 0.11, most, 0.1
+    assert contact_spans(probability, 0.01) == [(85, 130)] * found
+    probability[:2] = probability[125:127] = most
+    assert contact_spans(probability, 0.01) == [(0, 17), (85, 142)] * found

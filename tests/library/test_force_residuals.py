@@ -133,6 +133,28 @@ def test_states_of_a_template_are_counted_on() -> None:
     np.testing.assert_array_equal(is_still(states), [True, True, False])
 
 
+@pytest.mark.parametrize(("samples", "stops"), [(10, False), (39, False), (40, True)])
+def test_a_joint_that_is_slow_for_0_4_s_has_stopped(samples: int, stops: bool) -> None:
+    """It reverses or settles from a quarter of a second before to one after."""
+    qd = np.ones((600, 6))
+    qd[200 : 200 + samples, 2] = 0.0
+    states = states_of(qd, 0.01)
+    expected = np.full(600, MOVING)
+    expected[175 : 225 + samples] = SETTLING if stops else REVERSING
+    np.testing.assert_array_equal(states[:, 2], expected)
+    assert (states[:, [0, 1, 3, 4, 5]] == MOVING).all()
+
+
+def test_friction_relaxes_for_a_second_at_both_ends_of_a_rest() -> None:
+    """What settles is spread by a quarter second more, into the rest as into the motion."""
+    qd = np.ones((1000, 6))
+    qd[200:800, 2] = 0.0
+    expected = np.full(1000, RESTING)
+    expected[:175], expected[825:] = MOVING, MOVING
+    expected[175:300] = expected[700:825] = SETTLING
+    np.testing.assert_array_equal(states_of(qd, 0.01)[:, 2], expected)
+
+
 def test_a_gap_wakes_no_joint() -> None:
     qd = np.zeros((100, 6))
     qd[:50] = 1.0

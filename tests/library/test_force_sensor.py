@@ -1,6 +1,7 @@
 """Bias, weight and sign of a force sensor, from readings with contacts in them."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from ur5lib.force.detection import pushes
 from ur5lib.force.sensor import (
     SensorOffset,
+    bias,
     fit_offset,
     move_to_frame_6,
     offset_doubt,
@@ -214,3 +216,106 @@ def test_a_wrench_at_the_sensor_keeps_its_force() -> None:
     wrench = np.array([[2.0, 0, 0, 0, 0, 0]])
     moved = move_to_frame_6(wrench, np.eye(3)[None], np.array([0, 0, 0.0286]))
     np.testing.assert_allclose(moved, [[2.0, 0, 0, 0, 2 * 0.0286, 0]])
+
+
+def upright(count: int) -> np.ndarray:
+    return np.tile(np.eye(3), (count, 1, 1))
+
+
+def test_what_is_free_keeps_a_quarter_second_away_from_any_contact() -> None:
+    """Also from one that the record begins with; what was not measured is neither."""
+    reading = BIAS + 1e-3 * np.random.default_rng(0).normal(size=(3000, 6))
+    touched, unread = [slice(0, 50), slice(1000, 1100)], slice(2000, 2100)
+    for part in touched:
+        reading[part, 2] -= 20.0
+    reading[unread] = np.nan
+    offset = fit_offset(reading, upright(3000), PERIOD, GRAVITY)
+    expected = np.ones(3000, bool)
+    for part in (slice(0, 75), slice(975, 1125), unread):
+        expected[part] = False
+    np.testing.assert_array_equal(offset.free, expected)
+
+
+@pytest.mark.parametrize(("std", "weighed"), [(0.19, False), (0.21, True)])
+@pytest.mark.parametrize("about", ["x", "y"])
+def test_a_weight_needs_a_turn_by_a_fifth_of_gravity(about: str, std: float, weighed: bool) -> None:
+    """Half of the time upright, half tilted: gravity's share of the axis across is 0 or 2 std."""
+    tilted = Rotation.from_euler(about, np.arcsin(2 * std)).as_matrix()
+    rotation = np.concatenate([upright(1500), np.tile(tilted, (1500, 1, 1))])
+    reading = felt(np.zeros((3000, 6)), rotation, np.random.default_rng(0))
+    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    assert np.isfinite(offset.mass) == weighed
+    assert np.isfinite(offset.moment_arm).all() == weighed
+
+
+@pytest.mark.parametrize(
+    ("agreeing", "rival", "free", "told"),
+    [
+        (0.8, 0.4, 100, None),
+        (0.8, 0.41, 100, "80% of the samples agree on one bias, 41% on another"),
+        (0.5, 0.2, 100, None),
+        (0.49, 0.2, 100, "only 49% of the samples agree"),
+        (0.8, 0.4, 99, "only 99 samples are without contact"),
+    ],
+)
+def test_an_offset_is_doubted_from_a_share_on(
+    agreeing: float, rival: float, free: int, told: str | None
+) -> None:
+    """Of half that agree, of half as many that agree on another, of a hundred free samples."""
+    known = fit_offset(np.tile(BIAS, (200, 1)), upright(200), PERIOD, GRAVITY)
+    offset = replace(known, agreeing=agreeing, rival=rival, free=np.arange(200) < free)
+    doubt = offset_doubt(offset)
+    assert doubt is None if told is None else told in str(doubt)
+
+
+def test_the_first_seconds_are_the_bias() -> None:
+    """From the first reading on, to the last within the window."""
+    clock = np.arange(100) / 8  # s, exact in binary
+    reading = clock[:, None] * np.arange(1.0, 7.0)
+    reading[:10] = np.nan
+    np.testing.assert_allclose(
+        bias(reading, clock, 0.5), np.mean(clock[10:15]) * np.arange(1.0, 7.0)
+    )
+
+
+def test_a_tool_that_a_hand_guides_is_weighed_where_it_is_let_go() -> None:
+    """For two thirds of the time, which is too much for least absolute deviations alone."""
+    rotation = orientations(60, turning=0.8)
+    offset = fit_offset(held(rotation, 0.66), rotation, PERIOD, GRAVITY)
+    assert offset.mass == pytest.approx(MASS, abs=0.01)
+    np.testing.assert_allclose(offset.center(), CENTER, atol=0.01)
+    np.testing.assert_allclose(offset.bias, BIAS, atol=0.1)
+
+
+def test_noise_is_at_least_what_a_sensor_repeats_to() -> None:
+    """A push of 0.3 N is within four times a tenth, of a sensor that itself reads exactly."""
+    random = np.random.default_rng(0)
+    reading = BIAS + 1e-4 * random.normal(size=(3000, 6))
+    reading[1000:1500] += 0.3 * np.eye(6)[0] + 0.03 * np.eye(6)[5]
+    offset = fit_offset(reading, upright(3000), PERIOD, GRAVITY)
+    assert offset.free.all()
+    assert offset.agreeing == 1.0
+    assert offset.rival == 0.0
+
+
+def test_a_push_of_six_deviations_is_no_noise() -> None:
+    """Nor does it count for a fifth of the time; the median deviation is that of the rest."""
+    random = np.random.default_rng(7)
+    reading = BIAS + random.normal(0, [0.5] * 3 + [0.02] * 3, (4000, 6))
+    reading[2000:2800, 2] -= 3.2
+    offset = fit_offset(reading, upright(4000), PERIOD, GRAVITY)
+    assert not offset.free[2000:2800].any()
+    assert offset.free.mean() > 0.6
+
+
+def test_a_sensor_that_never_comes_back_to_the_same_bias_has_one() -> None:
+    """Within a tenth of a newton, though a steady push repeats better than that."""
+    random = np.random.default_rng(8)
+    beside = np.repeat(np.linspace(-0.15, 0.15, 35), 80)[:, None] * np.eye(6)[0]
+    pushed_down = np.tile(-20.0 * np.eye(6)[2], (1200, 1))
+    reading = BIAS + np.concatenate([beside, pushed_down])
+    offset = fit_offset(
+        reading + 1e-5 * random.normal(size=reading.shape), upright(4000), PERIOD, GRAVITY
+    )
+    np.testing.assert_allclose(offset.bias, BIAS, atol=0.05)
+    assert offset.agreeing == pytest.approx(0.7, abs=0.03)

@@ -76,6 +76,8 @@ def test_joints_are_sampled_all_over_their_ranges() -> None:
         counts = np.histogram(q[:, joint], bins=10, range=(low, high))[0]
         assert counts.min() > 80
         assert counts.sum() == 1000
+    np.testing.assert_array_equal(sample_joints(limits, 1000), q)  # always the same
+    np.testing.assert_allclose(q[:2, :2], [[-1.0, 0.0], [0.0, 2 / 3]])  # Halton's, from zero
 
 
 def test_each_kind_is_named_where_it_is_alone() -> None:

@@ -5,6 +5,7 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
@@ -199,3 +200,111 @@ def test_each_frame_out_of_order_is_counted(swaps: int) -> None:
     ]
     np.testing.assert_array_equal(ordered["actual_q_0"], np.sin(np.arange(200)))
     assert (ordered["epoch"] == 0).all()
+
+
+@pytest.mark.parametrize(("lost", "filled"), [(10, True), (11, False)])
+def test_a_gap_is_as_long_as_what_is_missing(lost: int, filled: bool) -> None:
+    """Ten cycles of 8 ms are 80 ms; one more is a cycle too long."""
+    kept = [*range(30), *range(30 + lost, COUNT)]
+    repaired, findings = repair(frames(kept), max_gap=0.08)
+    assert findings["lost frames"].count == lost
+    assert repaired["interpolated"].sum() == (lost if filled else 0)
+    assert ("split" in findings) != filled
+    if not filled:
+        assert findings["split"].count == 1
+
+
+def test_the_pattern_of_lost_frames_is_told() -> None:
+    """The three most frequent steps, the longest, and what was interpolated."""
+    kept = sorted({*range(COUNT)} - {10, 20, 30, 31, 40, 41, 42, 50, 51, 52, 53})
+    _, findings = repair(frames(kept), max_gap=0.02)
+    assert findings["lost frames"].detail == (
+        "most frequent steps: 103 of 8 ms, 2 of 16 ms, 1 of 24 ms; longest 40 ms; "
+        "7 frames interpolated"
+    )
+
+
+@pytest.mark.parametrize(("shake", "told"), [(4.5e-5, False), (5.5e-5, True)])
+def test_jitter_is_told_above_fifty_microseconds(shake: float, told: bool) -> None:
+    """Of the steps: every other frame is late, so that each step deviates by as much."""
+    shaken = frames()
+    shaken.loc[::2, "time"] += shake
+    repaired, findings = repair(shaken)
+    assert list(findings) == ["jitter"] * told
+    if told:
+        detail = "deviate from the 8 ms grid by 0.055 ms (median), 0.055 ms (99 %); snapped"
+        assert detail in findings["jitter"].detail
+    np.testing.assert_allclose(np.diff(repaired["time"]), CYCLE)
+
+
+@pytest.mark.parametrize(("share", "regular"), [(0.04, True), (0.06, False)])
+@pytest.mark.parametrize(("off", "counts"), [(0.09, False), (0.11, True)])
+def test_a_cycle_is_fixed_if_nearly_all_steps_are_whole_ones(
+    share: float, regular: bool, off: float, counts: bool
+) -> None:
+    """A twentieth may be off, by more than a tenth of a cycle."""
+    steps = np.full(1000, CYCLE)
+    steps[np.arange(round(1000 * share)) * 16 + 5] += off * CYCLE
+    shaken = frames(range(1001))
+    shaken["time"] = np.concatenate([[0.0], np.cumsum(steps)])
+    _, timing, findings = repair_frames(shaken, None, 0.1, "run.csv")
+    assert timing.regular == (regular or not counts)
+    assert timing.period == CYCLE
+    assert timing.longest_step == pytest.approx((1 + off) * CYCLE)
+    assert ("irregular steps" in {one.finding for one in findings}) != timing.regular
+
+
+def test_a_channel_that_ends_early_takes_its_frames_along() -> None:
+    short = frames()
+    short.loc[110:, "actual_current_2"] = np.nan
+    repaired, findings = repair(short)
+    assert len(repaired) == 110
+    assert findings["incomplete frames"].count == 10
+    late = frames()
+    late.loc[:4, "actual_current_2"] = np.nan
+    repaired, findings = repair(late)
+    assert repaired["time"].iloc[0] == pytest.approx(0.05 + 5 * CYCLE)
+    assert findings["incomplete frames"].count == 5
+
+
+def test_of_frames_in_one_slot_the_first_is_kept() -> None:
+    crowded = frames()
+    crowded.loc[31:, "time"] -= 0.6 * CYCLE  # a step of 0.4 cycles, then on by whole ones
+    repaired, findings = repair(crowded)
+    assert findings["crowded frames"].count == 1
+    assert len(repaired) == COUNT - 1
+    currents = frames()["actual_current_0"].drop(31)
+    np.testing.assert_array_equal(repaired["actual_current_0"], currents)
+
+
+def test_channels_that_are_not_whole_are_ignored_by_name() -> None:
+    lacking = frames().drop(columns="actual_qd_5").assign(actual_current_1=np.nan)
+    repaired, findings = repair(lacking)
+    assert not [name for name in repaired if name.startswith(("actual_qd", "actual_current"))]
+    assert findings["incomplete channels"].count == 2
+    assert findings["incomplete channels"].detail.startswith("actual_qd, actual_current: columns")
+
+
+def test_positions_are_interpolated_in_shape_and_other_channels_by_lines() -> None:
+    """As PCHIP and np.interp do between what was received."""
+    kept = np.delete(np.arange(COUNT), [50, 51, 70])
+    repaired, _ = repair(frames([*kept]))
+    given, slots = frames([*kept]), np.arange(COUNT)
+    smooth = PchipInterpolator(kept, given["actual_q_4"])(slots)
+    np.testing.assert_allclose(repaired["actual_q_4"], smooth, rtol=1e-12)
+    line = np.interp(slots, kept, given["actual_current_4"])
+    np.testing.assert_allclose(repaired["actual_current_4"], line, rtol=1e-12)
+
+
+def test_noise_that_repeats_once_in_a_while_is_stale_only_if_currents_are_noisy() -> None:
+    """Of an arm whose currents change in nine of ten frames; one at rest may repeat itself."""
+    for changes, stale in ((0.85, False), (0.95, True)):
+        table = frames(range(1000))
+        rest = np.random.default_rng(0).random(1000) > changes
+        currents = [f"actual_current_{joint}" for joint in range(6)]
+        table.loc[rest, currents] = np.nan
+        table[currents] = table[currents].ffill().fillna(0.0)
+        columns = table.columns.drop("time")
+        table.loc[500, columns] = table.loc[499, columns]
+        findings = repair(table)[1]
+        assert ("stale data" in findings) == stale

@@ -81,6 +81,8 @@ def test_what_is_expected_of_a_term_has_a_number_for_each_coefficient() -> None:
     for term in (*BASE, *CONSIDERED, *FAMILY):
         assert len(term.expected(torque_max=150.0)) == len(term.names())
     assert CONSIDERED[0].expected(150.0) == [0.75, 0.75]
+    assert Term("coulomb").expected(150.0) == [150.0]
+    assert Term("load").expected(150.0) == Term("load").expected(28.0) == [0.1]  # whatever motor
 
 
 def test_friction_that_drives_is_told() -> None:
@@ -94,3 +96,34 @@ def test_friction_that_drives_is_told() -> None:
 def test_what_depends_on_the_position_is_not_taken_for_friction() -> None:
     terms = (*BASE, Term("periodic", 1))
     assert is_dissipative(terms, np.array([1.0, 1.0, 9.0, 9.0]), np.array([-1.0, 1.0]), np.zeros(1))
+
+
+VALUES = {  # at q = 0.5 rad, q̇ = -0.4 rad/s, 20 Nm, direction -0.9, worked out by hand
+    Term("coulomb"): [-0.9],
+    Term("viscous"): [-0.4],
+    Term("load"): [-18.0],
+    Term("stribeck", 0.2): [-0.9 * np.exp(-4)],
+    Term("saturating", 0.2): [-np.tanh(2)],
+    Term("quadratic"): [-0.16],
+    Term("cubic"): [-0.064],
+    Term("asymmetric"): [0.4],
+    Term("periodic", 2.0): [np.sin(1.0), np.cos(1.0)],
+}
+
+
+@pytest.mark.parametrize("term", VALUES, ids=lambda term: term.kind)
+def test_a_term_has_its_value(term: Term) -> None:
+    motion = JointMotion(*(np.array([value]) for value in (0.5, -0.4, 20.0, -0.9)))
+    np.testing.assert_allclose(term.columns(motion), [VALUES[term]])
+
+
+def test_the_dead_zone_is_a_fiftieth_of_a_radian_per_second() -> None:
+    """At its edge friction is stiction for a quarter: 1 - tanh(1)."""
+    np.testing.assert_allclose(resting(np.array([0.02, -0.02])), 1 - np.tanh(1))
+
+
+def test_motion_without_a_distance_changes_nothing() -> None:
+    """Direction is exact from sample to sample: 1 - exp(-1) after the distance itself."""
+    assert creep([1e-4])[-1] == pytest.approx(1 - np.exp(-1))
+    assert creep([0.0])[-1] == 0.0
+    assert creep([1e-3, -1e-4])[-1] == pytest.approx(2 * np.exp(-1) - 1, abs=1e-4)

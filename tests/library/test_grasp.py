@@ -9,7 +9,7 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.force.external_torque import MOVING
-from ur5lib.force.grasp import SHORTEST, grasped_load
+from ur5lib.force.grasp import grasped_load
 from ur5lib.robots.description import Payload, Robot
 
 PERIOD = 0.016
@@ -128,10 +128,76 @@ def test_what_strays_is_no_load(ur5: Robot, seed: int) -> None:
     assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
 
 
-def test_a_short_contact_tells_no_load(ur5: Robot) -> None:
-    states = motion(SHORTEST - 0.1, 0)
+@pytest.mark.parametrize(("seconds", "told"), [(1.9, False), (2.0, True), (2.1, True)])
+def test_a_contact_of_two_seconds_tells_a_load(ur5: Robot, seconds: float, told: bool) -> None:
+    """Sampled at 64 Hz, so that two seconds are exactly that."""
+    count = round(64 * seconds)
+    states = tuple(state[:count] for state in motion(4.0, 0))
     torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
-    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, 1 / 64, EFFICIENCY)
+    assert (load is not None) == told
+
+
+def test_half_a_second_at_both_ends_does_not_count(ur5: Robot) -> None:
+    """While a load is taken up or put down."""
+    states = motion(4.0, 3)
+    torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
+    given = per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY
+    edge = round(0.5 / PERIOD)
+    for end, inside in ((slice(edge), edge), (slice(-edge, None), -edge - 1)):
+        lifted = torque.copy()
+        lifted[end] = 0.0
+        assert grasped_load(lifted, *given) == grasped_load(torque, *given)
+        lifted[inside] = 0.0
+        assert grasped_load(lifted, *given) != grasped_load(torque, *given)
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.04, True), (0.06, False)])
+def test_a_weight_explains_all_but_a_twentieth(ur5: Robot, share: float, told: bool) -> None:
+    """Of the squared torque; the rest, of joint 6, turns with every sample as no weight does."""
+    states = motion(8.0, 4)
+    torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
+    deviation = np.full(6, 0.1)  # Nm: the weight is far above
+    edge = round(0.5 / PERIOD)
+    power = (torque[edge:-edge] ** 2).sum() / len(torque[edge:-edge])
+    torque[:, 5] += np.sqrt(share / (1 - share) * power) * (-1.0) ** np.arange(len(torque))
+    load = grasped_load(torque, per_load(ur5, states), deviation, PERIOD, 1.0)
+    assert (load is not None) == told
+
+
+def test_a_load_is_by_least_squares_with_a_prior_of_its_lever(ur5: Robot) -> None:
+    """First moments of 0 ± 0.15 m times the mass, which weigh a hundredth of the samples; the
+    error by what an offset of each joint moves it, beside three per cent of the gears."""
+    states = motion(8.0, 6)
+    torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0.3, 0.2, 0.4)))
+    torque += noise(len(torque), 6, scale=0.1)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, 1.0)
+    assert load is not None
+    edge = round(0.5 / PERIOD)
+    columns = (-per_load(ur5, states) / DEVIATION[:, None])[edge:-edge]
+    rows, seen = columns.reshape(-1, 4), (torque / DEVIATION)[edge:-edge]
+    alone = np.linalg.lstsq(rows[:, :1], seen.ravel(), rcond=None)[0][0]
+    prior = 0.1 * np.sqrt(len(seen)) / (0.15 * alone) * np.eye(4)[1:]
+
+    def solved(values: np.ndarray) -> float:
+        both = np.concatenate([values.ravel(), np.zeros(3)])
+        return np.linalg.lstsq(np.concatenate([rows, prior]), both, rcond=None)[0][0]
+
+    assert load.mass == pytest.approx(solved(seen))
+    moved = [solved(seen + np.eye(6)[joint]) - solved(seen) for joint in range(6)]
+    assert load.std_error == pytest.approx(np.hypot(np.linalg.norm(moved), 0.03 * load.mass))
+
+
+def test_a_load_is_three_times_its_error(ur5: Robot) -> None:
+    """However sure the joints are: the faintest of those named is hardly more."""
+    states = motion(8.0, 6)
+    torque = weight(ur5, states, Payload(mass=1.0, center_of_mass=(0, 0, 0.05)))
+    scales = np.geomspace(0.1, 100, 60)
+    given = torque, per_load(ur5, states)
+    loads = [grasped_load(*given, scale * DEVIATION, PERIOD, 1.0) for scale in scales]
+    ratios = [load.mass / load.std_error for load in loads if load]
+    assert 0 < len(ratios) < len(scales)
+    assert 3 < min(ratios) < 3.4
 
 
 def test_missing_samples_are_left_out(ur5: Robot) -> None:

@@ -85,3 +85,19 @@ def test_the_gates_chain_is_one(period: float) -> None:
     np.testing.assert_allclose(lasts[free:], prior.duration)
     assert lasts[0] == pytest.approx(prior.pause, rel=0.01)
     assert (lasts[1:free] <= prior.settling).all()
+
+
+def test_the_gates_chain_goes_from_free_to_contact_to_hunting_to_free() -> None:
+    """Each at its rate; shared evenly by the kinds of contacts and of hunting."""
+    prior = ContactPrior(pause=20.0, duration=2.0, settling=5.0, unprovoked=1e-3)
+    chain = Chain.of(4, 6, 0.01, prior)
+    rates = chain.transitions / 0.01
+    np.testing.assert_allclose(rates[:4, 4:], 1 / 20 / 6)
+    np.testing.assert_allclose(rates[0, 1:4], 1e-3 / 3)
+    np.testing.assert_allclose(rates[1:4, 0], 1 / 5)
+    np.testing.assert_allclose(rates[4:, 1:4], 1 / 2 / 3)
+    for same in (slice(1, 4), slice(4, 10)):  # no kind becomes another
+        block = chain.transitions[same, same]
+        np.testing.assert_array_equal(block, np.diag(np.diag(block)))
+    np.testing.assert_array_equal(chain.transitions[4:, 0], 0)
+    np.testing.assert_allclose(chain.start, [0.6, *[0.1] * 3, *[0.1 / 6] * 6])

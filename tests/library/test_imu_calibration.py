@@ -15,6 +15,7 @@ from ur5lib.signals.imu_calibration import (
     accelerometer_bias,
     calibrate,
     calibrate_without_each,
+    calibration_for,
     level_axes,
     specific_force,
 )
@@ -121,3 +122,100 @@ def test_an_imu_as_drawn_changes_nothing() -> None:
     unseen = record(1)
     assert np.array_equal(AS_DRAWN.axes(), np.eye(3))
     assert np.array_equal(specific_force(unseen, AS_DRAWN), unseen.specific_force)
+
+
+def equations(records: list[ImuRecord]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows (N, 6, 8 + 4 R) of θ, β, b_g and of each recording's b_a and δ; what is left of the
+    readings (N, 6); and the block of 2 s of each sample, counted over all recordings."""
+    rows, left, blocks = [], [], []
+    for number, own in enumerate(records):
+        steps = np.diff(own.time)
+        gaps = np.flatnonzero(steps > 1.5 * np.median(steps)) + 1
+        predicted = np.concatenate([own.specific_force, own.angular_rate], axis=1)
+        parts = np.split(predicted, gaps)
+        change = [
+            np.gradient(part, np.median(steps), axis=0) if len(part) > 1 else 0 * part
+            for part in parts
+        ]
+        X = np.zeros((len(own.time), 6, 8 + 4 * len(records)))
+        for k in range(3):
+            X[:, :3, k] = np.cross(own.specific_force, np.eye(3)[k])
+            X[:, 3:, k] = np.cross(own.angular_rate, np.eye(3)[k])
+            X[:, k, 8 + 4 * number + k] = 1
+            X[:, 3 + k, 5 + k] = 1
+        for k in range(2):
+            X[:, :3, 3 + k] = 9.81 * np.einsum("nji,j->ni", own.rotation, np.eye(3)[k])
+        X[:, :, 11 + 4 * number] = np.concatenate(change)
+        rows.append(X)
+        left.append(np.concatenate([own.accelerometer, own.gyroscope], axis=1) - predicted)
+        own_block = ((own.time - own.time[0]) // 2).astype(int)
+        blocks.append(own_block + (blocks[-1].max() + 1 if blocks else 0))
+    return np.concatenate(rows), np.concatenate(left), np.concatenate(blocks)
+
+
+def test_a_calibration_is_weighted_least_squares_with_a_jackknife() -> None:
+    """Of all equations at once, thrice, each time weighted by what was left before; a gap
+    interrupts what tells the clock's error, and one sample alone tells nothing of it."""
+    first, second = record(1, seconds=9), record(2, seconds=7)
+    kept = np.delete(np.arange(len(first.time)), [*range(200, 230), *range(231, 240)])
+    first = ImuRecord(
+        **{
+            name: np.asarray(value)[kept]
+            for name, value in vars(first).items()
+            if name != "gravity"
+        },
+        gravity=GRAVITY,
+    )
+    late = np.gradient(second.angular_rate, 0.02, axis=0)
+    second = replace(second, gyroscope=second.gyroscope + 0.004 * late)
+    found = calibrate([first, second])
+    X, y, block = equations([first, second])
+    scale = np.ones(2)
+
+    def solved(rows: np.ndarray) -> np.ndarray:
+        weight = np.repeat(1 / scale, 3)
+        A = (X[rows] * weight[:, None]).reshape(-1, X.shape[2])
+        return np.linalg.lstsq(A, (y[rows] * weight).ravel(), rcond=None)[0]
+
+    everything = np.ones(len(y), bool)
+    estimate = solved(everything)
+    for _ in range(2):
+        residual = (y - X @ estimate).reshape(-1, 2, 3)
+        scale = np.sqrt((residual**2).mean(axis=(0, 2)))
+        estimate = solved(everything)
+    count = block.max() + 1
+    changes = np.array([solved(block != one) - estimate for one in range(count)])
+    std = np.sqrt((count - 1) / count * (changes**2).sum(axis=0))
+    for name, part in (
+        ("mounting", slice(3)),
+        ("tilt", slice(3, 5)),
+        ("gyroscope_bias", slice(5, 8)),
+    ):
+        np.testing.assert_allclose(getattr(found, name), estimate[part], rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(getattr(found, f"{name}_std"), std[part], rtol=1e-4)
+
+
+def test_the_base_leans_by_its_tilt() -> None:
+    """Up has the length of gravity; without tilt it is against it."""
+    found = replace(AS_DRAWN, tilt=np.array([0.3, -0.4]))
+    np.testing.assert_allclose(found.up(GRAVITY), 9.81 * np.array([0.3, -0.4, np.sqrt(0.75)]))
+    np.testing.assert_allclose(AS_DRAWN.up(GRAVITY), -GRAVITY)
+    for gravity in ([9.81, 0, 0], [0, -9.81, 0], [3, 4, 5], [-1, 2, 0.5]):
+        across = level_axes(np.array(gravity))
+        np.testing.assert_allclose(across.T @ across, np.eye(2), atol=1e-12)
+        np.testing.assert_allclose(np.array(gravity) @ across, 0, atol=1e-12)
+        turned = np.cross(across[:, 0], across[:, 1])
+        np.testing.assert_allclose(turned, -np.array(gravity) / np.linalg.norm(gravity), atol=1e-12)
+
+
+def test_a_recording_is_calibrated_by_others() -> None:
+    """Its own calibration if that is from others, else that of all; as drawn where none is."""
+    records = {"a": record(1, seconds=6), "b": record(2, seconds=6)}
+    known = calibrate_without_each(records)
+    assert calibration_for("a", known)[0] == ["b"]
+    assert calibration_for("other", known)[0] == ["a", "b"]
+    alone = calibrate_without_each({"a": records["a"]})
+    assert calibration_for("a", alone) == ([], AS_DRAWN)
+    assert calibration_for("a", {}) == ([], AS_DRAWN)
+    of_b = calibration_for("a", known)[1]
+    np.testing.assert_array_equal(of_b.mounting, calibrate([records["b"]]).mounting)

@@ -214,3 +214,29 @@ def test_a_mass_that_motion_does_not_tell_is_stated_as_unknown(fitted: CurrentFi
     load = load_of(fitted, still)
     assert load.interval[0] < -100 < 100 < load.interval[1]
     assert not load.certain
+
+
+@pytest.mark.parametrize(("mass", "certain"), [(0.29, False), (0.32, True)])
+def test_a_load_exceeds_three_of_its_errors(mass: float, certain: bool) -> None:
+    """Of 0.1 kg, and three per cent of the mass for the gears."""
+    load = judge(a_payload(mass, std=0.06), spread=0.08)
+    assert load.std_error == pytest.approx(np.hypot(0.1, 0.03 * mass))
+    assert load.certain == certain
+
+
+@pytest.mark.parametrize(("least", "certain"), [(0.98, False), (1.02, True)])
+def test_a_load_shows_half_of_it_in_each_part(least: float, certain: bool) -> None:
+    assert judge(a_payload(2.0, parts=(least, 2.5, 2.5)), 0.1).certain == certain
+
+
+def test_a_joints_gain_is_by_least_squares_with_a_prior() -> None:
+    """Of 0 ± 30 %, with the noise of what is left over, on so many independent values."""
+    left, load = felt(np.full(6, 0.2), noise=5.0)
+    left[50:60] = np.nan
+    known = np.isfinite(left).all(axis=1)
+    share = known.sum() / 40  # of samples to independent values
+    noise = left[known].var(axis=0)
+    product, square = (left * load)[known].sum(axis=0), (load**2)[known].sum(axis=0)
+    expected = product / (square + share * noise / 0.3**2)
+    np.testing.assert_allclose(joint_gains(left, load, count=40), expected, rtol=1e-9)
+    np.testing.assert_allclose(joint_gains(left, load, 0), joint_gains(left, load, 1))

@@ -248,6 +248,13 @@ def test_a_constant_size_word_in_every_message(capture: Path) -> None:
     assert received_of(frame, sent) == list(range(1, 40))
 
 
+def test_a_size_word_whose_stamp_never_advances_begins_no_message(capture: Path) -> None:
+    """After damage, though 0.7 s may follow the last message as well as the true stamps do."""
+    sent = [m[:424] + WORD + struct.pack(">d", 0.7) + m[436:] for m in messages(40)]
+    frame, _ = read_stream(write(capture, [b"".join(sent[:5]), b"".join(sent[5:])[100:]]))
+    assert received_of(frame, sent) == [0, 1, 2, 3, *range(6, 40)]
+
+
 def test_a_restart_of_the_controller_and_stale_stamps(capture: Path) -> None:
     chance = random.Random(0)
     stamps = [700.0, 700.0, 700.008, 700.016, 700.016, 900.0, 900.008, 0.0, 0.008, 0.016]

@@ -181,7 +181,7 @@ def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--robot", "ur6", "--model", "C"], "no description of 'ur6'; available: ur10e, ur5"),
+        (["--robot", "ur6", "--model", "C"], "no description of `ur6`; docs/robots.md"),
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (
             ["--robot", "ur5", "--model", "C", "--to", "sdf"],

@@ -7,6 +7,7 @@ import pytest
 import torch
 from scipy import signal
 from scipy.spatial.transform import Rotation
+from scipy.stats import chi2
 
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import (
@@ -19,7 +20,13 @@ from ur5lib.dynamics.kinematics import (
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
 from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
-from ur5lib.signals.noise import encoder_noise, innovation_test, jerk_covariance
+from ur5lib.signals.noise import (
+    EncoderNoise,
+    encoder_noise,
+    innovation_test,
+    jerk_covariance,
+    moving_mean,
+)
 from ur5lib.signals.smoothing import SmoothedMotion, encoder_system, smooth_encoders
 from ur5lib.timeseries.kalman import LinearSystem, smooth
 
@@ -278,6 +285,24 @@ def test_noise_is_found(by_encoders: SmoothedMotion) -> None:
     np.testing.assert_allclose(noise.lag, LAG, atol=0.0015)
 
 
+@pytest.mark.parametrize("missing", [True, False], ids=["frames missing", "short segments"])
+def test_noise_is_not_taken_for_less_where_the_record_is_broken(
+    missing: bool, measured: tuple[np.ndarray, np.ndarray]
+) -> None:
+    """Of every fifth frame, or into stretches of three: what is filled in says nothing of noise."""
+    count = 1500 if missing else 300
+    q, qd = (values[:count].copy() for values in measured)
+    time, segment = clock(count)
+    if missing:
+        q[4::5] = qd[4::5] = np.nan
+    else:
+        segment = np.arange(count) // 3
+    noise = encoder_noise(time, segment, q, qd)
+    position = noise.position / np.hypot(POSITION, STEP / np.sqrt(12))
+    assert 1.0 < np.mean(position) < 1.15
+    assert 1.0 < np.mean(noise.velocity / VELOCITY) < 1.15
+
+
 def test_biases_are_found(by_both: SmoothedMotion) -> None:
     assert (np.abs(by_both.biases - IMU_BIAS) < 4 * by_both.std[:, 18:]).all()
     assert (by_both.std[:, 18:] < np.repeat([0.01, 0.001], 3)).all()
@@ -331,6 +356,122 @@ def test_noise_of_an_imu_grows_where_the_arm_shakes() -> None:
     noise = imu_noise(*clock(2000), residual, np.where(level > 0.1, explained, 0))
     assert np.median(noise[:900]) == pytest.approx(0.05, rel=0.1)
     assert np.median(noise[1100:]) == pytest.approx(0.8, rel=0.1)
+
+
+def test_an_imu_is_no_quieter_than_in_its_quietest_twentieth() -> None:
+    """Though what the encoders leave open explains all of its residual; in windows of 0.5 s."""
+    random = np.random.default_rng(7)
+    residual = np.where(np.arange(4000) < 400, 0.1, 0.4)[:, None] * random.normal(size=(4000, 1))
+    explained = np.full((4000, 1), 1.0)
+    noise = imu_noise(*clock(4000), residual, explained)
+    assert np.ptp(noise) == 0
+    assert noise[0, 0] == pytest.approx(0.1, rel=0.1)
+    sharp = imu_noise(*clock(4000), residual, 0 * explained)[:, 0]
+    assert (sharp[:368] < 0.15).all()
+    assert (sharp[432:] > 0.25).all()
+    assert ((sharp[380:420] > 0.12) & (sharp[380:420] < 0.38)).all()
+    hole = residual.copy()
+    hole[1000:1200] = np.nan
+    np.testing.assert_allclose(
+        imu_noise(*clock(4000), hole, 0 * explained)[1300:, 0], sharp[1300:], rtol=0.05
+    )
+
+
+def test_innovations_are_judged_by_their_numbers() -> None:
+    """χ² of their count for the variance; ten lags of Ljung and Box, within segments only."""
+    random = np.random.default_rng(8)
+    values = random.normal(size=(400, 2))
+    values[100:110, 1] = np.nan
+    segment = np.repeat([0, 1], 200)
+    test = innovation_test(values, segment)
+    for column, known in ((0, 400), (1, 390)):
+        own = values[:, column]
+        variance = np.nanmean(own**2)
+        assert test.variance[column] == pytest.approx(variance)
+        limits = chi2.ppf([0.025, 0.975], known) / known
+        np.testing.assert_allclose(test.variance_limits[column], limits)
+        total = 0.0
+        for lag in range(1, 11):
+            product = np.concatenate([part[lag:] * part[:-lag] for part in np.split(own, 2)])
+            total += (np.nanmean(product) / variance) ** 2 / (known - lag)
+        assert test.portmanteau[column] == pytest.approx(known * (known + 2) * total)
+    assert test.portmanteau_limit == pytest.approx(chi2.ppf(0.95, 10))
+
+
+def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
+    """q⁺ = q + T q̇ + T²/2 q̈ and so on, anew in each segment; encoders with their lag; biases
+    that walk across segments by 1 mm/s²/√s and 0.1 mrad/s/√s, known at first to 0.5 and 0.1."""
+    count, random = 6, np.random.default_rng(10)
+    motion = tuple(values[:count] for values in joint_moves(random, 700))
+    q, qd = encoders(random, motion)
+    time, segment = np.array([0.0, 0.01, 0.03, 0.04, 0.08, 0.1]), np.repeat([0, 1], 3)
+    noise = EncoderNoise(
+        jerk=random.uniform(1, 2, (count, 6)),
+        position=random.uniform(1, 2, 6),
+        velocity=random.uniform(3, 4, 6),
+        lag=random.uniform(0, 0.01, 6),
+    )
+    joints = encoder_system(time, segment, q, qd, noise)
+    model, eye = model_at(ur5, q, qd), np.eye(6)
+    readings = true_readings(ur5, motion)
+    system = add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (count, 1)))
+    unknown = np.diag(np.repeat([10.0, 10, 100], 6) ** 2)
+    for k in range(count):
+        step = time[k] - time[k - 1] if k else 0.0
+        held = np.kron([[1, step, step**2 / 2], [0, 1, step], [0, 0, 1]], eye)
+        gained = np.array([step**3 / 6, step**2 / 2, step])
+        driven = np.kron(np.outer(gained, gained) / max(step, 1e-9), np.diag(noise.jerk[k] ** 2))
+        fresh = k in (0, 3)
+        np.testing.assert_allclose(joints.F[k], 0 * held if fresh else held, atol=1e-12)
+        np.testing.assert_allclose(joints.Q[k], unknown if fresh else driven, atol=1e-12)
+        walk = step * np.repeat([1e-6, 1e-8], 3) if k else np.repeat([0.25, 0.01], 3)
+        np.testing.assert_allclose(system.Q[k, 18:, 18:], np.diag(walk))
+        np.testing.assert_allclose(system.F[k, 18:, 18:], eye * bool(k))
+        np.testing.assert_array_equal(system.F[k, :18, :18], joints.F[k])
+        np.testing.assert_array_equal(system.Q[k, :18, :18], joints.Q[k])
+        assert not system.F[k, :18, 18:].any()
+        assert not system.Q[k, :18, 18:].any()
+    nothing = 0 * eye
+    measured = np.block([[eye, nothing, nothing], [nothing, eye, -np.diag(noise.lag)]])
+    np.testing.assert_allclose(joints.H, np.tile(measured, (count, 1, 1)))
+    deviations = np.concatenate([noise.position, noise.velocity])
+    np.testing.assert_allclose(joints.R, np.tile(deviations**2, (count, 1)))
+    np.testing.assert_array_equal(joints.z, np.hstack([q, qd]))
+    np.testing.assert_array_equal(system.H[:, 12:], model.H)
+    np.testing.assert_array_equal(system.H[:, :12, :18], joints.H)
+    assert not system.H[:, :12, 18:].any()
+    np.testing.assert_allclose(system.z, np.hstack([q, qd, readings - model.offset]))
+    np.testing.assert_allclose(system.R[:, 12:], np.tile(IMU_NOISE**2, (count, 1)))
+
+
+def test_a_moving_mean_is_of_what_is_known_in_its_segment() -> None:
+    """Of three rows; the ends count for those beyond; zero where nothing is known."""
+    values = np.array([1.0, 2, 6, np.nan, np.nan, np.nan, 3, 5])[:, None]
+    segment = np.repeat([0, 1], [6, 2])
+    expected = [4 / 3, 3, 4, 6, 0, 0, 11 / 3, 13 / 3]
+    np.testing.assert_allclose(moving_mean(values, segment, 3)[:, 0], expected, atol=1e-12)
+
+
+def test_no_encoder_is_better_than_the_last_digit_of_a_recording() -> None:
+    """A millionth; and an arm that never moves is driven by next to no jerk."""
+    noise = encoder_noise(*clock(300), np.full((300, 6), 0.7), np.zeros((300, 6)))
+    np.testing.assert_array_equal(noise.position, 1e-6)
+    assert (noise.velocity >= 1e-6).all()
+    assert (noise.jerk < 0.5).all()
+
+
+def test_the_hardest_start_takes_the_largest_jerk() -> None:
+    """A joint that leaps at once, of little noise: far beyond what it is driven by before."""
+    random = np.random.default_rng(9)
+    time, segment = clock(600)
+    speed = np.where(time < 2.4, 0.0, 1.5)
+    q = np.cumsum(speed)[:, None] * PERIOD + 1e-6 * random.normal(size=(600, 6))
+    qd = speed[:, None] + 1e-5 * random.normal(size=(600, 6))
+    jerk = encoder_noise(time, segment, q, qd).jerk
+    leap = np.argmin(np.abs(time - 2.4))
+    np.testing.assert_allclose(jerk[leap - 2 : leap + 2], 1e3, rtol=1e-3)
+    assert (jerk[: leap - 30] < 1.0).all()
+    assert (jerk[leap + 30 :] < 1.0).all()
 
 
 def test_whiteness_is_told_from_its_lack() -> None:

@@ -66,8 +66,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (
             lambda raw: raw["recordings"][0].update(robot="ur55"),
-            "`recordings[0].robot` is 'ur55' (did you mean `ur5`?); give one of ur10e, ur5, "
-            "or describe the arm yourself (docs/robots.md)",
+            "`recordings[0].robot`: no description of `ur55`; docs/robots.md shows how to add one",
         ),
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),

@@ -248,7 +248,9 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     torques.write(files["torques"])
     LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
     friction = friction | {"paths": given.get("paths", 5)}
-    for name, summary in (("payload", found), ("load", known), ("friction", friction)):
+    quality = {"findings": given.get("findings", [])}
+    summaries = {"payload": found, "load": known, "friction": friction, "quality": quality}
+    for name, summary in summaries.items():
         files[name] = str(folder / f"{name}.json")
         write_json(summary, files[name])
     files["unloaded"] = [str(folder / f"unloaded_{i}.json") for i in range(len(unloaded))]
@@ -259,7 +261,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     lowpass = {"order": 4, "cutoff_hz": 2.0}
     params = SimpleNamespace(role=given.get("role", "validate"), recording="made", **lowpass)
     script("predict_currents").predict_currents(input, output, params)
-    return Predicted(read_json(output.summary)["load"], Currents.read(output.currents))
+    return Predicted(read_json(output.summary).get("load"), Currents.read(output.currents))
 
 
 def test_a_load_is_the_torque_of_its_mass() -> None:
@@ -286,6 +288,13 @@ def test_a_load_that_is_certain_is_taken_into_the_prediction(
     assert (made.taken_torque[:, [0, 2, 3, 4, 5]] == 0).all()
     assert made.left_on_joint_2() < 0.1 * LOAD_2
     np.testing.assert_allclose(load["center_of_mass"], [0.05, 0, 0])
+
+
+def test_nothing_is_predicted_beside_a_stop_sign(friction: dict[str, Any], tmp_path: Path) -> None:
+    sign = {"severity": "stop", "detail": "another arm"}
+    made = predicted(tmp_path, friction, findings=[sign])
+    assert made.load is None
+    assert made.currents.external_torque is None
 
 
 @pytest.mark.parametrize(

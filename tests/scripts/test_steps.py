@@ -150,7 +150,8 @@ def test_motion_is_the_derivative_of_itself(results: Path) -> None:
 def test_tables_have_a_row_for_each_value(results: Path, ur5: Robot) -> None:
     torque = read_csv(results / "tables" / "torque_mae.csv")
     looped = ur5.models.keys() & ur5.closed_loop_gains.keys()
-    assert len(torque) == 2 * (2 * len(ur5.models) + len(looped)) * 6  # recordings, ..., joints
+    models = {*ur5.models, "identified"}
+    assert len(torque) == 2 * (2 * len(models) + len(looped)) * 6  # recordings, ..., joints
     assert torque["printed"].isna().all()
     force = read_csv(results / "tables" / "force_mae.csv")
     assert set(force["recording"]) == {"pushed"}

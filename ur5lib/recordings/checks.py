@@ -15,6 +15,7 @@ DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
+MISREAD = (0.5, 2.0)  # a velocity this far from its position's slope is misread
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
@@ -108,6 +109,19 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
                     f"{ratios}); check columns and units"
                 )
                 yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
+
+
+def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[str]:
+    """Find velocities in another unit or column than their positions; period: [s]."""
+    for below, above in DERIVATIVES[:2]:
+        if {f"{below}_0", f"{above}_0"} <= set(robot):
+            slopes = [*_slopes(robot, below, above, period).values()]
+            wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
+            if len(wrong) > len(slopes) / 2:
+                yield (
+                    f"{above} is not the velocity of {below}: the slopes of {below} are "
+                    f"{np.median(wrong):.3g} times as large; correct columns and units"
+                )
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:

@@ -14,8 +14,6 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import read_sensors
 
-CYCLES = (0.002, 0.008)  # s: e-Series and CB controllers
-
 
 def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
     """Read a CSV with RTDE names in its header. recording: `folder`, `file`, and sensors.

@@ -2,6 +2,8 @@
 
 import pandas as pd
 
+SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
+
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
     """Group findings of one kind in one row: counts summed, repeated parts of details once."""

@@ -11,10 +11,12 @@ from rich.progress import track
 from rich.table import Table
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables import clocks as clock_table
 from ur5lib.report.tables import quality as quality_table
@@ -24,11 +26,11 @@ from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import parse_study
 
-COLOURS = {"error": "bold red", "warning": "yellow", "note": ""}
+COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
 def print_findings(path: Path) -> int:
-    """Print the findings of a study's recordings; returns how many devices cannot be used.
+    """Print the findings of a study's recordings; returns how many are stop signs or errors.
 
     Raises InputError when the study itself is wrong.
     """
@@ -60,14 +62,14 @@ def text_console(**settings: Any) -> Console:
 def print_tables(
     console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
 ) -> int:
-    """Print recordings' quality.json and clocks.json; returns how many devices cannot be used."""
+    """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
     rows = quality_table.finding_rows(qualities, clocks, {})
     quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
         found = pd.DataFrame(clock_table.clock_rows(clocks), columns=clock_table.COLUMNS)
         console.print(_clocks(found))
-    return int((quality["severity"] == "error").sum())
+    return int(quality["severity"].isin(["stop", "error"]).sum())
 
 
 def is_there(recording: Recording) -> bool:
@@ -96,12 +98,17 @@ def read_study(path: Path) -> Study:
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
-    arm = load_robot(robot_path(recording.robot))
+    arm = load_robot(robot_path(recording.robot)).mounted(recording.gravity)
     try:
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    return intake.quality, _clocks_of(intake, arm)
+    load = carried(recording.known_payload(), Signals.from_table(intake.robot))
+    fitted = recording.role == "fit"
+    signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
+    stops = [*quality_table.stop_rows(recording.name, signs)]
+    quality = intake.quality | {"findings": stops + intake.quality["findings"]}
+    return quality, _clocks_of(intake, arm)
 
 
 def unusable(error: InputError) -> dict[str, Any]:

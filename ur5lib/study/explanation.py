@@ -20,6 +20,8 @@ def explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
         return _explain_tag(error, key, list(branches(node)))
     if kind == "missing":
         return f"`{key}` is missing; give {allowed(node)}"
+    if kind == "no_description":
+        return f"`{key}`: {error['msg']}"
     near = _near(error["input"], _choices(node))
     wanted = error["ctx"]["error"] if kind == "value_error" else allowed(node)
     return f"`{key}` is {shown(error['input'])}{near}; give {wanted}"

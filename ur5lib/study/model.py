@@ -8,6 +8,7 @@ import json
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, robot_names
@@ -29,8 +30,8 @@ Name = Annotated[  # becomes the name of a folder
 
 def _known_robot(name: str) -> str:
     if name not in robot_names():
-        known = ", ".join(robot_names())
-        raise ValueError(f"one of {known}, or describe the arm yourself (docs/robots.md)")
+        message = "no description of `{name}`; docs/robots.md shows how to add one"
+        raise PydanticCustomError("no_description", message, {"name": name})
     return name
 
 

@@ -1,5 +1,4 @@
 # The study as a typed model, and the files, settings and code that all steps need.
-import ast
 import os
 import re
 import tempfile
@@ -221,19 +220,17 @@ def content(path):
     return Path(path).read_bytes()
 
 
+IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
+
+
 @cache
 def imported_modules(path):
     """Return the files of ur5lib modules that a Python file imports, without importing them."""
-    names = set()
-    for node in ast.walk(ast.parse(content(path))):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
-        elif isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
-    modules = (Path(*name.split(".")) for name in names if name.startswith("ur5lib."))
-    files = (
-        file for module in modules for file in (module.with_suffix(".py"), module / "__init__.py")
-    )
+    found = IMPORT.findall(content(path).decode())
+    names = {module for module, _ in found}
+    names |= {f"{module}.{name}" for module, of in found for name in re.findall(r"\w+", of)}
+    stems = [Path(*name.split(".")) for name in names]
+    files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
     return {str(file) for file in files if file.is_file()}
 
 

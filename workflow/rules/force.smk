@@ -4,6 +4,7 @@ rule rebuild_forces:
         motion=result("motion.parquet"),
         torques=result("torques.parquet"),
         kinematics=result("kinematics.parquet"),
+        load=result("torques.json"),
         arm=arm_file,
     output:
         forces=result("published_forces.parquet"),

@@ -58,6 +58,7 @@ rule fit_friction:
         signals=fitted_results("signals.parquet"),
         motion=fitted_results("motion.parquet"),
         torques=fitted_results("torques.parquet"),
+        loads=fitted_results("torques.json"),
         arm=parameter("arm.yaml"),
     output:
         friction=parameter("friction.json"),

@@ -60,6 +60,7 @@ rule make_tables:
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
+        loads=results("torques.json"),
         closed_loop=results("closed_loop.parquet"),
         gains=results("gains.json"),
         accelerations=results("accelerations.json"),

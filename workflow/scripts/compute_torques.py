@@ -6,8 +6,9 @@ from ur5lib.pipeline.carried import carried, load_account
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import joint_torques
+from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import Payload, load_robot
-from ur5lib.tables import write_json
+from ur5lib.tables import read_table, write_json
 
 
 def compute_torques(input: Any, output: Any, params: Any) -> None:
@@ -16,4 +17,6 @@ def compute_torques(input: Any, output: Any, params: Any) -> None:
     load = carried(declared, signals)
     robot = load_robot(input.arm).mounted(params.gravity)
     joint_torques(robot, load, signals, motion).write(output.torques)
-    write_json(load_account(load), output.summary)
+    fitted = params.role == "fit"
+    signs = stop_signs(read_table(input.signals), robot, load.told, load.payload, fitted)
+    write_json(load_account(load) | {"stop_signs": signs}, output.summary)

@@ -4,12 +4,12 @@ from typing import Any
 
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.friction_fit import ContradictionError, friction_summary, require_no_stop_sign
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import write_json
+from ur5lib.tables import read_json, write_json
 
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
@@ -24,9 +24,13 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
             records.append(record)
             ratios.append(controllers_ratio(signals, motion))
     summary: dict[str, Any] = {"from": []}
+    loads = zip(params.recordings, map(read_json, input.loads), strict=True)
     try:
+        require_no_stop_sign(dict(loads))
         prior = prior_of(robot, ratios)
         summary = friction_summary(records, prior, smooth, params.terms) | {"model": model}
+    except ContradictionError as sign:
+        summary["stopped"] = str(sign)
     except ValueError as error:
         summary["refused"] = str(error)
     write_json(summary, output.friction)

@@ -25,13 +25,14 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, torques, model)
     currents = Currents(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
-    if record is not None and friction["from"]:
+    known = read_json(input.load)
+    if record is not None and friction["from"] and not known["stop_signs"]:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):
             payload = Payload(**{name: np.array(value) for name, value in found.items()})
-            unloaded, known = map(read_json, input.unloaded), read_json(input.load)
-            load = judged_load(payload, [*unloaded], friction["paths"], known, params.role)
+            unloaded = [*map(read_json, input.unloaded)]
+            load = judged_load(payload, unloaded, friction["paths"], known, params.role)
             if load["taken"]:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
         record, load_torque = with_load(record, load_torque, fit, smooth, cutoff)

@@ -3,11 +3,13 @@
 from typing import Any
 
 from ur5lib.pipeline.published_forces import Settings, published_forces
+from ur5lib.pipeline.records.forces import PublishedForces
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -16,4 +18,7 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     torques, jacobian = Torques.read(input.torques), Kinematics.read(input.kinematics).jacobian
     settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
     robot = load_robot(input.arm)
-    published_forces(robot, signals, motion, torques, jacobian, settings).write(output.forces)
+    forces = PublishedForces(time=signals.time, segment=signals.segment)
+    if not read_json(input.load)["stop_signs"]:
+        forces = published_forces(robot, signals, motion, torques, jacobian, settings)
+    forces.write(output.forces)

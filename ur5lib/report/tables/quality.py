@@ -1,6 +1,6 @@
 """Findings about the files of every recording."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ur5lib.report.study_results import Row, StudyResults
@@ -11,7 +11,22 @@ REMEDY = "if one computer timestamps both this device and an IMU, list both unde
 
 def rows(results: StudyResults) -> Iterator[Row]:
     """Yield the table's rows."""
+    for recording, load in results.each("loads"):
+        yield from stop_rows(recording, load["stop_signs"])
     yield from finding_rows(results.all("quality"), results.all("clocks"), results.all("forces"))
+
+
+def stop_rows(recording: str, signs: Iterable[str]) -> Iterator[Row]:
+    """Yield the stop signs of a recording, each a sentence."""
+    for sign in signs:
+        yield {
+            "recording": recording,
+            "device": "robot",
+            "finding": "contradiction",
+            "severity": "stop",
+            "count": 1,
+            "detail": sign,
+        }
 
 
 def finding_rows(

@@ -6,6 +6,7 @@ from typing import Any
 from ur5lib.report.study_results import Row, StudyResults
 
 COLUMNS = ["robot", "step", "joint", "remark"]
+STOP = "stop sign"  # a step of its own: no forces are stated
 
 
 def rows(results: StudyResults) -> Iterator[Row]:
@@ -24,6 +25,8 @@ def remark_rows(robot: str, steps: Mapping[str, Mapping[str, Any]]) -> Iterator[
     for step, summary in steps.items():
         for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
             yield {"robot": robot, "step": step, "remark": remark}
+        if "stopped" in summary:
+            yield {"robot": robot, "step": STOP, "remark": summary["stopped"]}
         for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
             for remark in fit["remarks"]:
                 yield {"robot": robot, "step": step, "joint": joint, "remark": remark}

@@ -6,17 +6,21 @@ import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.findings import SEVERITIES
 from ur5lib.report.results import Results
+from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, leading, pushes_found
 
 MOST_NAMED = 4  # recordings that get a sentence of their own
+SPOKEN = {"stop": "stop sign"}
 
 
 def findings(results: Results) -> list[str]:
     """Return the findings, one item each."""
     torque, force = results.tables["torque_mae"], results.tables["force_mae"]
     return [
+        *stop_signs(results),
         *_best_model(torque, results.with_role("fit")),
         *_against_printed_torques(torque),
         *_accelerations(results.tables["acceleration_mae"]),
@@ -34,6 +38,17 @@ def findings(results: Results) -> list[str]:
     ]
 
 
+def stop_signs(results: Results) -> Iterator[str]:
+    """Report what contradicts the study, so that no forces are stated."""
+    rows = results.rows("quality", severity="stop")
+    for row in rows[:MOST_NAMED].itertuples():
+        yield f"Stop sign on {row.recording}: {row.detail}. No forces are stated for it."
+    if len(rows) > MOST_NAMED:
+        yield f"There are {len(rows)} stop signs in all; tables/quality.csv lists them."
+    for row in results.rows("remarks", step=STOP).itertuples():
+        yield f"Stop sign on {row.robot}: {row.remark}. No forces are stated for this arm."
+
+
 def left_out(results: Results) -> list[str]:
     """Return the results that this study's data do not allow, with the reasons."""
     return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
@@ -49,7 +64,7 @@ def left_out_heading(results: Results) -> list[str]:
 def left_out_fits(results: Results) -> list[str]:
     """Return which fits were not possible, and why."""
     remarks = results.tables["remarks"]
-    rows = remarks[remarks["joint"].isna()].itertuples()
+    rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
     return [f"{row.step.capitalize()} of {row.robot}: {row.remark}." for row in rows]
 
 
@@ -288,7 +303,7 @@ def _detection(results: Results) -> Iterator[str]:
 
 def _data_quality(quality: pd.DataFrame) -> str:
     counts = quality["severity"].value_counts()
-    found = [(counts.get(name, 0), name) for name in ("error", "warning", "note")]
+    found = [(counts.get(name, 0), SPOKEN.get(name, name)) for name in SEVERITIES]
     parts = [f"{count} {name}{'s' if count > 1 else ''}" for count, name in found if count]
     serious = quality[quality["severity"] != "note"]["finding"].value_counts()
     worst = ", ".join(f"{name} ({count})" for name, count in serious[:MOST_NAMED].items())

@@ -4,7 +4,7 @@ import pandas as pd
 
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.findings import group_findings
+from ur5lib.report.findings import SEVERITIES, group_findings
 from ur5lib.report.results import Body, Results
 
 MOST_NAMED = 4  # recordings of one finding
@@ -46,7 +46,7 @@ def findings(results: Results) -> Body:
         ]
         for (severity, device, finding, detail), part in kinds
     ]
-    rows.sort(key=lambda row: ("error", "warning", "note").index(row[0].text))
+    rows.sort(key=lambda row: SEVERITIES.index(row[0].text))
     return Body(["severity", "device", "finding", "recordings", "count", "meaning"], rows)
 
 

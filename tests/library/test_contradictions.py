@@ -1,0 +1,79 @@
+"""A fit that contradicts the arm is a stop sign, and so is a recording that does."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.library.current_study import CONSTANT, PLAIN, make_record, prior, smooth, with_noise
+from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.regression import Normal
+from ur5lib.pipeline.friction_fit import (
+    ContradictionError,
+    require_known_constants,
+    require_no_stop_sign,
+)
+from ur5lib.report.results import Results
+from ur5lib.report.tables import quality, remarks
+from ur5lib.report.views.found import left_out_fits, stop_signs
+
+WRONG = "another arm"
+
+
+@pytest.fixture(scope="module")
+def fit() -> CurrentFit:
+    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2)]
+    return fit_currents(records, smooth, prior(), PLAIN)
+
+
+def known(factor: float, width: float) -> Prior:
+    inverse = 1 / (factor * CONSTANT)
+    return Prior(Normal(inverse, np.diag((width * inverse) ** -2.0)), np.full(6, 150.0))
+
+
+def test_known_constants_are_accepted(fit: CurrentFit) -> None:
+    require_known_constants(fit, known(1.0, 0.1))
+    require_known_constants(fit, known(1.4, 0.05))  # many deviations off, as wrists of real arms
+    require_known_constants(fit, known(2.2, 0.3))  # hardly known
+
+
+@pytest.mark.parametrize("factor", [0.45, 2.2])
+def test_the_constants_of_another_arm_are_told(fit: CurrentFit, factor: float) -> None:
+    told = "torque constants contradict the known values .joint 1 with 8.* Nm/A.*; correct `robot`"
+    with pytest.raises(ContradictionError, match=told):
+        require_known_constants(fit, known(factor, 0.1))
+
+
+def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
+    require_no_stop_sign({"a": {"stop_signs": []}})
+    with pytest.raises(ContradictionError, match=r"have stop signs \(b\); correct them, or remove"):
+        require_no_stop_sign({"a": {"stop_signs": []}, "b": {"stop_signs": [WRONG]}})
+
+
+def results(signs: int, stopped: str | None) -> Results:
+    rows = [row for k in range(signs) for row in quality.stop_rows(f"run_{k}", [WRONG])]
+    friction = {"from": []} | ({"stopped": stopped} if stopped else {"refused": "too short"})
+    remark = remarks.remark_rows("ur5", {"friction": friction})
+    tables = {
+        "quality": pd.DataFrame(rows, columns=quality.COLUMNS),
+        "remarks": pd.DataFrame(remark, columns=remarks.COLUMNS),
+    }
+    return Results({}, tables, Path())
+
+
+def test_stop_signs_are_reported_first() -> None:
+    assert [*stop_signs(results(1, "wrong constants"))] == [
+        "Stop sign on run_0: another arm. No forces are stated for it.",
+        "Stop sign on ur5: wrong constants. No forces are stated for this arm.",
+    ]
+    assert left_out_fits(results(1, "wrong constants")) == []
+    assert [*stop_signs(results(0, None))] == []
+    assert left_out_fits(results(0, None)) == ["Friction of ur5: too short."]
+
+
+def test_of_many_stop_signs_the_first_are_reported() -> None:
+    assert [*stop_signs(results(9, None))][-1] == (
+        "There are 9 stop signs in all; tables/quality.csv lists them."
+    )

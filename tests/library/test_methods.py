@@ -1,0 +1,125 @@
+"""The page of methods: the numbers that it states are those of the program."""
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from tests.conftest import PROJECT
+from ur5lib.force import (
+    contact_figures,
+    detection,
+    external_torque,
+    grasp,
+    mounting,
+    residual_model,
+    sensed_contacts,
+    sensor,
+    wrench_estimate,
+)
+from ur5lib.force import current_based as thesis
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.identification import (
+    base_parameters,
+    closed_loop,
+    currents,
+    friction,
+    payload,
+    samples,
+    selection,
+)
+from ur5lib.signals import clocks, imu_calibration, noise
+from ur5lib.timeseries.arrays import Array
+
+PRIOR = ContactPrior()
+WAYS = sorted(friction.PRESLIDING)
+COUNTED = {8: "eight", 5: "five", 4: "four", 3: "three", 2: "two"}
+
+
+def percent(share: float) -> str:
+    return f"{round(100 * share, 6):g} %"
+
+
+def listed(values: Array | tuple[float, ...]) -> str:
+    return ", ".join(f"{round(value, 6):g}" for value in values)
+
+
+def statements() -> Iterator[str]:
+    """What the page says, with the program's numbers."""
+    # clocks
+    yield f"low-passed at {clocks.BAND:g} Hz"
+    yield f"explain less than {percent(clocks.EXPLAINED)} of the gyroscope's variance"
+    yield f"jackknife over {COUNTED[clocks.BLOCKS]} blocks of time"
+    yield f"widened by {1e3 * clocks.LATENCY:g} ms for latencies"
+    yield f"by {1e3 * clocks.WANDER:g} ms of wander over the recording"
+    yield f"counts as 0 ± {1e6 * clocks.UNKNOWN_DRIFT:g} ppm"
+    # motion and the IMU
+    yield f"in windows of {noise.JERK_WINDOW:g} s"
+    yield f"jackknife over blocks of {imu_calibration.BLOCK:g} s. *Evidence:* on 20 simulated"
+    # identification
+    yield f"within the {percent(closed_loop.LEVEL)} point of F(2, n − 2)"
+    yield f"narrower than a factor of {closed_loop.KNOWN:g}."
+    yield f"if less than {percent(base_parameters.LARGEST_SHARE)} of its variance"
+    yield f"gain of {percent(selection.GAIN)} and of {COUNTED[int(selection.STANDARD_ERRORS)]}"
+    shortest, usual, longest = (f"{way:.0e}".replace("e-0", "e-") for way in WAYS)
+    yield f"of {shortest}, {usual} and {longest} rad"
+    yield f"load-dependent friction {friction.LOAD:g} Nm/Nm"
+    yield f"torque {percent(friction.PERIODIC)} of the motor's largest torque"
+    yield f"with fewer than {COUNTED[samples.FEW]} paths"
+    yield f"over stretches of {samples.STRETCH * samples.BLOCK:g} s"
+    yield f"over blocks of {samples.BLOCK:g} s alone"
+    yield f"contains {percent(currents.COVERED)} of the samples"
+    yield f"motion for less than {selection.FEWEST * samples.STEP:g} s, they are taken together"
+    yield f"with more than {'ten' if currents.FOLDS == 10 else currents.FOLDS} paths"
+    yield f"{percent(payload.GEARS)} of the mass for the gears"
+    yield f"each {'third' if payload.PARTS == 3 else payload.PARTS} of the run"
+    yield f"prior width {percent(payload.JOINTS)})"
+    yield (f"| {percent(payload.GEARS)}, {percent(payload.JOINTS)}, {percent(payload.LEFT)} |")
+    # contacts
+    yield (
+        f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; 1/{1 / PRIOR.sizes[0]:g}, "
+        f"{listed(PRIOR.sizes[1:])} times; {listed(tuple(100 * own for own in PRIOR.levers))} cm |"
+    )
+    yield f"| {PRIOR.duration:g} s, {PRIOR.pause:g} s |"
+    yield (f"| {PRIOR.efficiency:g} ± {PRIOR.efficiency_std:g}; {percent(PRIOR.load_friction)} |")
+    yield f"| {PRIOR.stiction:g}, {PRIOR.rubbing:g} |"
+    yield f"| {listed(PRIOR.hunting)}; {PRIOR.settling:g} s |"
+    yield (
+        f"| {wrench_estimate.OPENS:g}, {wrench_estimate.CLOSES:g}, {wrench_estimate.MARGIN:g} s |"
+    )
+    yield f"| {PRIOR.resolution:g} s; {PRIOR.unnoticed:g} standard deviations |"
+    yield (
+        f"| {external_torque.STOP:g} s, {external_torque.RELAXING:g} s; "
+        f"{external_torque.RELAXING:g} s |"
+    )
+    yield f"contain a lever of {100 * PRIOR.levers[1]:g} cm"
+    yield (
+        "changes within half a second"
+        if residual_model.SHORT == 0.5
+        else f"changes within {residual_model.SHORT:g} s"
+    )
+    # loads, sensor, detection, figures
+    yield f"A contact of at least {grasp.SHORTEST:g} s counts as a load"
+    yield f"a weight explains {percent(grasp.EXPLAINED)} of its squared torque"
+    yield f"within {COUNTED[int(sensor.OUTSIDE)]} standard deviations"
+    yield f"below −{-mounting.OPPOSITE:g} along an axis"
+    yield f"carries {percent(mounting.SHARE)} of the squared force"
+    yield f"where they fall by {detection.HYSTERESIS:g} more"
+    yield f"a contact reaches {sensed_contacts.TOUCH:g}, {sensed_contacts.CONTACT:g}, 10 or 15 N"
+    yield f"while the reading exceeds {sensed_contacts.RELEASE:g} N"
+    yield f"above {sensed_contacts.CONTACT:g} N at the compensated sensor"
+    yield (
+        f"below {sensed_contacts.FREE:g} N and {sensed_contacts.CLEAR:g} s away from any sample "
+        f"of {sensed_contacts.TOUCH:g} N"
+    )
+    yield f"from {contact_figures.DRAWS} resamples of whole contacts"
+    yield f"{1e3 * thesis.PUBLISHED_JACOBIAN_LAG:g} ms earlier, as in the published script"
+
+
+STATEMENTS = [*statements()]
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=map(str, range(len(STATEMENTS))))
+def test_the_page_states_the_numbers_of_the_program(statement: str) -> None:
+    page = re.sub(r"\s+", " ", (PROJECT / "docs" / "methods.md").read_text())
+    assert statement in page

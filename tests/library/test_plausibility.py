@@ -1,0 +1,165 @@
+"""Which frames no arm can have sent, which timestamps no clock; and in which order they came."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.ordering import epochs, in_order
+from ur5lib.recordings.plausibility import check_pace, drop_implausible, first_time, stray_times
+from ur5lib.recordings.quality import Finding
+
+POSSIBLE = {  # what a channel may hold, and what it may not [SI]
+    "actual_q_0": (12.5, 13.0),
+    "target_q_3": (12.5, 13.0),
+    "actual_qd_1": (19, 21),
+    "target_qd_1": (19, 21),
+    "target_qdd_5": (190, 210),
+    "actual_current_2": (59, 61),
+    "target_current_2": (59, 61),
+    "target_moment_4": (990, 1010),
+    "actual_TCP_force_0": (4900, 5100),
+    "actual_TCP_speed_0": (49, 51),
+    "actual_TCP_pose_0": (19, 21),
+    "ft_fx": (4900, 5100),
+    "ft_tz": (990, 1010),
+    "imu_ay": (490, 510),
+    "imu_gz": (49, 51),
+}
+
+
+def frames(count: int, channel: str = "actual_q_0") -> pd.DataFrame:
+    return pd.DataFrame({"time": 0.008 * np.arange(count), channel: 0.0})
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("channel", POSSIBLE)
+def test_what_no_arm_can_do_is_discarded(channel: str, sign: int) -> None:
+    table, findings = frames(100, channel), list[Finding]()
+    table.loc[30, channel], table.loc[[60, 61], channel] = sign * np.array(POSSIBLE[channel])
+    kept = drop_implausible(table, "run.csv", "robot", findings)
+    assert len(kept) == 98
+    assert kept[channel].abs().max() == POSSIBLE[channel][0]
+    ((finding, count, detail),) = ((one.finding, one.count, one.detail) for one in findings)
+    assert (finding, count) == ("impossible frames", 2)
+    assert detail.startswith("first in row 61:")
+
+
+def test_a_sensor_has_samples_not_frames() -> None:
+    findings: list[Finding] = []
+    table = frames(100, "ft_fx")
+    table.loc[5, "ft_fx"] = 1e6
+    drop_implausible(table, "force.csv", "force", findings)
+    assert [one.finding for one in findings] == ["impossible samples"]
+
+
+@pytest.mark.parametrize(("count", "refused"), [(5, False), (6, True)])
+def test_more_than_a_twentieth_is_no_damage(count: int, refused: bool) -> None:
+    """Of a hundred frames: then the unit is wrong, which the median beyond the bound tells."""
+    table = frames(100)
+    table.loc[: count - 1, "actual_q_0"] = np.arange(20.0, 20 + count)
+    if refused:
+        with pytest.raises(InputError, match=r"in 6% of the rows \(median there 22.5\); is it in"):
+            drop_implausible(table, "run.csv", "robot", [])
+    else:
+        assert len(drop_implausible(table, "run.csv", "robot", [])) == 95
+
+
+@pytest.mark.parametrize(
+    ("step", "refused"), [(1.9e-4, True), (2.1e-4, False), (0.99, False), (1.01, True)]
+)
+def test_a_pace_is_that_of_a_recording(step: float, refused: bool) -> None:
+    """In whatever order the frames come, and though many share a timestamp."""
+    time = np.repeat(step * np.arange(20.0)[::-1], 3)
+    if refused:
+        with pytest.raises(InputError, match="the median step between timestamps is"):
+            check_pace(time, "run.csv")
+    else:
+        check_pace(time, "run.csv")
+
+
+# Timestamps
+
+
+def strays(time: np.ndarray) -> list[int]:
+    return np.flatnonzero(stray_times(time)).tolist()
+
+
+@pytest.mark.parametrize(("pause", "told"), [(59.0, False), (61.0, True)])
+@pytest.mark.parametrize("late", [True, False])
+def test_few_frames_a_minute_away_are_strays(pause: float, told: bool, late: bool) -> None:
+    time = 0.01 * np.arange(1000)
+    away, rest = (slice(-3, None), slice(-3)) if late else (slice(3), slice(3, None))
+    time[away] += pause if late else -pause
+    assert strays(time) == (np.arange(1000)[away].tolist() if told else [])
+    kept = rest if told else slice(None)
+    assert first_time(time) == time[kept].min()
+
+
+@pytest.mark.parametrize(("count", "told"), [(49, True), (50, False)])
+def test_a_twentieth_of_all_frames_is_a_part_of_the_recording(count: int, told: bool) -> None:
+    time = 0.01 * np.arange(1000)
+    time[-count:] += 100.0
+    assert strays(time) == [*range(1000 - count, 1000)] * told
+
+
+@pytest.mark.parametrize(("off", "told"), [(0.9, False), (1.1, True), (-0.9, False), (-1.1, True)])
+@pytest.mark.parametrize("count", [1, 2])
+def test_frames_that_contradict_their_neighbours_are_strays(
+    off: float, told: bool, count: int
+) -> None:
+    """By more than a second, one or two of them beside each other; three are a run of their own."""
+    time = 0.01 * np.arange(1000)
+    time[500 : 500 + count] += off
+    assert strays(time) == [*range(500, 500 + count)] * told
+    time[500:503] = 5 + off
+    assert strays(time) == []
+
+
+def test_of_shuffled_frames_neighbours_say_nothing() -> None:
+    time = np.random.default_rng(0).permutation(0.1 * np.arange(1000))
+    assert strays(time) == []
+    assert strays(np.array([0.0, 100, 200, 300])) == []  # four frames are too few to judge
+
+
+# Order
+
+
+@pytest.mark.parametrize(("run", "reset"), [(49, False), (50, True)])
+def test_a_clock_that_restarts_runs_for_fifty_frames(run: int, reset: bool) -> None:
+    first, second = 100 + np.arange(100.0), np.arange(float(run))
+    expected = np.repeat([0, int(reset)], [100, run])
+    np.testing.assert_array_equal(epochs(np.concatenate([first, second])), expected)
+    if reset:
+        np.testing.assert_array_equal(
+            epochs(np.concatenate([second + 200, first])), [0] * 50 + [1] * 100
+        )
+
+
+@pytest.mark.parametrize(
+    ("frames", "start", "reset"),
+    [
+        (50, 0.0, True),  # from the very beginning
+        (50, 1.0, False),  # overlapping, and running beyond
+        (60, 9.5, True),  # the fiftieth is still before where the first run ended
+        (60, 10.0, False),  # as late as that
+    ],
+)
+def test_a_restart_goes_back_by_a_run_or_to_the_beginning(
+    frames: int, start: float, reset: bool
+) -> None:
+    time = np.concatenate([np.arange(float(frames)), start + np.arange(50.0)])
+    np.testing.assert_array_equal(epochs(time), np.repeat([0, int(reset)], [frames, 50]))
+
+
+def test_each_restart_is_counted_and_nothing_else() -> None:
+    time = 0.008 * np.tile(np.arange(80), 3)
+    findings: list[Finding] = []
+    ordered = in_order(pd.DataFrame({"time": time, "actual_q_0": np.arange(240.0)}), findings)
+    assert [(one.finding, one.count) for one in findings] == [("clock reset", 2)]
+    np.testing.assert_array_equal(ordered["epoch"], np.repeat([0, 1, 2], 80))
+
+
+def test_a_recording_begins_before_its_clock_restarts() -> None:
+    time = np.concatenate([500 + np.arange(60.0), np.arange(60.0)])
+    assert first_time(time) == 500.0

@@ -1,0 +1,245 @@
+"""What a sensor's file has to hold: samples in order, of a sensor that was connected."""
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.delimited import read_numbers
+from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.recording import Stamp
+from ur5lib.recordings.sensors import FORCE_CHANNELS, IMU_CHANNELS, first_number, read_device
+
+NAMES = ["time", *FORCE_CHANNELS]
+
+
+def write(path: Path, time: np.ndarray, force: float = 1.0) -> Path:
+    values = force * np.random.default_rng(0).uniform(0.5, 1.0, (len(time), 6))
+    np.savetxt(path, np.column_stack([time, values]), delimiter=",", fmt="%.9g")
+    return path
+
+
+def read(path: Path) -> tuple[np.ndarray | None, dict[str, Finding]]:
+    """The times of a force sensor's samples, and the findings."""
+    findings: list[Finding] = []
+    samples = read_device(path, NAMES, "force", findings)
+    time = None if samples is None else samples.table["time"].to_numpy()
+    return time, {one.finding: one for one in findings}
+
+
+@pytest.mark.parametrize(("steps", "told"), [(3.9, False), (4.1, True)])
+def test_a_single_gap_is_told_from_four_steps_on(tmp_path: Path, steps: float, told: bool) -> None:
+    time = 0.01 * np.arange(1000.0)
+    time[500:] += 0.01 * (steps - 1)
+    _, findings = read(write(tmp_path / "force.csv", time))
+    assert list(findings) == ["lost samples"] * told
+    if told:
+        assert findings["lost samples"].count == 3
+        assert findings["lost samples"].detail == "longest step 41 ms, median step 10.0 ms"
+
+
+@pytest.mark.parametrize(("gaps", "told"), [(10, False), (11, True)])
+@pytest.mark.parametrize(("steps", "lost"), [(2.4, False), (2.6, True)])
+def test_many_short_gaps_are_told_from_a_hundredth_on(
+    tmp_path: Path, steps: float, lost: bool, gaps: int, told: bool
+) -> None:
+    """Of two samples and a half, which is beyond ordinary jitter; two are lost in each."""
+    step = np.full(1999, 0.01)
+    step[100 : 100 + 10 * gaps : 10] *= steps
+    time = np.concatenate([[0.0], np.cumsum(step)])
+    _, findings = read(write(tmp_path / "force.csv", time))
+    assert ("lost samples" in findings) == (told and lost)
+    if told and lost:
+        assert findings["lost samples"].count == 2 * gaps
+
+
+@pytest.mark.parametrize(("still", "told"), [(10, False), (11, True)])
+def test_stale_stamps_are_told_from_a_hundredth_on(tmp_path: Path, still: int, told: bool) -> None:
+    time = 0.01 * np.arange(1000.0)
+    time[100 : 100 + 2 * still : 2] = time[99 : 99 + 2 * still : 2]
+    times, findings = read(write(tmp_path / "force.csv", time))
+    assert ("stale stamps" in findings) == told
+    assert not told or findings["stale stamps"].count == still
+    assert times is not None
+    assert len(times) == 1000
+
+
+@pytest.mark.parametrize(("size", "connected"), [(9e-7, False), (3e-6, True)])
+def test_a_sensor_that_reads_nothing_was_not_connected(
+    tmp_path: Path, size: float, connected: bool
+) -> None:
+    """Up to a millionth of a newton; a device that is no force sensor may rest at zero."""
+    path = write(tmp_path / "force.csv", 0.01 * np.arange(100.0), size)
+    times, findings = read(path)
+    assert (times is not None) == connected
+    assert list(findings) == ["no sensor"] * (not connected)
+    names = ["time", *IMU_CHANNELS[:6]]
+    assert read_device(path, names, "imu", []) is not None
+
+
+@pytest.mark.parametrize(("rows", "usable"), [(1, False), (2, True)])
+def test_a_sensor_has_two_samples(tmp_path: Path, rows: int, usable: bool) -> None:
+    times, findings = read(write(tmp_path / "force.csv", 0.01 * np.arange(float(rows))))
+    assert (times is not None) == usable
+    if not usable:
+        detail = "force.csv has fewer than two complete rows of 7 numbers"
+        assert findings["no sensor"].detail == detail
+
+
+def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
+    """Of two runs in one file, the first; cells that are empty take their sample along."""
+    path = write(tmp_path / "force.csv", 0.01 * np.arange(200.0))
+    lines = path.read_text().splitlines()
+    lines[50], lines[51] = lines[51], lines[50]
+    lines[80] = "0.80,,1,1,1,1,1"
+    path.write_text("\n".join([*lines, lines[120]]) + "\n")
+    times, findings = read(path)
+    np.testing.assert_allclose(times, np.delete(0.01 * np.arange(200.0), 80))  # type: ignore[arg-type]
+    assert {name: one.count for name, one in findings.items()} == {
+        "missing cells": 1,
+        "repeated frames": 1,
+        "samples out of order": 1,
+    }
+    runs = np.concatenate([5 + 0.01 * np.arange(100.0), 0.01 * np.arange(60.0)])
+    times, findings = read(write(path, runs))
+    assert findings["clock reset"].count == 60
+    np.testing.assert_allclose(times, 5 + 0.01 * np.arange(100.0))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("text", "ended", "number"),
+    [
+        ("12.5\n", True, 12.5),
+        ("12.5", True, None),
+        ("12.5", False, 12.5),
+        ("12.5 13.5", True, 12.5),
+        ("", False, None),
+        ("inf\n", False, None),
+        ("x\n", False, None),
+    ],
+)
+def test_a_start_stamp_is_the_first_number(
+    tmp_path: Path, text: str, ended: bool, number: float | None
+) -> None:
+    (tmp_path / "start.txt").write_text(text)
+    assert first_number(tmp_path / "start.txt", ended) == number
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "apart"),
+    [
+        (("epoch_s", 1000.0), ("epoch_s", 400.0), 600.0),
+        (("relative_s", 3.0), ("relative_s", 5.0), -2.0),
+        (("relative_s", 3.0), ("epoch_s", 5.0), None),
+        (("relative_s", 3.0), ("day_ms", 5.0), None),
+        (("day_ms", 10.0), ("day_ms", 86390.0), 20.0),
+        (("day_ms", 86390.0), ("day_ms", 10.0), -20.0),
+        (("epoch_s", 5 * 86400.0 + 10), ("day_ms", 86390.0), 20.0),
+        (("day_ms", 43100.0), ("day_ms", 0.0), 43100.0),
+    ],
+)
+def test_stamps_of_a_day_are_compared_around_midnight(
+    one: tuple, other: tuple, apart: float | None
+) -> None:
+    stamps = [Stamp(seconds, 0.0, since) for since, seconds in (one, other)]
+    assert stamps[0].after(stamps[1]) == (None if apart is None else pytest.approx(apart))
+
+
+# Tables of numbers
+
+
+def table(path: Path, rows: int, damaged: list[int]) -> Path:
+    """Row k holds k and 2 k; lines that are damaged say something else."""
+    lines = [f"{k},{2 * k}" for k in range(rows)]
+    for line in damaged:
+        lines[line - 1] = "1,2,3"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("rows", [50, 60_000])
+def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: int) -> None:
+    damaged = [3, 4, 17, 30, 31, rows - 5, rows]
+    findings: list[Finding] = []
+    numbers = read_numbers(table(tmp_path / "t.csv", rows, damaged), ["a", "b"], "robot", findings)
+    expected = np.delete(np.arange(rows), np.array(damaged) - 1)
+    np.testing.assert_array_equal(numbers["a"], expected)
+    np.testing.assert_array_equal(numbers["b"], 2 * expected)
+    ((name, count, detail),) = ((one.finding, one.count, one.detail) for one in findings)
+    assert (name, count) == ("damaged lines", 7)
+    assert detail.startswith("t.csv, line 3, 4, 17, 30, 31 and 2 more (it has 3 cells)")
+
+
+@pytest.mark.parametrize(("damaged", "told"), [(5, "line 1, 2, 3, 4, 5 (it"), (6, "5 and 1 more")])
+def test_the_first_five_damaged_lines_are_named(tmp_path: Path, damaged: int, told: str) -> None:
+    findings: list[Finding] = []
+    path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
+    read_numbers(path, ["a", "b"], "robot", findings)
+    assert told in findings[0].detail
+
+
+@pytest.mark.parametrize(("damaged", "refused"), [(25, False), (26, True)])
+def test_a_table_of_which_most_lines_are_damaged_is_another(
+    tmp_path: Path, damaged: int, refused: bool
+) -> None:
+    path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
+    if refused:
+        with pytest.raises(InputError, match="26 of 50 lines do not fit"):
+            read_numbers(path, ["a", "b"], "robot", [])
+    else:
+        assert len(read_numbers(path, ["a", "b"], "robot", [])) == 25
+
+
+@pytest.mark.parametrize(
+    ("last", "kept"),
+    [("7.25,8.25", 4), ("7.25,8.2", 3), ("7.25", 3), ("7.25,8", 3), ("7.25,8.25\n", 4)],
+)
+def test_a_last_line_without_an_end_has_the_form_of_those_before(
+    tmp_path: Path, last: str, kept: int
+) -> None:
+    """As many cells, and as many decimals in the last."""
+    (tmp_path / "t.csv").write_text("1.25,2.25\n3.25,4.25\n5.25,6.25\n" + last)
+    findings: list[Finding] = []
+    assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == kept
+    assert [one.finding for one in findings] == ["torn last line"] * (kept == 3)
+    if kept == 3:
+        assert findings[0].detail.startswith("t.csv, line 4: last line is cut off")
+
+
+@pytest.mark.parametrize("empty", ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"])
+@pytest.mark.parametrize("beside", ["", "x,y\n"])
+def test_what_stands_for_no_number(tmp_path: Path, empty: str, beside: str) -> None:
+    """Also where a damaged line has the others read one by one."""
+    (tmp_path / "t.csv").write_text(f"1,2\n3,{empty}\n{beside}5,6\n")
+    numbers = read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", [])
+    np.testing.assert_array_equal(numbers["b"], [2, np.nan, 6])
+
+
+def test_lines_above_the_header_and_marks_are_skipped(tmp_path: Path) -> None:
+    """Blank ones, comments, quotes, carriage returns; compressed or not."""
+    text = '# made by hand\r\n\r\n% of two columns\r\n"a";"b"\r\n1,5;2\r\n3;4\r\n'
+    (tmp_path / "t.csv").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    (tmp_path / "t.gz").write_bytes(gzip.compress(text.encode()))
+    for name, told in (("t.csv", "byte-order mark"), ("t.gz", "compressed file")):
+        findings: list[Finding] = []
+        numbers = read_numbers(tmp_path / name, None, "robot", findings)
+        assert list(numbers) == ["a", "b"]
+        np.testing.assert_array_equal(numbers.to_numpy(), [[1.5, 2], [3, 4]])
+        assert [one.finding for one in findings] == [told, "decimal commas"]
+
+
+@pytest.mark.parametrize(("place", "text"), [(999, False), (1000, True)])
+def test_zeros_far_down_are_a_damaged_line(tmp_path: Path, place: int, text: bool) -> None:
+    """As of a lost block of a disk; at the beginning, the file is none of text."""
+    lines = b"1.5,2.5\n" * 200
+    content = lines[:place] + b"\0" + lines[place + 1 :]
+    (tmp_path / "t.csv").write_bytes(content)
+    findings: list[Finding] = []
+    if text:
+        assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == 199
+        assert findings[0].finding == "damaged lines"
+    else:
+        with pytest.raises(InputError, match="line 1: not a text file"):
+            read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)

@@ -1,0 +1,343 @@
+"""Stop signs: each wrong declaration is told, and no right recording gets one.
+
+On the recordings of real arms where they are at hand, and on the virtual test stand.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from tests.conftest import PROJECT, recordings
+from tests.synthetic import write_recording
+from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.intake import read_and_repair
+from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.statics import load_torque
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
+from ur5lib.study.model import Recording
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import channel
+
+STUDIES = {"thesis": "`make thesis` fetches them", "ur10e": "see workflow/studies/ur10e.yaml"}
+NAMES = {
+    "thesis": [
+        "Movement_No1",
+        "Movement_No2",
+        "Movement_No3_Acc",
+        "Movement_No4_Acc",
+        "Movement_No5_Acc_slow_no_disturbance",
+        "Movement_No5_Acc_slow_w_disturbance",
+        "Movement_No6_Acc_slow_Verify_Model",
+        "Movement_No7_Acc_slow_Verify_Model_short",
+        "Movement_No8_Singularity_Free_1",
+        "Movement_No9_Singularity_Free_ForceSensor",
+        "Movement_No9_Singularity_Free_NoDist",
+        "Movement_No10_Standstill_ForceSensor_All",
+        "Movement_No10_Standstill_ForceSensor_Fx",
+        "Movement_No10_Standstill_WDist",
+        "TEST",
+    ],
+    "ur10e": [
+        "ur-20_01_17-p1",
+        "ur-20_01_17-p2",
+        "ur-20_01_17-p3",
+        "ur-20_01_17-p4",
+        "ur-20_01_17-p5",
+        "ur-20_01_17-ptp_10_points",
+        "ur-20_01_22-push_pose_1",
+        "ur-20_01_31-load",
+        "ur-20_01_31-unload",
+        "ur-20_02_12-40sec_12harm",
+        "ur-20_02_12-50sec_12harm",
+        "ur-20_02_19_14harm50sec",
+        "ur-20_02_19_14harm50secLoad",
+        "ur-20_02_19_15harm50secLoad",
+    ],
+}
+REAL = [(study, name) for study, names in NAMES.items() for name in names]
+SIMULATED = {
+    "fast": {"trajectory": {"kind": "fourier", "draw": 4, "period_s": 20, "harmonics": 10}},
+    "slow": {"trajectory": {"kind": "fourier", "draw": 9, "period_s": 20, "limit_share": 0.1}},
+    "steps": {
+        "trajectory": {
+            "kind": "movej",
+            "way_points": [[0.5, -1.6, 1.6, -1.5, 1.5, 0.3], [-0.6, -1.1, 1.2, -1.9, 2.2, -0.8]],
+        }
+    },
+    "upright": {
+        "trajectory": {"kind": "fourier", "posture": [0, -1.57, 0, -1.57, 0, 0], "draw": 2}
+    },
+    "told": {
+        "trajectory": {"kind": "fourier", "draw": 3},
+        "payload": {"mass": 3.0, "center_of_mass": [0.0, 0.0, 0.06]},
+    },
+    "pushed": {
+        "trajectory": {"kind": "standstill"},
+        "contacts": [{"kind": "push", "start_s": 3, "seconds": 3, "force": [-60, 80, -90]}],
+    },
+}
+MOUNTINGS = {"floor": (0.0, 0.0, -9.81), "ceiling": (0.0, 0.0, 9.81), "wall": (9.81, 0.0, 0.0)}
+TORQUE_CONSTANTS = np.array([12.0, 11.0, 10.0, 10.0, 10.0, 10.0])  # Nm/A, about those of all arms
+DEGREE = np.pi / 180
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A repaired recording of an arm and what the study declares of it."""
+
+    table: pd.DataFrame
+    arm: Robot
+    entry: Recording
+
+    def signs(self, table: pd.DataFrame | None = None, arm: str = "") -> list[str]:
+        """The stop signs of another table, or if another arm is declared."""
+        table = self.table if table is None else table
+        robot = load_robot(robot_path(arm)).mounted(self.arm.gravity) if arm else self.arm
+        load = carried(self.entry.known_payload(), Signals.from_table(table))
+        fitted = self.entry.role == "fit"
+        return stop_signs(table, robot, load.told, load.payload, fitted)
+
+
+def take(entry: Recording) -> Taken:
+    arm = load_robot(robot_path(entry.robot)).mounted(entry.gravity)
+    return Taken(read_and_repair(entry.model_dump(), arm, 0.1).robot, arm, entry)
+
+
+@cache
+def real(study: str, name: str) -> Taken:
+    folder = recordings(study, STUDIES[study])
+    text = (PROJECT / f"workflow/studies/{study}.yaml").read_text()
+    raw = yaml.safe_load(text.replace(f"raw/{study}", str(folder)))
+    raw.pop("reference", None)
+    (entry,) = (r for r in parse_study(raw, "study").recordings if r.name == name)
+    return take(entry)
+
+
+@cache
+def simulated(folder: Path, name: str, robot: str, mounting: str) -> Taken:
+    plan, gravity = {"seconds": 12, "seed": 3, **SIMULATED[name]}, MOUNTINGS[mounting]
+    role = "contact" if "contacts" in plan else "fit"
+    made = {"name": "made", "robot": robot, "format": "rtde-csv", "role": role, "simulate": plan}
+    raw = {"study": "m", "title": "M", "recordings": [made | {"gravity": gravity}]}
+    entry = parse_study(raw, "study").recordings[0]
+    place = folder / f"{name}_{robot}_{mounting}"
+    arm = load_robot(robot_path(robot)).mounted(gravity)
+    simulate(arm, SimulatedRecording.model_validate(plan), "rtde-csv", place, place / "truth")
+    return take(entry.model_copy(update={"folder": str(place)}))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("stand")
+
+
+# No right recording gets a stop sign
+
+
+@pytest.mark.parametrize(("study", "name"), REAL)
+def test_real_recordings_are_right(study: str, name: str) -> None:
+    assert real(study, name).signs() == []
+
+
+@pytest.mark.parametrize("robot", robot_names())
+@pytest.mark.parametrize("name", SIMULATED)
+def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> None:
+    assert simulated(made, name, robot, "floor").signs() == []
+
+
+@pytest.mark.parametrize("mounting", ["ceiling", "wall"])
+def test_mounted_arms_are_right(made: Path, mounting: str) -> None:
+    assert simulated(made, "fast", "ur5", mounting).signs() == []
+
+
+def test_made_up_recordings_are_right(tmp_path: Path) -> None:
+    write_recording(tmp_path / "raw", seconds=5, seed=1)
+    entry = {"name": "raw", "robot": "ur5", "format": "thesis-csv", "role": "fit"}
+    raw = {"study": "m", "title": "M", "recordings": [entry | {"folder": str(tmp_path / "raw")}]}
+    assert take(parse_study(raw, "study").recordings[0]).signs() == []
+
+
+# Each wrong declaration is told
+
+Spoil = Callable[[pd.DataFrame, Robot], pd.DataFrame]
+
+
+def six(name: str) -> list[str]:
+    return [f"{name}_{joint}" for joint in range(6)]
+
+
+def exchanged(*pairs: tuple[str, str]) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        for one, other in pairs:
+            both = six(one) + six(other)
+            table[both] = table[six(other) + six(one)].to_numpy()
+        return table
+
+    return spoil
+
+
+def scaled(factor: float, *names: str) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        columns = [column for name in names for column in six(name) if column in table]
+        table[columns] *= factor
+        return table
+
+    return spoil
+
+
+def loaded(*told: str) -> Spoil:
+    """3 kg on the flange; told: channels of the controller that know of it."""
+
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        torque = load_torque(arm, channel(table, "actual_q")) @ (3.0 * np.array([1, 0, 0, 0.05]))
+        for name in ("actual_current", *told):
+            constant = 1.0 if name == "target_moment" else TORQUE_CONSTANTS
+            table[six(name)] += torque / constant
+        return table
+
+    return spoil
+
+
+def without(*names: str) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        return table.drop(columns=[c for name in names for c in six(name)], errors="ignore")
+
+    return spoil
+
+
+def each(*spoils: Spoil) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        for one in spoils:
+            table = one(table, arm)
+        return table
+
+    return spoil
+
+
+UNKNOWN = ("target_moment", "target_current", "actual_TCP_pose")  # not in a ROS JointState
+CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
+    "currents exchanged": (
+        exchanged(("actual_current", "target_current")),
+        "actual_current and target_current are exchanged",
+    ),
+    "positions exchanged": (
+        exchanged(("actual_q", "target_q")),
+        "actual_q and target_q are exchanged",
+    ),
+    "velocities exchanged": (
+        exchanged(("actual_qd", "target_qd")),
+        "actual_qd and target_qd are exchanged",
+    ),
+    "motion exchanged": (
+        exchanged(("actual_q", "target_q"), ("actual_qd", "target_qd")),
+        "actual_q and target_q are exchanged",
+    ),
+    "position as velocity": (
+        exchanged(("actual_q", "actual_qd")),
+        "actual_qd is not the velocity of actual_q",
+    ),
+    "torque as current": (
+        exchanged(("actual_current", "target_moment")),
+        "where the column of actual_current would fit",
+    ),
+    "q and qd declared in degrees": (
+        scaled(DEGREE, "actual_q", "actual_qd"),
+        "where actual_q in rad would fit",
+    ),
+    "all motion declared in degrees": (
+        scaled(DEGREE, "actual_q", "actual_qd", "target_q", "target_qd", "target_qdd"),
+        "where actual_q in rad would fit",
+    ),
+    "qd in deg/s": (scaled(1 / DEGREE, "actual_qd"), "actual_qd is not the velocity of actual_q"),
+    "current declared in mA": (scaled(1e-3, "actual_current"), "but motors have 2.5 to 40 Nm/A"),
+    "currents declared in mA": (
+        scaled(1e-3, "actual_current", "target_current"),
+        "but motors have 2.5 to 40 Nm/A",
+    ),
+    "current in Nm": (scaled(10.5, "actual_current"), "actual_current is a torque in Nm"),
+    "effort in Nm": (
+        each(without(*UNKNOWN), scaled(10.5, "actual_current")),
+        "actual_current is a torque in Nm",
+    ),
+    "current against gravity": (scaled(-1.0, "actual_current"), "Nm per A of actual_current"),
+    "3 kg that the controller knows": (
+        loaded("target_moment", "target_current"),
+        "kg would fit",
+    ),
+    "3 kg that nobody knows": (loaded(), "kg more than the study declares"),
+}
+TARGETS = {"positions exchanged", "velocities exchanged", "motion exchanged"}  # not of the UR10e
+SPOILED = [
+    ("thesis", "Movement_No4_Acc"),
+    ("thesis", "Movement_No5_Acc_slow_no_disturbance"),
+    ("thesis", "Movement_No6_Acc_slow_Verify_Model"),
+    ("ur10e", "ur-20_01_17-ptp_10_points"),
+    ("ur10e", "ur-20_02_12-50sec_12harm"),
+]
+
+
+def told(taken: Taken, corruption: str) -> Iterator[str]:
+    spoil, sentence = CORRUPTIONS[corruption]
+    signs = taken.signs(spoil(taken.table.copy(), taken.arm))
+    return (sign for sign in signs if sentence in sign)
+
+
+@pytest.mark.parametrize(
+    ("study", "name", "corruption"),
+    [
+        (study, name, corruption)
+        for study, name in SPOILED
+        for corruption in CORRUPTIONS
+        if study != "ur10e" or corruption not in TARGETS
+    ],
+)
+def test_real_recordings_tell_what_is_wrong(study: str, name: str, corruption: str) -> None:
+    assert any(told(real(study, name), corruption))
+
+
+@pytest.mark.parametrize("robot", robot_names())
+@pytest.mark.parametrize("corruption", CORRUPTIONS)
+def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:
+    assert any(told(simulated(made, "fast", robot, "floor"), corruption))
+
+
+@pytest.mark.parametrize(("study", "name"), REAL)
+def test_another_arm_is_told_with_the_one_that_fits(study: str, name: str) -> None:
+    taken = real(study, name)
+    other = {"ur5": "ur10e", "ur10e": "ur5"}[taken.arm.name]
+    (sign,) = taken.signs(arm=other)
+    assert f"differs from the torque of {other}" in sign
+    assert f"`robot: {taken.arm.name}`" in sign
+
+
+def test_a_similar_arm_that_fits_much_better_is_told(made: Path) -> None:
+    """As of two generations: here, an arm that differs by 0.5 kg at its end."""
+    taken = simulated(made, "slow", "ur5", "floor")
+    heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
+    (sign,) = stop_signs(taken.table, heavier, None, None, fitted=True)
+    assert "`robot: ur5` would fit" in sign
+
+
+def test_a_tool_that_leaves_the_flange_is_told(made: Path) -> None:
+    """Of another arm, without its torque."""
+    taken = simulated(made, "fast", "ur5", "floor")
+    bare = without("target_moment")(taken.table.copy(), taken.arm)
+    assert taken.signs(bare) == []
+    (sign,) = taken.signs(bare, arm="ur10e")
+    assert "the tool moves by" in sign
+
+
+def test_a_wrong_mounting_is_told(made: Path) -> None:
+    taken = simulated(made, "fast", "ur5", "wall")
+    upright = Taken(taken.table, taken.arm.mounted(MOUNTINGS["floor"]), taken.entry)
+    (sign,) = upright.signs()
+    assert "correct `robot`, `gravity`" in sign

@@ -1,0 +1,111 @@
+"""Checks that a recording is of the arm that the study names: its tool's place, its torque."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.statics import link_frames, load_torque
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array
+
+TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
+MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
+EXACT, BETTER = 0.01, 0.25  # another arm that leaves a quarter of more than this is the right one
+EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
+LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
+DEGREES = 180 / np.pi
+CORRECT = "correct `robot`, `gravity`, `payload`, or columns and units"
+
+
+def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[str]:
+    """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
+    if "actual_TCP_pose_0" not in robot:
+        return
+    frames = robot[~robot["interpolated"]].dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
+    frames = frames.iloc[:: max(1, len(frames) // 1000)]
+    rotation, origin = link_frames(arm, channel(frames, "actual_q"))
+    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, 6]
+    place = np.einsum("nij,ni->nj", rotation[:, 6], away)
+    apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
+    if apart > TOOL:
+        yield (
+            f"by actual_TCP_pose, the tool moves by {1000 * apart:.0f} mm (median) on the flange "
+            f"of {arm.name}; correct `robot`, or columns and units"
+        )
+
+
+def foreign_torque(
+    means: BlockMeans, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[str]:
+    """Find a target_moment that is not the arm's; payloads: those that it may contain."""
+    torque = means.torque
+    if torque is None:
+        return
+    residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
+    share = size(residual) / size(torque)
+    foreign = share > MODELLED
+    most = EXPLAINED * size(torque) if foreign else BETTER * size(residual)
+    arms = [*_fitting_arms(means, torque, arm, most)] if share > EXACT else []
+    if foreign or arms:
+        fitting = [
+            *arms,
+            *_fitting_load(means, residual, arm, most),
+            *_fitting_units(means, torque, arm),
+            *_fitting_columns(means, arm),
+        ]
+        cause = f", where {' or '.join(fitting)} would fit" if fitting else ""
+        yield (
+            f"target_moment differs from the torque of {arm.name} by {share:.0%} of its size"
+            f"{cause}; {CORRECT}"
+        )
+
+
+def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
+    """Return what neither the arm's gravity nor its inertia explains of a torque (M, 6) [Nm]."""
+    return means.beside_inertia(torque - means.gravity(arm))
+
+
+def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
+    return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
+
+
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[str]:
+    """Yield the described arms that leave less than `most` of the torque."""
+    for name in robot_names():
+        other = described(name).mounted(arm.gravity)
+        if size(_residual(means, torque, other)) < most:
+            yield f"`robot: {name}`"
+
+
+@cache
+def described(name: str) -> Robot:
+    """Return a described arm, read once."""
+    return load_robot(robot_path(name))
+
+
+def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[str]:
+    """Yield the payload whose torque is the residual (M, 6) [Nm], but for `most` of its size."""
+    torque = load_torque(arm, means.q)
+    columns = [means.beside_inertia(torque[:, :, k]).ravel() for k in range(4)]
+    mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
+    if LIGHT < mass < HEAVY and left < most:
+        yield f"a payload of {mass:.1f} kg"
+
+
+def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[str]:
+    """Yield the unit of the positions with which the torque is the arm's."""
+    for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
+        if _fits(replace(means, q=factor * means.q), torque, arm):
+            yield f"actual_q in {unit}"
+
+
+def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[str]:
+    """Yield the currents that are the arm's torque."""
+    for name, current in means.currents.items():
+        if _fits(means, current, arm):
+            yield f"the column of {name}"

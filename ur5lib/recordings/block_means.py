@@ -1,0 +1,89 @@
+"""Means of a robot table's channels over short blocks, for checks of the arm's statics."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Labels
+
+BLOCK = 0.1  # s
+FILLED = 0.6  # share of a block's frames that may have been lost; in some recordings, half are
+SLOW = 0.02  # rad/s; faster joints have their full friction
+TINY = 1e-300
+SHORT = 1e-4  # of the regressor's square; keeps first moments small that nothing determines
+
+
+@dataclass(frozen=True)
+class BlockMeans:
+    """Means over M blocks of a recording.
+
+    q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
+    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded.
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+    torque: Array | None
+    currents: dict[str, Array]
+
+    def gravity(self, arm: Robot) -> Array:
+        """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
+        return gravity_torque(arm, arm.chosen_model, self.q)
+
+    def beside_inertia(self, torque: Array) -> Array:
+        """Return what of torques (M, 6) is not proportional to accelerations."""
+        return torque - self.qdd @ np.linalg.lstsq(self.qdd, torque, rcond=None)[0]
+
+    def friction(self, joint: int) -> Array:
+        """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
+        qd = self.qd[:, joint]
+        return np.column_stack([np.tanh(qd / SLOW), qd])
+
+
+def block_means(robot: pd.DataFrame, period: float) -> BlockMeans:
+    """Return the means over blocks without a split, mostly of received frames.
+
+    robot: repaired, on a uniform grid with this period [s].
+    """
+    names = ("actual_q", "actual_qd", "target_moment", "actual_current", "target_current")
+    channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}
+    channels.setdefault("actual_qd", np.gradient(channels["actual_q"], period, axis=0))
+    rows = _blocks(robot, [*channels.values()], round(BLOCK / period))
+    means = {name: values[rows].mean(axis=1) for name, values in channels.items()}
+    first, last = (channels["actual_qd"][rows[:, end]] for end in (0, -1))
+    return BlockMeans(
+        q=means.pop("actual_q"),
+        qd=means.pop("actual_qd"),
+        qdd=(last - first) / (period * (rows.shape[1] - 1)),
+        torque=means.pop("target_moment", None),
+        currents=means,
+    )
+
+
+def size(values: Array) -> float:
+    """Return the root of the sum of squares, above zero."""
+    return float(np.linalg.norm(values)) + TINY
+
+
+def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:
+    """Return the mass [kg] of a load by least squares, and the size of what it does not explain.
+
+    columns: (n, 4), as `statics.load_torque` has them; torque: (n,), both to one scale.
+    """
+    prior = SHORT * len(columns) * np.diag([0.0, 1.0, 1.0, 1.0])
+    load = np.linalg.solve(columns.T @ columns + prior, columns.T @ torque)
+    return float(load[0]), size(torque - columns @ load)
+
+
+def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
+    """Return the rows (M, n) of the blocks."""
+    length = max(3, length)
+    rows = np.arange(len(robot) // length * length).reshape(-1, length)
+    segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))
+    known = np.asarray(np.isfinite(np.hstack(channels)).all(axis=1))[rows].all(axis=1)
+    return rows[known & (np.ptp(segment, axis=1) == 0) & (filled.mean(axis=1) <= FILLED)]

@@ -1,0 +1,46 @@
+"""Stop signs: what in a recording contradicts the study so much that no forces may be stated."""
+
+from collections.abc import Iterator
+from itertools import islice
+
+import pandas as pd
+
+from ur5lib.recordings.arm_checks import foreign_torque, tool_off_flange
+from ur5lib.recordings.block_means import block_means
+from ur5lib.recordings.checks import misread_velocities
+from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
+from ur5lib.recordings.exchanged import exchanged_channels
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.timeseries.segments import period
+
+FEWEST = 30  # blocks of a recording that can contradict an arm
+
+
+def stop_signs(
+    robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
+) -> list[str]:
+    """Return the stop signs of a recording, a sentence each.
+
+    robot: a repaired table; arm: under the recording's gravity; told: the payload that the
+    controller was given; declared: the one that the study gives; fitted: whether the recording has
+    the role `fit`.
+    """
+    exchanged = [*exchanged_channels(robot)]
+    contradictions = _contradictions(robot, arm, told, declared, fitted)
+    return [*exchanged, *islice(contradictions, 1)]  # others follow from the first
+
+
+def _contradictions(
+    robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
+) -> Iterator[str]:
+    """Yield what contradicts the arm and what it carries, the most telling first."""
+    step = period(robot["time"].to_numpy())
+    yield from misread_velocities(robot, step)
+    means = block_means(robot, step)
+    if len(means.q) < FEWEST:
+        return
+    yield from foreign_torque(means, arm, [told, declared])
+    yield from tool_off_flange(robot, arm)
+    yield from foreign_currents(means, arm.carrying(declared))
+    if fitted:  # elsewhere, the fit finds an undeclared load
+        yield from undeclared_load(means, arm.carrying(told), arm.carrying(declared))
