@@ -287,7 +287,7 @@ def test_the_study_s_arm_is_that_of_its_recordings(tmp_path: Path) -> None:
     [
         (None, {}, "`recordings[0].robot` is missing; name the arm there, or as `robot` of the "
          "study for all recordings"),
-        ({"arm": "ur7"}, {}, "`robot.arm` is 'ur7'; give the name of a described arm: "),
+        ({"arm": "ur7"}, {}, "`robot.arm`: no description of `ur7`; docs/robots.md shows "),
         ({"arm": "ur5e", "tol": 1}, {}, "unknown key `robot.tol` (did you mean `tool`?); known "
          "keys: arm, name, override, calibration, mounting, tool"),
         ({"arm": "ur5e", "mounting": "cieling"}, {}, "`robot.mounting` is 'cieling' (did you mean "

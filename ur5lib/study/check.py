@@ -98,18 +98,18 @@ def read_study(path: Path) -> Study:
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
-    arm = recording.arm.description()
+    arm = recording.arm.description().mounted(recording.known_gravity())
     try:
         intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
-    tool, signals = recording.known_tool(), Signals.from_table(intake.robot)
-    load, fitted = carried(recording.known_payload(), signals), recording.role == "fit"
-    mounted = arm.mounted(recording.known_gravity())
-    signs = stop_signs(intake.robot, mounted, load.told, load.payload, fitted)
-    doubts = disagreements(recording.known_payload(), tool.tcp if tool else None, signals)
-    doubts += unfiltered(study, intake.quality["period_s"])
+    declared, tool = recording.known_payload(), recording.known_tool()
+    signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
+    load = carried(declared, signals)
+    signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
     stops = [*quality_table.stop_rows(recording.name, signs)]
+    doubts = disagreements(declared, tool.tcp if tool else None, signals)
+    doubts += unfiltered(study, intake.quality["period_s"])
     findings = [*stops, *intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
     return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
 

@@ -26,7 +26,7 @@ rule compute_torques:
         code=code("compute_torques"),
         gravity=gravity_of,
         payload=payload_of,
-        role=lambda wildcards: recording_of(wildcards).role,
         tcp=tcp_of,
+        role=lambda wildcards: recording_of(wildcards).role,
     run:
         run_step(rule, input, output, params, log)
