@@ -110,6 +110,13 @@ def test_names_say_what_is_hidden_in_what() -> None:
     assert names[0].startswith("I_zz of link 1 ")
     assert names[0].endswith(" +1 rotor inertia of joint 1")
     assert names[-1] == "rotor inertia of joint 6"
+    assert (NAMES[0], NAMES[59], NAMES[60]) == (
+        "m of link 1",
+        "I_zz of link 6",
+        "rotor inertia of joint 1",
+    )
+    friction = ("Coulomb friction", "viscous friction", "torque offset")
+    assert NAMES[66:] == tuple(f"{name} of joint {k}" for name in friction for k in range(1, 7))
 
 
 def test_friction_has_columns_of_its_own() -> None:

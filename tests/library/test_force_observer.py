@@ -69,3 +69,11 @@ def test_missing_rows_stay_missing() -> None:
     momentum[40] = np.nan
     torque = observe(momentum, np.ones((100, 6)), np.zeros(100, int), PERIOD, 2.0)
     np.testing.assert_array_equal(np.flatnonzero(np.isnan(torque[:, 0])), [40])
+
+
+@pytest.mark.parametrize(("count", "told"), [(4, False), (5, True)])
+def test_a_stretch_of_four_samples_tells_nothing(count: int, told: bool) -> None:
+    """Its filter needs four steps; of a steady push of 2 Nm it then tells that."""
+    momentum = 3.0 * PERIOD * np.arange(count)[:, None] * np.ones(6)
+    torque = observe(momentum, np.ones((count, 6)), np.zeros(count, int), PERIOD, 2.0)
+    np.testing.assert_allclose(torque, 2.0 if told else np.nan)

@@ -240,3 +240,4 @@ def test_a_joints_gain_is_by_least_squares_with_a_prior() -> None:
     expected = product / (square + share * noise / 0.3**2)
     np.testing.assert_allclose(joint_gains(left, load, count=40), expected, rtol=1e-9)
     np.testing.assert_allclose(joint_gains(left, load, 0), joint_gains(left, load, 1))
+    assert (joint_gains(left, load, 1)[:5] < joint_gains(left, load, 2)[:5]).all()

@@ -78,7 +78,7 @@ def test_a_killed_job_is_submitted_again_to_the_same_results(
     ended = ask(slurm, "squeue", "--noheader", "--states=all", "--format=%i %T").splitlines()
     killed = [line.split()[0] for line in ended if not line.endswith(" COMPLETED")]
     assert killed == running[:1], ended
-    assert len(ended) < len(before) / 4, "steps are not grouped"
+    assert len(ended) == 7, "two to read, one of each other group, one again"
     assert wait_until(lambda: not processes_in(workflow.folder), 10), "something goes on"
 
 
@@ -108,5 +108,5 @@ def test_every_step_but_the_shortest_is_in_a_group() -> None:
     rules = {
         name for path in files for name in re.findall(r"^ *rule (\w+):", path.read_text(), re.M)
     }
-    assert profile["groups"].keys() == rules - {"pool_drifts"}
+    assert profile["groups"].keys() == rules - {"pool_drifts", "describe_arm"}
     assert profile["group-components"].keys() <= set(profile["groups"].values())

@@ -1,3 +1,8 @@
+# It takes less than a second: on a cluster it is no job, but runs where Snakemake was started.
+localrules:
+    describe_arm,
+
+
 rule describe_arm:
     input:
         description=lambda wildcards: os.path.relpath(robot_path(ARMS[wildcards.robot].arm)),
