@@ -116,6 +116,17 @@ def test_frames_that_contradict_their_neighbours_are_strays(
     assert strays(time) == []
 
 
+@pytest.mark.parametrize(("count", "told"), [(5, True), (6, False)])
+def test_frames_are_shuffled_if_more_than_a_twentieth_come_after_later_ones(
+    count: int, told: bool
+) -> None:
+    """Of a hundred steps; then nothing is told of neighbours."""
+    time = 0.01 * np.arange(101)
+    late = 10 + 15 * np.arange(count)
+    time[late] += 1.5
+    assert strays(time) == late.tolist() * told
+
+
 def test_of_shuffled_frames_neighbours_say_nothing() -> None:
     time = np.random.default_rng(0).permutation(0.1 * np.arange(1000))
     assert strays(time) == []
