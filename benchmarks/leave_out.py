@@ -187,7 +187,8 @@ class Fold:
         self.run(
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
-            | {"arm": str(self.study.arm)},
+            | {"arm": str(self.study.arm)}
+            | {"loads": [own.file("torques.json") for own in self.fitted]},
             {"friction": self.shared("friction.json")},
             lowpass
             | {"terms": settings.friction.terms, "recordings": [own.name for own in self.fitted]},

@@ -161,6 +161,8 @@ def check_make(words: list[str]) -> str | None:
 
 
 def check_snakemake(words: list[str]) -> str | None:
+    """Its options; a cluster's executor is a plugin that may not be installed here."""
+    words = ["local" if word == "slurm" else word for word in words]
     parser = get_argument_parser()
     parser.exit_on_error = False
     known = parser.parse_args(words)

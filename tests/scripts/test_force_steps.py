@@ -232,7 +232,8 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     record = replace(bare, current=bare.current + LOAD_2 * np.eye(6)[1] / CONSTANT)
     found = {"parameters": [2.0, 0.1, 0.0, 0.0], "std_error": [0.05] * 4, "parts": [2.0] * 3}
     found = given.get("found", found)
-    known = {"source": "none", "payload": None, "told": None} | given.get("known", {})
+    known = {"source": "none", "payload": None, "told": None, "stop_signs": given.get("signs", [])}
+    known |= given.get("known", {})
     unloaded = given.get("unloaded", [{"parameters": [0.05] * 4, "std_error": [0.05] * 4}])
     per_load = np.zeros((count, 6, 4))
     per_load[:, 1, 0] = LOAD_2 / 2.0
@@ -248,8 +249,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     torques.write(files["torques"])
     LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
     friction = friction | {"paths": given.get("paths", 5)}
-    quality = {"findings": given.get("findings", [])}
-    summaries = {"payload": found, "load": known, "friction": friction, "quality": quality}
+    summaries = {"payload": found, "load": known, "friction": friction}
     for name, summary in summaries.items():
         files[name] = str(folder / f"{name}.json")
         write_json(summary, files[name])
@@ -291,8 +291,7 @@ def test_a_load_that_is_certain_is_taken_into_the_prediction(
 
 
 def test_nothing_is_predicted_beside_a_stop_sign(friction: dict[str, Any], tmp_path: Path) -> None:
-    sign = {"severity": "stop", "detail": "another arm"}
-    made = predicted(tmp_path, friction, findings=[sign])
+    made = predicted(tmp_path, friction, signs=["another arm"])
     assert made.load is None
     assert made.currents.external_torque is None
 

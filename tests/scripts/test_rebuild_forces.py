@@ -100,7 +100,9 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
     write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
-    inputs |= {"arm": str(robot_path("ur5")), "quality": str(folder / "quality.json")}
+    write_json({"stop_signs": []}, folder / "torques.json")
+    inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}
+    inputs |= {"quality": str(folder / "quality.json")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)

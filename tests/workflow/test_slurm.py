@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,12 @@ from tests.workflow.test_workflow import results
 PROFILE = ("--workflow-profile", "profiles/slurm")
 SMALL = ("--cores", "2", "--latency-wait", "5")  # the profile is for more cores and a slow disk
 TOGETHER = ("--group-components", "motion=2", "forces=2", "fits=3")  # two short recordings a job
+
+
+needs_plugin = pytest.mark.skipif(
+    find_spec("snakemake_executor_plugin_slurm") is None,
+    reason="Snakemake's plugin for Slurm is not installed: `pip install '.[slurm]'`",
+)
 
 
 @pytest.fixture
@@ -51,6 +58,7 @@ def wait_until(happens: Callable[[], object], seconds: float) -> bool:
     return True
 
 
+@needs_plugin
 def test_a_killed_job_is_submitted_again_to_the_same_results(
     workflow: Workflow, slurm: dict[str, str]
 ) -> None:
@@ -96,6 +104,7 @@ def test_nothing_of_slurm_is_left_after_a_failure(slurm: dict[str, str]) -> None
 # The profiles, where no cluster is at hand
 
 
+@needs_plugin
 @pytest.mark.parametrize("study", [STUDY, STUDY + "hosts: {pc: [imu]}\n"])
 def test_the_groups_of_a_study_do_not_wait_for_each_other(workflow: Workflow, study: str) -> None:
     (workflow.folder / "config.yaml").write_text(study)
