@@ -7,7 +7,9 @@ under other names, and prints the time for each of them.
 """
 
 import argparse
+import atexit
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,7 +21,7 @@ import yaml
 
 from ur5lib.tables import read_csv
 
-COPY = "copy_{}"
+COPY, FILES = "copy_{}", Path("raw/benchmark")  # a copy's name, and the folder of its files
 RUNS: dict[str, tuple[int, list[str]]] = {  # copies of the last recording, options of Snakemake
     "whole study, from raw files": (0, ["--forceall"]),
     "one more recording": (1, []),
@@ -31,6 +33,7 @@ RUNS: dict[str, tuple[int, list[str]]] = {  # copies of the last recording, opti
 
 def main() -> None:
     """Print wall and processor time of each run, then of each step, then by copies."""
+    atexit.register(shutil.rmtree, FILES, ignore_errors=True)
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--quick", action="store_true", help="plan the runs, but do none")
     options.add_argument("--growth", type=int, nargs="*", default=[], help="numbers of copies")
@@ -53,6 +56,10 @@ def with_copies(study: dict[str, Any], count: int) -> dict[str, Any]:
     """Return a study with copies of its last recording, as recordings with a contact."""
     last = study["recordings"][-1]
     copies = [last | {"name": COPY.format(k), "role": "contact"} for k in range(count)]
+    for copy in copies:
+        if "folder" in copy:
+            copy["folder"] = str(FILES / copy["name"])
+            shutil.copytree(last["folder"], copy["folder"], dirs_exist_ok=True)
     return study | {"recordings": [*study["recordings"], *copies]}
 
 

@@ -40,10 +40,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(workers, "IDLE", workers.queue.LifoQueue())
     yield tmp_path
-    while not workers.IDLE.empty():
-        worker = workers.IDLE.get()
-        worker.connection.close()
-        worker.process.wait()
+    workers.end_idle()
 
 
 def run(step: str, **output: str) -> None:

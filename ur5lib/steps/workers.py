@@ -1,5 +1,6 @@
 """The warm processes of a run: one for each job that runs at the same time."""
 
+import atexit
 import os
 import queue
 import subprocess
@@ -62,6 +63,15 @@ def run_step(
     IDLE.put(worker)
     if error:
         raise StepError(error)
+
+
+@atexit.register
+def end_idle() -> None:
+    """End the processes that wait for a job, so that their time counts as that of this one."""
+    while not IDLE.empty():
+        worker = IDLE.get()
+        worker.process.terminate()
+        worker.process.wait()
 
 
 def names(given: Mapping[str, Any]) -> Names:
