@@ -78,7 +78,7 @@ class Recording:
     def estimate(self, *others: "Recording") -> Forces:
         """What estimate_forces makes of it, beside other contact-free recordings."""
         names = [other.folder.name for other in others]
-        params = SimpleNamespace(recordings=names, kinds=["currents", "motion"])
+        params = SimpleNamespace(recordings=names)
         files = SimpleNamespace(currents=[other.load for other in others])
         script("index_free_runs").index_free_runs(files, self, params)
         input = SimpleNamespace(

@@ -45,7 +45,6 @@ rule index_free_runs:
     params:
         code=code("index_free_runs"),
         recordings=contact_free,
-        kinds=["currents", "motion"],
     run:
         run_step(rule, input, output, params, log)
 

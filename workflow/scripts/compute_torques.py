@@ -12,12 +12,13 @@ from ur5lib.tables import read_table, write_json
 
 
 def compute_torques(input: Any, output: Any, params: Any) -> None:
-    signals, motion = Signals.read(input.signals), Motion.read(input.motion)
+    table, motion = read_table(input.signals), Motion.read(input.motion)
+    signals = Signals.from_table(table)
     declared = Payload.model_validate_json(params.payload) if params.payload else None
     load = carried(declared, signals)
     robot = load_robot(input.arm).mounted(params.gravity)
     joint_torques(robot, load, signals, motion).write(output.torques)
     fitted = params.role == "fit"
-    signs = stop_signs(read_table(input.signals), robot, load.told, load.payload, fitted)
+    signs = stop_signs(table, robot, load.told, load.payload, fitted)
     doubts = disagreements(declared, params.tcp or None, signals)
     write_json(load_account(load, doubts) | {"stop_signs": signs}, output.summary)
