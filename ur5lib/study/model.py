@@ -5,6 +5,7 @@ The model below defines every key of `config.yaml`; `workflow/study.schema.json`
 """
 
 import json
+from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, ConfigDict, Field
@@ -52,7 +53,7 @@ class Part(Strict):
     )
     format: str = Field(description="format of the files")
 
-    @property
+    @cached_property
     def arm(self) -> Arm:
         """Return the arm, also where it is only named."""
         assert self.robot is not None, "`parse_study` gives each recording its arm"

@@ -83,13 +83,19 @@ def parameter_of(name):
     return lambda wildcards: f"{RESULTS}/parameters/{recording_of(wildcards).arm.known_as}/{name}"
 
 
-def fitted_on(wildcards):
-    """Return the names of an arm's `fit` recordings."""
+@cache
+def names_of(robot, *roles):
+    """Return the names of an arm's recordings with some roles."""
     return [
         name
         for name, recording in RECORDINGS.items()
-        if recording.role == "fit" and recording.arm.known_as == wildcards.robot
+        if recording.role in roles and recording.arm.known_as == robot
     ]
+
+
+def fitted_on(wildcards):
+    """Return the names of an arm's `fit` recordings."""
+    return names_of(wildcards.robot, "fit")
 
 
 def fitted_results(name):
@@ -103,19 +109,13 @@ def results_of_fitted(name):
     """Return the paths of a file of each `fit` recording of a recording's arm."""
     return lambda wildcards: [
         f"{RESULTS}/recordings/{other}/{name}"
-        for other, recording in RECORDINGS.items()
-        if recording.role == "fit"
-        and recording.arm.known_as == recording_of(wildcards).arm.known_as
+        for other in names_of(recording_of(wildcards).arm.known_as, "fit")
     ]
 
 
 def contact_free(wildcards):
     """Return the names of an arm's contact-free recordings."""
-    return [
-        name
-        for name, recording in RECORDINGS.items()
-        if recording.role != "contact" and recording.arm.known_as == wildcards.robot
-    ]
+    return names_of(wildcards.robot, "fit", "validate")
 
 
 def free_results(name):
