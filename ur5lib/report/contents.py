@@ -14,6 +14,8 @@ import yaml
 
 from ur5lib.strict import Strict
 
+MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
+
 
 class Text(Strict):
     """A paragraph; `beside`: shown only where the table or figure of this name is.

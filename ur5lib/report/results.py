@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.document import Cell
 from ur5lib.report.reference import Erratum
 
-MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 MOST_ROWS = 60  # of a table; the file it was made from has all
 
 

@@ -10,6 +10,7 @@ import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import robot_path
 from ur5lib.steps.workers import run_step
@@ -36,7 +37,6 @@ RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
-MOST_SHOWN = 4  # recordings of a kind that the report draws
 STUDY_YAML = yaml.safe_dump(
     STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
 )
