@@ -119,6 +119,15 @@ class Workflow:
         done = self.run("--quiet", "rules", *arguments)
         assert done.returncode == 0, done.stdout
 
+    def ur5(self, *arguments: str) -> str:
+        """What a command of `ur5` prints."""
+        command = [sys.executable, "-c", "from ur5lib.cli import main; main()", *arguments]
+        told = subprocess.run(
+            command, cwd=self.folder, env=self.environment, text=True, capture_output=True
+        )
+        assert told.returncode == 0, told.stderr
+        return told.stdout
+
     def plan(self, *arguments: str) -> dict[str, int]:
         """How many jobs of each rule the next run would do."""
         done = self.run("--dry-run", *arguments)

@@ -34,7 +34,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.pipeline.residual_fit import residual_summary
-from ur5lib.pipeline.sensor_reference import sensor_offset, sensor_wrenches
+from ur5lib.pipeline.sensor_reference import device_reading, sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
@@ -123,14 +123,14 @@ class RealRecording:
     @cached_property
     def sensor(self) -> tuple[Array, SensorOffset]:
         """Contact wrench (N, 6) by the force sensor, and what was taken off its reading."""
-        signals, rotation = self.signals, self.kinematics.rotation
+        signals = self.signals
         assert signals.force_sensor is not None
         start = self.intake.quality["starts"]["force"]
         placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
-        offset = sensor_offset(signals.force_sensor, signals, rotation, self.robot)
+        reading = device_reading(self.robot, signals, self.kinematics, placed)
         window = self.settings.sensor.bias_window_s
-        known = signals, placed, self.kinematics, self.robot, offset, window
-        return sensor_wrenches(*known).wrench["compensated"], offset
+        known = self.robot, signals, reading, self.kinematics, window
+        return sensor_wrenches(*known).wrench["compensated"], reading.offset
 
 
 class RealStudy:

@@ -55,6 +55,32 @@ def check(
 
 
 @app.command()
+def audit(
+    study: Annotated[
+        Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
+    ],
+) -> None:
+    """Say what is wrong with the wrist sensors of a study's recordings, and how to put it right."""
+    from ur5lib.study.answers import audit_answers
+
+    for line in audit_answers(study):
+        typer.echo(line)
+
+
+@app.command()
+def payload(
+    study: Annotated[
+        Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
+    ],
+) -> None:
+    """Say what each recording's arm carries, by its motor currents and by its wrist sensor."""
+    from ur5lib.study.answers import payload_answers
+
+    for line in payload_answers(study):
+        typer.echo(line)
+
+
+@app.command()
 def export(
     robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
     model: Annotated[

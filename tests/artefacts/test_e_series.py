@@ -1,5 +1,6 @@
 """A simulated e-Series arm on a ceiling with a tool, at 125 and at 500 Hz, by all steps."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from tests.conftest import Workflow, copy_project
 from ur5lib.tables import read_csv, read_json
 
 TOOL = {"mass": 1.2, "center_of_mass": [0, 0, 0.05], "tcp": [0, 0, 0.12, 0, 0, 0]}
+WRIST = {"bias": [3, -3, 3, 0.1, -0.1, 0.1], "rotation_deg": [3, 0, 4], "scale": 0.9}
 PUSH = {"kind": "push", "start_s": 4, "seconds": 4, "force": [60, 30, -45]}
 
 
@@ -28,7 +30,7 @@ STUDY = {
         recording("fit_1", "rtde-csv", "fit", 1),
         recording("fit_2", "realtime-stream", "fit", 2),
         recording("fit_3", "realtime-stream", "fit", 4),
-        recording("pushed", "rtde-csv", "contact", 3, contacts=[PUSH]),
+        recording("pushed", "rtde-csv", "contact", 3, contacts=[PUSH], wrist_sensor=WRIST),
     ],
     "settings": {"lowpass": {"motion": {"cutoff_hz": 80}}},  # beyond Nyquist of two of them
 }
@@ -38,7 +40,7 @@ STUDY = {
 def workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     made = Workflow(copy_project(tmp_path_factory.mktemp("e_series") / "project"))
     (made.folder / "config.yaml").write_text(yaml.safe_dump(STUDY, sort_keys=False))
-    made.build("--until", "compare_with_truth", "make_tables")
+    made.build()
     return made
 
 
@@ -79,6 +81,35 @@ def test_models_of_the_arm_have_its_torques(truth: pd.DataFrame) -> None:
     rows = truth[(truth["quantity"] == "torque_rmse") & (truth["method"] == "Model identified")]
     assert len(rows) == 4 * 6
     assert rows["estimate"].max() < 1e-3  # Nm
+
+
+def test_the_wrist_sensor_is_compared_and_audited(results: Path) -> None:
+    errors = read_csv(results / "tables" / "force_mae.csv")
+    assert {*errors["recording"]} == {"pushed"}
+    assert {*errors["kind"]} == {"corrected", "compensated"}  # it has no stamps of its own
+    audit = read_csv(results / "tables" / "audit.csv").set_index(["quantity", "component"])
+    for (quantity, *parts), truth in {
+        ("turn", "x"): 3, ("turn", "z"): 4, ("scale", "y"): 0.9, ("bias", "Fx"): 3
+    }.items():  # fmt: skip
+        row = audit.loc[(quantity, *parts)]
+        assert abs(row["value"] - truth) < 4 * row["std_error"]
+        assert row["verdict"] != "right"
+
+
+def test_questions_are_answered_from_the_tables(workflow: Workflow) -> None:
+    audit = workflow.ur5("audit", "config.yaml")
+    assert "the scale is 0.90" in audit
+    assert re.search(r"its axes are turned by (4\.[89]|5\.[012])°", audit)
+    assert "set_payload" not in audit  # the scale is wrong, not the payload
+    payload = workflow.ur5("payload", "config.yaml")
+    assert payload.count("by the currents 1.") == 4
+    assert payload.count("by the wrist sensor") == 1
+
+
+def test_the_report_has_a_section_on_it(results: Path) -> None:
+    report = (results / "report.html").read_text()
+    assert "The wrist sensor" in report
+    assert "cell-2" in report
 
 
 def test_the_push_is_found(truth: pd.DataFrame) -> None:

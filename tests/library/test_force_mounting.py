@@ -14,8 +14,8 @@ TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1,
 def told(signs: list[int], unread: int = 0) -> tuple[list[str], str | None]:
     """Of a sensor whose axes have these signs, beside an estimate that errs."""
     reading, wrench = pushed(ROTATION, seed=0)
-    offset = fit_offset(reading * [*signs, *signs], ROTATION, PERIOD, GRAVITY)
-    free = reading * [*signs, *signs] - offset.reading(ROTATION, GRAVITY)
+    offset = fit_offset(reading * [*signs, *signs], GRAVITY @ ROTATION, PERIOD)
+    free = reading * [*signs, *signs] - offset.reading(GRAVITY @ ROTATION)
     sensor = wrench_of_environment(free, ROTATION)[:, :3]
     estimate = 0.7 * wrench[:, :3] + np.random.default_rng(1).normal(0, 2, (len(wrench), 3))
     sensor[:unread] = estimate[unread : 2 * unread] = np.nan

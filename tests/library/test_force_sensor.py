@@ -69,7 +69,7 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
     rotation = orientations(60, turning=0.8)
     reading, wrench = pushed(rotation, seed=0)
     reading[:50] = np.nan
-    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     assert 0.3 < offset.free.mean() < 0.9
     assert np.abs(wrench[offset.free, :3]).max() < 0.5
     np.testing.assert_array_less(np.abs(offset.bias - BIAS), 5 * offset.bias_std + 0.002)
@@ -83,8 +83,8 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
 def test_the_compensated_wrench_is_the_push() -> None:
     rotation = orientations(60, turning=0.8)
     reading, wrench = pushed(rotation, seed=1)
-    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
-    estimate = wrench_of_environment(reading - offset.reading(rotation, GRAVITY), rotation)
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
+    estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
     assert np.abs(estimate - wrench)[:, :3].max() < 0.3
     assert np.abs(estimate - wrench)[:, 3:].max() < 0.015
 
@@ -92,10 +92,10 @@ def test_the_compensated_wrench_is_the_push() -> None:
 def test_without_turning_weight_and_bias_are_one() -> None:
     rotation = orientations(40, turning=0.0)
     reading, wrench = pushed(rotation, seed=2)
-    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     assert np.isnan(offset.mass)
     assert np.isnan(offset.center()).all()
-    estimate = wrench_of_environment(reading - offset.reading(rotation, GRAVITY), rotation)
+    estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
     assert np.abs(estimate - wrench)[:, :3].max() < 0.3
 
 
@@ -107,14 +107,14 @@ def test_a_mounting_changes_neither_tool_nor_bias(angles: list[float]) -> None:
     """The base's axes turn, and with them R_6 and gravity; the sensor reads what it read."""
     rotation = orientations(60, turning=0.8)
     reading, _ = pushed(rotation, seed=0)
-    upright = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    upright = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     base = Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
-    turned = fit_offset(reading, base @ rotation, PERIOD, base @ GRAVITY)
+    turned = fit_offset(reading, base @ GRAVITY @ (base @ rotation), PERIOD)
     for name in ("bias", "bias_std", "mass", "mass_std", "moment_arm", "moment_arm_std", "noise"):
         np.testing.assert_allclose(getattr(turned, name), getattr(upright, name), atol=1e-8)
     np.testing.assert_allclose(
-        turned.reading(base @ rotation, base @ GRAVITY),
-        upright.reading(rotation, GRAVITY),
+        turned.reading(base @ GRAVITY @ (base @ rotation)),
+        upright.reading(GRAVITY @ rotation),
         atol=1e-8,
     )
 
@@ -122,7 +122,7 @@ def test_a_mounting_changes_neither_tool_nor_bias(angles: list[float]) -> None:
 def off_without_contact(offset: SensorOffset, rotation: np.ndarray) -> float:
     """The largest error [N] of what the sensor should read without contact."""
     untouched = felt(np.zeros((len(rotation), 6)), rotation, np.random.default_rng(1))
-    error = (offset.reading(rotation, GRAVITY) - untouched)[:, :3]
+    error = (offset.reading(GRAVITY @ rotation) - untouched)[:, :3]
     return float(np.abs(gaussian_filter1d(error, 20, axis=0)).max())
 
 
@@ -130,7 +130,7 @@ def off_without_contact(offset: SensorOffset, rotation: np.ndarray) -> float:
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.7, 0.8])
 def test_a_hand_that_touches_most_of_the_time_is_no_bias(share: float, turning: float) -> None:
     rotation = orientations(60, turning)
-    offset = fit_offset(held(rotation, share), rotation, PERIOD, GRAVITY)
+    offset = fit_offset(held(rotation, share), GRAVITY @ rotation, PERIOD)
     assert off_without_contact(offset, rotation) < 0.1
     assert offset.agreeing == pytest.approx(1 - share, abs=0.05)
     assert offset.rival < 0.1
@@ -143,7 +143,7 @@ def test_a_hand_that_touches_most_of_the_time_is_no_bias(share: float, turning: 
 def test_a_steady_push_is_told_as_a_rival() -> None:
     """As long as the free time, it cannot be told from bias."""
     rotation = orientations(60, turning=0.0)
-    offset = fit_offset(held(rotation, 0.45, steady=True), rotation, PERIOD, GRAVITY)
+    offset = fit_offset(held(rotation, 0.45, steady=True), GRAVITY @ rotation, PERIOD)
     assert offset.rival == pytest.approx(0.45, abs=0.05)
     assert "agree on one bias, 4" in str(offset_doubt(offset))
     assert "record some seconds in which nothing touches" in str(offset_doubt(offset))
@@ -151,7 +151,7 @@ def test_a_steady_push_is_told_as_a_rival() -> None:
 
 def test_a_short_free_time_is_told() -> None:
     rotation = orientations(0.8, turning=0.0)
-    offset = fit_offset(held(rotation, 0.0)[:80], rotation, PERIOD, GRAVITY)
+    offset = fit_offset(held(rotation, 0.0)[:80], GRAVITY @ rotation, PERIOD)
     assert "only 80 samples are without contact" in str(offset_doubt(offset))
 
 
@@ -161,7 +161,7 @@ def test_hardly_any_reading_is_no_failure(count: int) -> None:
     rotation = orientations(5, turning=0.0)
     reading = held(rotation, 0.0)
     reading[count:] = np.nan
-    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     assert f"only {count} samples are without contact" in str(offset_doubt(offset))
 
 
@@ -173,7 +173,7 @@ def test_no_sensor_is_taken_to_repeat_better_than_a_tenth_of_a_newton(
     """Nor than 0.01 Nm: a noise-free one that comes back beside its bias is still untouched."""
     reading = np.tile(BIAS, (2000, 1))
     reading[1600:, column] += jump * (0.1 if column < 3 else 0.01)
-    offset = fit_offset(reading, np.tile(np.eye(3), (2000, 1, 1)), PERIOD, GRAVITY)
+    offset = fit_offset(reading, np.tile(GRAVITY, (2000, 1)), PERIOD)
     assert offset.free.mean() == pytest.approx(free, abs=0.02)
 
 
@@ -182,7 +182,7 @@ def test_the_noise_of_a_sensor_is_measured() -> None:
     random = np.random.default_rng(3)
     deviation = np.array([0.5] * 3 + [0.02] * 3)
     reading = BIAS + random.normal(0, deviation, (4000, 6))
-    offset = fit_offset(reading, np.tile(np.eye(3), (4000, 1, 1)), PERIOD, GRAVITY)
+    offset = fit_offset(reading, np.tile(GRAVITY, (4000, 1)), PERIOD)
     np.testing.assert_allclose(offset.noise, deviation, rtol=0.1)
     assert offset.free.mean() > 0.8
     np.testing.assert_allclose(offset.bias_std, deviation / np.sqrt(offset.free.sum()), rtol=0.15)
@@ -194,7 +194,7 @@ def test_noise_that_lasts_tells_a_bias_less_well(follows: float) -> None:
     random = np.random.default_rng(4)
     steps = random.normal(size=(20000, 6)) * np.sqrt(1 - follows**2)
     noise = 0.005 * lfilter([1], [1, -follows], steps, axis=0)
-    offset = fit_offset(BIAS + noise, np.tile(np.eye(3), (20000, 1, 1)), PERIOD, GRAVITY)
+    offset = fit_offset(BIAS + noise, np.tile(GRAVITY, (20000, 1)), PERIOD)
     expected = 0.005 * np.sqrt((1 + follows) / (1 - follows) / 20000)
     np.testing.assert_allclose(offset.bias_std, expected, rtol=0.15)
 
@@ -205,7 +205,7 @@ def test_an_hour_takes_seconds() -> None:
     hour = np.tile(np.repeat(np.arange(len(rotation)), 5), 60)
     reading = held(rotation, 0.7)[hour]
     start = time.process_time()
-    offset = fit_offset(reading, rotation[hour], PERIOD / 5, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ rotation[hour], PERIOD / 5)
     assert time.process_time() - start < 20
     assert 0.15 < offset.free.mean() < 0.3
     assert off_without_contact(offset, rotation) < 0.1
@@ -229,7 +229,7 @@ def test_what_is_free_keeps_a_quarter_second_away_from_any_contact() -> None:
     for part in touched:
         reading[part, 2] -= 20.0
     reading[unread] = np.nan
-    offset = fit_offset(reading, upright(3000), PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ upright(3000), PERIOD)
     expected = np.ones(3000, bool)
     for part in (slice(0, 75), slice(975, 1125), unread):
         expected[part] = False
@@ -243,7 +243,7 @@ def test_a_weight_needs_a_turn_by_a_fifth_of_gravity(about: str, std: float, wei
     tilted = Rotation.from_euler(about, np.arcsin(2 * std)).as_matrix()
     rotation = np.concatenate([upright(1500), np.tile(tilted, (1500, 1, 1))])
     reading = felt(np.zeros((3000, 6)), rotation, np.random.default_rng(0))
-    offset = fit_offset(reading, rotation, PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     assert np.isfinite(offset.mass) == weighed
     assert np.isfinite(offset.moment_arm).all() == weighed
 
@@ -262,7 +262,7 @@ def test_an_offset_is_doubted_from_a_share_on(
     agreeing: float, rival: float, free: int, told: str | None
 ) -> None:
     """Of half that agree, of half as many that agree on another, of a hundred free samples."""
-    known = fit_offset(np.tile(BIAS, (200, 1)), upright(200), PERIOD, GRAVITY)
+    known = fit_offset(np.tile(BIAS, (200, 1)), GRAVITY @ upright(200), PERIOD)
     offset = replace(known, agreeing=agreeing, rival=rival, free=np.arange(200) < free)
     doubt = offset_doubt(offset)
     assert doubt is None if told is None else told in str(doubt)
@@ -281,7 +281,7 @@ def test_the_first_seconds_are_the_bias() -> None:
 def test_a_tool_that_a_hand_guides_is_weighed_where_it_is_let_go() -> None:
     """For two thirds of the time, which is too much for least absolute deviations alone."""
     rotation = orientations(60, turning=0.8)
-    offset = fit_offset(held(rotation, 0.66), rotation, PERIOD, GRAVITY)
+    offset = fit_offset(held(rotation, 0.66), GRAVITY @ rotation, PERIOD)
     assert offset.mass == pytest.approx(MASS, abs=0.01)
     np.testing.assert_allclose(offset.center(), CENTER, atol=0.01)
     np.testing.assert_allclose(offset.bias, BIAS, atol=0.1)
@@ -292,7 +292,7 @@ def test_noise_is_at_least_what_a_sensor_repeats_to() -> None:
     random = np.random.default_rng(0)
     reading = BIAS + 1e-4 * random.normal(size=(3000, 6))
     reading[1000:1500] += 0.3 * np.eye(6)[0] + 0.03 * np.eye(6)[5]
-    offset = fit_offset(reading, upright(3000), PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ upright(3000), PERIOD)
     assert offset.free.all()
     assert offset.agreeing == 1.0
     assert offset.rival == 0.0
@@ -303,7 +303,7 @@ def test_a_push_of_six_deviations_is_no_noise() -> None:
     random = np.random.default_rng(7)
     reading = BIAS + random.normal(0, [0.5] * 3 + [0.02] * 3, (4000, 6))
     reading[2000:2800, 2] -= 3.2
-    offset = fit_offset(reading, upright(4000), PERIOD, GRAVITY)
+    offset = fit_offset(reading, GRAVITY @ upright(4000), PERIOD)
     assert not offset.free[2000:2800].any()
     assert offset.free.mean() > 0.6
 
@@ -315,7 +315,7 @@ def test_a_sensor_that_never_comes_back_to_the_same_bias_has_one() -> None:
     pushed_down = np.tile(-20.0 * np.eye(6)[2], (1200, 1))
     reading = BIAS + np.concatenate([beside, pushed_down])
     offset = fit_offset(
-        reading + 1e-5 * random.normal(size=reading.shape), upright(4000), PERIOD, GRAVITY
+        reading + 1e-5 * random.normal(size=reading.shape), GRAVITY @ upright(4000), PERIOD
     )
     np.testing.assert_allclose(offset.bias, BIAS, atol=0.05)
     assert offset.agreeing == pytest.approx(0.7, abs=0.03)

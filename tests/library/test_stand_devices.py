@@ -252,8 +252,8 @@ def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:
     rotation = at_samples("R6", 9).reshape(-1, 3, 3)
     reading = sensor.drop(columns="time").to_numpy(copy=True)
     gravity = np.array(recorded.arm.gravity)
-    offset = fit_offset(reading, rotation, 1 / 207, gravity)
-    there = wrench_of_environment(reading - offset.reading(rotation, gravity), rotation)
+    offset = fit_offset(reading, gravity @ rotation, 1 / 207)
+    there = wrench_of_environment(reading - offset.reading(gravity @ rotation), rotation)
     wrench = move_to_frame_6(there, rotation, np.array(recorded.arm.mounting.force_sensor))
     return offset.mass, wrench - at_samples("wrench", 6)
 

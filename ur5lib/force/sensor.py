@@ -5,19 +5,22 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d
 
-from ur5lib.force.consensus import TOGETHER, agreement, candidates, drawn, quiet_stretches
+from ur5lib.force.consensus import TOGETHER, agreement, candidates, quiet_stretches
 from ur5lib.force.external_torque import finite_rows
+from ur5lib.force.free_fit import (
+    OUTSIDE,
+    REPEATS,
+    Fit,
+    Record,
+    covariance,
+    free_samples,
+    least_deviations,
+    settle,
+)
 from ur5lib.timeseries.arrays import Array, Mask
 
-Fit = tuple[Array, Mask, Array]  # parameters (10,), free samples (N,), their noise (6,)
-
-ROUNDS = 20  # of fitting and excluding contacts; fewer suffice
-OUTSIDE = 4.0  # standard deviations of a free reading: beyond, a sample is in contact
-REPEATS = np.array([0.1] * 3 + [0.01] * 3)  # N, Nm: repeatability after a push
-CLEAR = 0.25  # s, distance of a free sample from any contact
-MOST, JUDGED = 20_000, 2_000  # samples for a fit, and for the comparison of offsets
+MOST = 20_000  # samples for a fit
 # An offset is doubtful if fewer samples agree with it than this share of all, if another has more
 # than this share of its samples, or if fewer samples are free.
 MAJORITY, RIVAL, FEWEST = 0.5, 0.5, 100
@@ -50,23 +53,19 @@ class SensorOffset:
         """Return the tool's centre of mass, (3,) [m], in the sensor's frame."""
         return self.moment_arm / self.mass
 
-    def reading(self, rotation: Array, gravity: Array) -> Array:
-        """Return the reading without contact (N, 6) at orientations R_6 (N, 3, 3).
-
-        gravity: (3,) [m/s²], base frame.
-        """
-        weight = gravity @ rotation  # R_6ᵀ g (N, 3), per kilogram, sensor axes
-        force = np.nan_to_num(self.mass) * weight
-        moment = np.cross(np.nan_to_num(self.moment_arm), weight)
+    def reading(self, pull: Array) -> Array:
+        """Return the reading without contact (N, 6); pull: (N, 3) [m/s²], as in `fit_offset`."""
+        force = np.nan_to_num(self.mass) * pull
+        moment = np.cross(np.nan_to_num(self.moment_arm), pull)
         return np.concatenate([force, moment], axis=1) + self.bias
 
 
-def fit_offset(reading: Array, rotation: Array, period: float, gravity: Array) -> SensorOffset:
+def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     """Fit bias, mass and centre of mass of the tool to the contact-free samples.
 
-    reading: (N, 6), sensor frame, NaN rows allowed; rotation: (N, 3, 3), R_6; period: [s];
-    gravity: g (3,) [m/s²], base frame.
-    f = R_6^T m g + b_f, n = c x R_6^T m g + b_n. One fit starts from least absolute deviations,
+    reading: (N, 6), sensor frame, NaN rows allowed; pull: p (N, 3) [m/s²], what pulls on each
+    kilogram of the tool, R_6ᵀ g, or R_6ᵀ (g - a) where the tool's inertia counts; period: [s].
+    f = m p + b_f, n = m c x p + b_n. One fit starts from least absolute deviations,
     which are robust if contacts fill less than half of the time; another from the offset on which
     most samples agree, which may be less than half, as forces vary in contact. In both, samples off
     by more than 4 standard deviations, and those near them, are excluded until nothing changes. The
@@ -75,25 +74,25 @@ def fit_offset(reading: Array, rotation: Array, period: float, gravity: Array) -
     # the record, thinned; the weight counts only if the arm turns
     every = max(1, -(-len(reading) // MOST))
     measured = finite_rows(reading)
-    weighed = _turns(rotation[measured], gravity)
-    terms = _terms(rotation[::every], gravity, weighed)
-    record = _Record(reading[::every], terms, measured[::every], every * period)
+    weighed = _turns(pull[measured])
+    terms = _terms(pull[::every], weighed)
+    record = Record(reading[::every], terms, measured[::every], every * period)
     # candidates from quiet stretches
     middle, means, noise = quiet_stretches(reading, period, REPEATS)
     together = TOGETHER if weighed else 1
-    tried = candidates(_terms(rotation[middle], gravity, weighed), means, REPEATS, together)
+    tried = candidates(_terms(pull[middle], weighed), means, REPEATS, together)
     tolerance = OUTSIDE * np.maximum(noise, REPEATS)
     # both fits, and the one with which more samples agree
     fits = [
-        _settle(record, record.measured, _least_deviations(record)),
+        settle(record, record.measured, least_deviations(record)),
         *_settled_agreement(record, tried, tolerance),
     ]
     parameters, free, noise = _most_agreed(record, fits, tolerance)
     tolerance = np.maximum(tolerance, OUTSIDE * noise)
     offset = _offset(record, parameters, free) | _shares(record, parameters, tried, tolerance)
     if every > 1:  # free samples of the whole record
-        residual = reading - SensorOffset(**offset, free=free).reading(rotation, gravity)
-        free = _free(residual, noise, measured, period)
+        residual = reading - SensorOffset(**offset, free=free).reading(pull)
+        free = free_samples(residual, noise, measured, period)
     return SensorOffset(**offset, free=free)
 
 
@@ -114,37 +113,22 @@ def offset_doubt(offset: SensorOffset) -> str | None:
     )
 
 
-@dataclass(frozen=True)
-class _Record:
-    """Readings (N, 6), their terms (N, 6, 10), which are complete (N,), and their period [s]."""
-
-    reading: Array
-    terms: Array
-    measured: Mask
-    period: float
-
-    def agreement(self, parameters: Array, tolerance: Array) -> Mask:
-        """Return which of J samples, drawn once, agree with each of the offsets (K, 10): (K, J)."""
-        rows = drawn(np.flatnonzero(self.measured), JUDGED)
-        return agreement(parameters, self.terms[rows], self.reading[rows], tolerance)
-
-
-def _settled_agreement(record: _Record, tried: Array, tolerance: Array) -> Iterator[Fit]:
+def _settled_agreement(record: Record, tried: Array, tolerance: Array) -> Iterator[Fit]:
     """Yield the fit that starts from the samples that agree with the best candidate of (K, 10)."""
     if len(tried):
         best = record.agreement(tried, tolerance).sum(axis=1).argmax()
         free = agreement(tried[[best]], record.terms, record.reading, tolerance)[0]
         if free.any():
-            yield _settle(record, free, np.ones(len(free)))
+            yield settle(record, free, np.ones(len(free)))
 
 
-def _most_agreed(record: _Record, fits: list[Fit], tolerance: Array) -> Fit:
+def _most_agreed(record: Record, fits: list[Fit], tolerance: Array) -> Fit:
     """Return the fit with which most samples agree."""
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
     return fits[agree.sum(axis=1).argmax()]
 
 
-def _shares(record: _Record, parameters: Array, tried: Array, tolerance: Array) -> dict[str, float]:
+def _shares(record: Record, parameters: Array, tried: Array, tolerance: Array) -> dict[str, float]:
     """Return the share of samples that agree with parameters (10,), and the largest share of the
     others that agree with one of the candidates (K, 10).
     """
@@ -153,86 +137,40 @@ def _shares(record: _Record, parameters: Array, tried: Array, tolerance: Array) 
     return {"agreeing": float(agree[0].mean()), "rival": float(others.mean(axis=1).max())}
 
 
-def _settle(record: _Record, free: Mask, weight: Array) -> Fit:
-    """Alternate the fit and the selection of free samples until the selection stays the same.
-
-    Returns the parameters (10,), the free samples (N,), and their noise (6,), at least REPEATS.
-    """
-    for _ in range(ROUNDS):
-        parameters, residual = _fit(record, free, weight)
-        # standard deviation by the median absolute deviation
-        noise = np.maximum(1.4826 * np.median(np.abs(residual[free]), axis=0), REPEATS)
-        quiet = _free(residual, noise, record.measured, record.period)
-        if (quiet == free).all() or not quiet.any():
-            break
-        free, weight = quiet, np.ones(len(quiet))
-    return parameters, free, noise
-
-
-def _free(residual: Array, noise: Array, measured: Mask, period: float) -> Mask:
-    """Return samples (N,) within 4 standard deviations and away from any that is not."""
-    inside = (np.abs(residual) <= OUTSIDE * noise).all(axis=1) | ~measured
-    reach = 2 * round(CLEAR / period) + 1
-    return minimum_filter1d(inside, reach, mode="constant", cval=1) & measured
-
-
-def _turns(rotation: Array, gravity: Array) -> bool:
+def _turns(pull: Array) -> bool:
     """Return whether the arm turns enough to separate weight from bias."""
-    down = gravity / np.linalg.norm(gravity) @ rotation
-    return bool(len(down)) and bool(np.std(down, axis=0).max() > TURNED)
+    if not len(pull):
+        return False
+    down = pull / np.linalg.norm(pull, axis=1, keepdims=True)
+    return bool(np.std(down, axis=0).max() > TURNED)
 
 
-def _terms(rotation: Array, gravity: Array, weighed: bool) -> Array:
+def _terms(pull: Array, weighed: bool) -> Array:
     """Return the regressor (N, 6, 10) of mass, mass times arm (3), and bias (6).
 
     The first four columns are 0 if the weight is not separated from the bias.
     """
-    terms = np.zeros((len(rotation), 6, 10))
+    terms = np.zeros((len(pull), 6, 10))
     terms[:, :, 4:] = np.eye(6)
     if weighed:
-        terms[:, :, :4] = _weight_terms(rotation, gravity)
+        terms[:, :, :4] = _weight_terms(pull)
     return terms
 
 
-def _weight_terms(rotation: Array, gravity: Array) -> Array:
-    """Return the regressor (N, 6, 4) of mass and mass times arm: f = m R_6ᵀ g, n = m c × R_6ᵀ g."""
-    weight = gravity @ rotation  # R_6ᵀ g (N, 3), per kilogram
-    terms = np.zeros((len(rotation), 6, 4))
-    terms[:, :3, 0] = weight
-    terms[:, 3:, 1:] = np.cross(np.eye(3), weight[:, None]).mT
+def _weight_terms(pull: Array) -> Array:
+    """Return the regressor (N, 6, 4) of mass and mass times arm: f = m p, n = m c × p."""
+    terms = np.zeros((len(pull), 6, 4))
+    terms[:, :3, 0] = pull
+    terms[:, 3:, 1:] = np.cross(np.eye(3), pull[:, None]).mT
     return terms
 
 
-def _least_deviations(record: _Record) -> Array:
-    """Return weights (N,) of least squares that minimise absolute deviations (Schlossmacher 1973).
-
-    The fit is robust to contacts that fill less than half of the time.
-    """
-    weight = np.ones(len(record.reading))
-    for _ in range(ROUNDS):
-        _, residual = _fit(record, record.measured, weight)
-        weight = 1 / np.sqrt(np.maximum(np.linalg.norm(residual / REPEATS, axis=1), 1.0))
-    return weight
-
-
-def _fit(record: _Record, free: Mask, weight: Array) -> tuple[Array, Array]:
-    """Fit the free samples by weighted least squares, forces and moments in units of REPEATS.
-
-    Returns the parameters (10,) and the residuals of all readings (N, 6).
-    """
-    scale = weight[free, None] / REPEATS
-    rows = (record.terms[free] * scale[..., None]).reshape(-1, 10)
-    values = (record.reading[free] * scale).ravel()
-    parameters = np.linalg.pinv(rows.T @ rows, hermitian=True) @ (rows.T @ values)
-    return parameters, record.reading - record.terms @ parameters
-
-
-def _offset(record: _Record, parameters: Array, free: Mask) -> dict[str, Any]:
+def _offset(record: Record, parameters: Array, free: Mask) -> dict[str, Any]:
     """Return the fitted parameters (10,) by name, with their standard errors."""
     terms = record.terms[free]
     residual = record.reading[free] - record.terms[free] @ parameters
     noise = residual.std(axis=0)
-    deviation = np.sqrt(np.diag(_covariance(terms, residual, noise)))
+    deviation = np.sqrt(np.diag(covariance(terms, residual, noise)))
     weighed = record.terms[:, :, :4].any()
     weight, weight_std = (np.where(weighed, x[:4], np.nan) for x in (parameters, deviation))
     return {
@@ -244,20 +182,6 @@ def _offset(record: _Record, parameters: Array, free: Mask) -> dict[str, Any]:
         "moment_arm_std": weight_std[1:],
         "noise": noise,
     }
-
-
-def _covariance(terms: Array, residual: Array, noise: Array) -> Array:
-    """Return the covariance (10, 10) of the parameters: (Xᵀ X)⁻¹ (1 + ρ) / (1 - ρ).
-
-    ρ is the correlation of neighbouring residuals, taken as a first-order autoregression.
-    """
-    scale = np.maximum(noise, 1e-12)
-    whitened = (terms / scale[:, None]).reshape(-1, 10)
-    correlation = 0.0
-    if len(residual) > 1:
-        correlation = (residual[1:] * residual[:-1]).mean() / (residual**2).mean()
-    inflated = (1 + correlation) / max(1 - correlation, 1e-9)
-    return np.asarray(np.linalg.pinv(whitened.T @ whitened) * inflated, np.float64)
 
 
 def wrench_of_environment(reading: Array, rotation: Array) -> Array:

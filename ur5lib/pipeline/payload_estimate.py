@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.identification.payload import Payload, judge, run_to_run
+from ur5lib.identification.payload import Load, Payload, judge, run_to_run
 from ur5lib.robots.description import Robot
 from ur5lib.robots.urdf import link_tail
 from ur5lib.timeseries.arrays import Array
@@ -38,20 +38,34 @@ def judged_load(
     load that is certain is taken, unless the study declares another, or the recording is one to fit
     on, whose payload is taken as it was given.
     """
-    load = judge(payload, run_to_run_spread(unloaded, paths))
+    spread = run_to_run_spread(unloaded, paths)
+    load = judge(payload, float(spread[0]))
     taken = load.certain and known["source"] != "study" and role != "fit"
-    center = payload.parameters[1:] / load.mass if load.certain else np.full(3, np.nan)
+    center, center_std = load_center(payload, load, spread)
     configured = known["payload"]["mass"] if known["payload"] else 0.0
     account = {"configured": configured, "carried": configured + load.mass}
-    return asdict(load) | account | {"taken": taken, "center_of_mass": center}
+    place = {"center_of_mass": center, "center_of_mass_std": center_std}
+    return asdict(load) | account | {"taken": taken} | place
 
 
-def run_to_run_spread(unloaded: Sequence[Mapping[str, Any]], paths: int) -> float:
-    """Return the standard deviation of the mass [kg] that recordings to fit on seem to carry."""
+def load_center(payload: Payload, load: Load, spread: Array) -> tuple[Array, Array]:
+    """Return the centre of mass (3,) [m] and its standard error; NaN of a load that is uncertain.
+
+    spread: of mass and first moments from run to run, (4,).
+    """
+    if not load.certain:
+        return np.full(3, np.nan), np.full(3, np.nan)
+    center = payload.parameters[1:] / load.mass
+    moment_std = np.hypot(payload.std_error[1:], spread[1:])
+    return center, np.hypot(moment_std, center * load.std_error) / load.mass
+
+
+def run_to_run_spread(unloaded: Sequence[Mapping[str, Any]], paths: int) -> Array:
+    """Return the standard deviation (4,) [kg, kg m] of the loads of runs that carry none."""
     found = [payload for payload in unloaded if payload]
     if not found:
-        return 0.0
+        return np.zeros(4)
     values, errors = (
         np.array([own[name] for own in found]) for name in ("parameters", "std_error")
     )
-    return float(run_to_run(values, errors, paths)[0])
+    return run_to_run(values, errors, paths)

@@ -57,7 +57,7 @@ def as_printed(
     constants, friction = robot.current_to_torque, robot.friction
     modelled = torques.target.get(robot.chosen_model)
     current, qd = signals.actual_current, signals.target_qd
-    estimates = controller_estimate(signals)
+    estimates = controller_estimate(robot, signals)
     if constants and friction and modelled is not None and current is not None:
         assert qd is not None  # of which `modelled` is
         external = motor_torque_as_published(current, constants) - modelled
@@ -77,7 +77,7 @@ def corrected(
 ) -> dict[str, Array]:
     """Return F^u, F and F* by the printed equations, at the measured motion, without delay."""
     constants, friction = robot.current_to_torque, robot.friction
-    estimates = controller_estimate(signals)
+    estimates = controller_estimate(robot, signals)
     if constants and friction and signals.actual_current is not None:
         modelled = torques.measured[robot.chosen_model]
         external = motor_torque(signals.actual_current, constants) - modelled
@@ -86,11 +86,14 @@ def corrected(
     return estimates
 
 
-def controller_estimate(signals: Signals) -> dict[str, Array]:
-    """Return the controller's own F^u, where it was recorded."""
+def controller_estimate(robot: Robot, signals: Signals) -> dict[str, Array]:
+    """Return the controller's own F^u, the arm acting on its environment, where it was recorded.
+
+    With a wrist sensor, the controller states the environment acting on the arm.
+    """
     if signals.actual_TCP_force is None:
         return {}
-    return {"Fu": signals.actual_TCP_force}
+    return {"Fu": (-1 if robot.wrist_sensor else 1) * signals.actual_TCP_force}
 
 
 def wrenches(

@@ -1,6 +1,6 @@
 """The force sensor's wrench, with which the estimates are compared."""
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -21,47 +21,87 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 
-def sensor_offset(reading: Array, signals: Signals, rotation: Array, robot: Robot) -> SensorOffset:
-    """Return bias and tool weight of a reading (N, 6) [N, Nm]; rotation: R_6 (N, 3, 3)."""
-    return fit_offset(reading, rotation, signals.period, np.array(robot.gravity))
+@dataclass(frozen=True)
+class SensorReading:
+    """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
+
+    by_stamps: the same, placed by start stamps alone, as in the thesis, None for a sensor without a
+    clock of its own; pull: (N, 3) [m/s²], on each kilogram of its tool; offset: without contact.
+    """
+
+    values: Array
+    by_stamps: Array | None
+    pull: Array
+    offset: SensorOffset
+
+    @property
+    def placed(self) -> Array:
+        """Return the reading as it is placed in the thesis, where it has a clock of its own."""
+        return self.values if self.by_stamps is None else self.by_stamps
+
+
+def device_reading(
+    robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
+) -> SensorReading:
+    """Return the reading of a sensor with a clock of its own.
+
+    Its tool's inertia is left out: no clock is known well enough for it.
+    """
+    assert signals.force_sensor is not None
+    values, placed = (in_frame_6(part, robot) for part in (signals.force_sensor, by_stamps))
+    pull = weight_per_kilogram(robot, kinematics)
+    return SensorReading(values, placed, pull, fit_offset(values, pull, signals.period))
+
+
+def in_frame_6(reading: Array, robot: Robot) -> Array:
+    """Return a sensor's reading (N, 6) in the axes of frame 6, by its mounting."""
+    turn = robot.mounting.force_sensor_turn_deg
+    if not any(turn):
+        return reading
+    from scipy.spatial.transform import Rotation  # slow to import, and few are turned
+
+    axes = Rotation.from_rotvec(turn, degrees=True).as_matrix()
+    return (reading.reshape(-1, 2, 3) @ axes.T).reshape(-1, 6)
+
+
+def weight_per_kilogram(robot: Robot, kinematics: Kinematics) -> Array:
+    """Return R_6ᵀ g (N, 3) [m/s²]; robot: under the recording's gravity."""
+    return np.array(robot.gravity) @ kinematics.rotation
 
 
 def sensor_wrenches(
-    signals: Signals,
-    by_stamps: Array,
-    kinematics: Kinematics,
     robot: Robot,
-    offset: SensorOffset,
+    signals: Signals,
+    reading: SensorReading,
+    kinematics: Kinematics,
     bias_window: float,
 ) -> SensorWrenches:
     """Return the sensor's wrench of the environment on the arm, by kind.
 
-    by_stamps: the reading (N, 6) placed by start stamps alone, as in the thesis; robot: under the
-    recording's gravity; bias_window: [s], at the start, free of contact.
+    robot: under the recording's gravity; bias_window: [s], at the start, free of contact.
     """
-    assert signals.force_sensor is not None
-    rotation, gravity = kinematics.rotation, np.array(robot.gravity)
-    position = np.array(robot.mounting.force_sensor)
-    at_start = bias(by_stamps, signals.time, bias_window)
+    rotation, position = kinematics.rotation, np.array(robot.mounting.force_sensor)
 
-    def at_flange(reading: Array) -> Array:
-        return move_to_frame_6(wrench_of_environment(reading, rotation), rotation, position)
+    def at_flange(free: Array) -> Array:
+        return move_to_frame_6(wrench_of_environment(free, rotation), rotation, position)
 
+    at_start = bias(reading.placed, signals.time, bias_window)
     wrenches = {
-        "printed": wrench_of_environment(by_stamps, rotation),
-        "corrected": at_flange(by_stamps - at_start),
-        "compensated": at_flange(signals.force_sensor - offset.reading(rotation, gravity)),
+        "printed": wrench_of_environment(reading.placed, rotation),
+        "corrected": at_flange(reading.placed - at_start),
+        "compensated": at_flange(reading.values - reading.offset.reading(reading.pull)),
     }
+    if reading.by_stamps is None:
+        del wrenches["printed"]
     return SensorWrenches(time=signals.time, segment=signals.segment, wrench=wrenches)
 
 
-def offset_account(
-    offset: SensorOffset, by_stamps: Array, signals: Signals, bias_window: float
-) -> dict[str, Any]:
+def offset_account(reading: SensorReading, signals: Signals, bias_window: float) -> dict[str, Any]:
     """Return the offsets subtracted from the reading, for the kinds compensated and corrected."""
+    offset = reading.offset
     return asdict(offset) | {
         "free": float(offset.free.mean()),
-        "start_bias": bias(by_stamps, signals.time, bias_window),
+        "start_bias": bias(reading.placed, signals.time, bias_window),
     }
 
 

@@ -14,6 +14,7 @@ from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.starts import place_sensors
+from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import Robot
 from ur5lib.tables import has_unit
 
@@ -42,6 +43,8 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     robot, timing, repairs = repair_frames(known, raw.cycle, max_gap, raw.robot.source)
     findings += raw.findings + repairs
     placed = place_sensors(raw, findings)
+    robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
+    findings += wrist
     motors = [arm.motor(joint) for joint in range(1, 7)]
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)

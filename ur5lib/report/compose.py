@@ -35,6 +35,7 @@ from ur5lib.report.document import (
 )
 from ur5lib.report.results import MOST_ROWS, Body, Results
 from ur5lib.report.views import (
+    audit,
     closed_loop,
     currents,
     errata,
@@ -48,6 +49,7 @@ from ur5lib.report.views import (
 )
 
 VIEWS: dict[str, ModuleType] = {
+    "audit": audit,
     "closed_loop": closed_loop,
     "currents": currents,
     "errata": errata,

@@ -57,7 +57,11 @@ class Results:
 
     def robots(self) -> list[str]:
         """Return the arms of the study."""
-        return sorted({recording["robot"] for recording in self.study["recordings"]})
+        return sorted({*self.arms().values()})
+
+    def arms(self) -> dict[str, str]:
+        """Return the arm of each recording, by its name in results."""
+        return {one["name"]: _arm(one["robot"]) for one in self.study["recordings"]}
 
     def whole(self, table: str) -> Body:
         """Return all columns and rows of a table, numbers to four digits."""
@@ -78,3 +82,8 @@ class Results:
         for column, value in values.items():
             rows = rows[rows[column] == value]
         return rows
+
+
+def _arm(robot: str | Mapping[str, Any]) -> str:
+    """Return the name in results of an arm, as a study names or describes it."""
+    return robot if isinstance(robot, str) else robot.get("name", robot["arm"])

@@ -147,10 +147,13 @@ class Model(Strict):
 
 
 class Mounting(Strict):
-    """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6."""
+    """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
+    force sensor that is turned, by the rotation vector from frame 6 to its axes.
+    """
 
     imu: Vector3 = (0.0, 0.0, 0.0)
     force_sensor: Vector3 = (0.0, 0.0, 0.0)
+    force_sensor_turn_deg: Vector3 = (0.0, 0.0, 0.0)
 
 
 class CurrentToTorque(Strict):
@@ -180,8 +183,8 @@ class Robot(Strict):
     """A six-joint arm: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
-    limit, 1 to 6; calibration: of one individual arm, frame k as the turned joint k carries it, in
-    place of `denavit_hartenberg`.
+    limit, 1 to 6; wrist_sensor: whether a force sensor is built into its flange; calibration: of
+    one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`.
     """
 
     name: str
@@ -195,6 +198,7 @@ class Robot(Strict):
     models: dict[str, Model]
     chosen_model: str
     mounting: Mounting = Mounting()
+    wrist_sensor: bool = False
     current_to_torque: CurrentToTorque | None = None
     friction: Friction | None = None
     closed_loop_gains: dict[str, Gains] = Field(default_factory=dict)
@@ -257,6 +261,12 @@ class Robot(Strict):
             for name, model in self.models.items()
         }
         return self.model_copy(update={"models": models})
+
+    def with_force_sensor(self, position: Vector3 | None, turn_deg: Vector3 | None) -> Self:
+        """Return the arm with its force sensor mounted elsewhere; None: as described."""
+        place = {"force_sensor": position, "force_sensor_turn_deg": turn_deg}
+        given = {name: value for name, value in place.items() if value is not None}
+        return self.model_copy(update={"mounting": self.mounting.model_copy(update=given)})
 
     def mounted(self, gravity: Sequence[float] | None) -> Self:
         """Return the arm under another gravity (3,) [m/s²], base frame; None: as described."""

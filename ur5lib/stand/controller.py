@@ -34,7 +34,8 @@ def frames(
 
     cycle: [s]; random: generator of the noise, None for no noise. `actual_TCP_force` is the
     controller's own estimate, the wrench of the arm on its environment, from the residual of the
-    currents after the torques of the model and of the known friction.
+    currents after the torques of the model and of the known friction; zero for an arm with a wrist
+    sensor, whose readings replace it.
     """
     known, drive, motion = experiment.known, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
@@ -46,7 +47,8 @@ def frames(
     moment = model_torques(known, targets)
     jacobian = jacobians(known, motion.q[steps])
     expected = moment + drive.known_friction(targets.qd)
-    force = _force(drive.torque_constant * current - expected, jacobian, cycle)
+    estimated = not experiment.robot.wrist_sensor
+    force = estimated * _force(drive.torque_constant * current - expected, jacobian, cycle)
     channels = {
         "target_q": targets.q,
         "target_qd": targets.qd,

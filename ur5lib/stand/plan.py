@@ -172,6 +172,24 @@ class ForceSensor(Planned):
     clock: Clock = Clock(offset_s=0.006, drift_ppm=20, jitter_s=7e-5)
 
 
+class WristSensor(Planned):
+    """The force sensor in the wrist of an e-Series arm, which the controller records.
+
+    It reads scale R^T f + bias + drift t, with f the force on the arm in the axes of frame 6.
+    """
+
+    bias: PerJoint = Field(
+        (3.0, -3.0, 3.0, 0.1, -0.1, 0.1), description="bias of force and torque [N, Nm]"
+    )
+    drift_per_min: PerJoint = Field(
+        (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), description="drift of the bias [N/min, Nm/min]"
+    )
+    rotation_deg: Vector3 = Field(
+        (0.0, 0.0, 0.0), description="rotation vector from frame 6 to the sensor's axes"
+    )
+    scale: Positive = Field(1.0, description="factor of all readings")
+
+
 class Imu(Planned):
     """An accelerometer, gyroscope and magnetometer on the flange."""
 
@@ -219,5 +237,9 @@ class SimulatedRecording(Planned):
     noise: bool = Field(True, description="whether measurements have noise")
     contacts: list[Contact] = Field(default=[], description="contacts with the arm")
     force_sensor: ForceSensor | None = Field(None, description="force sensor, if any")
+    wrist_sensor: WristSensor | None = Field(
+        None,
+        description="force sensor in the wrist; without it, an arm that has one records zeros",
+    )
     imu: Imu | None = Field(None, description="IMU, if any")
     faults: Faults = Field(Faults(), description="faults of the recording")

@@ -15,10 +15,18 @@ from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.sensors import force_readings, imu_readings
 from ur5lib.stand.truth import write_truth
+from ur5lib.stand.wrist_sensor import wrist_channels
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
-DEVICES = ("arm", "controller", "faults", "force", "imu")  # each with its own random generator
+DEVICES = (
+    "arm",
+    "controller",
+    "faults",
+    "force",
+    "imu",
+    "wrist",
+)  # each with its own random generator
 CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
@@ -35,6 +43,8 @@ def simulate(
     experiment = perform(robot, plan, random["arm"], tell=format in FORMATS_WITH_PAYLOAD)
     cycle = CYCLES[format]
     sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
+    if plan.wrist_sensor is not None:
+        sent = sent.assign(**wrist_channels(experiment, sent, random["wrist"]))
     hit = choose_hit(plan.faults, len(sent), random["faults"])
     sent = spoil(sent, hit, random["faults"])
     written = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)

@@ -114,10 +114,27 @@ class Sensor(DeviceTable):
     )
 
 
+class SensorMounting(Strict):
+    """How a force sensor is mounted on the flange."""
+
+    position_m: Vector3 = Field((0.0, 0.0, 0.0), description="its origin in frame 6 [m]")
+    rotation_deg: Vector3 = Field(
+        (0.0, 0.0, 0.0), description="rotation vector from frame 6 to its axes [°]"
+    )
+
+
+class ForceSensor(Sensor):
+    """A force sensor with its own clock."""
+
+    mounting: SensorMounting | None = Field(
+        None, description="how it is mounted; default: as described for the arm"
+    )
+
+
 class Sensors(Strict):
     """The sensors that were recorded together with the robot."""
 
-    force_sensor: Sensor | None = Field(None, description="file of the force sensor, if any")
+    force_sensor: ForceSensor | None = Field(None, description="file of the force sensor, if any")
     imu: Sensor | None = Field(None, description="file of the IMU, if any")
 
 

@@ -44,6 +44,8 @@ REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
 ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
+WRIST_SENSORS = {name for name, arm in ARMS.items() if arm.description().wrist_sensor}
+WITH_WRIST_SENSOR = [name for name, one in RECORDINGS.items() if one.arm.known_as in WRIST_SENSORS]
 
 
 # Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
@@ -131,7 +133,8 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    unread = {"name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate"}
+    names = ["name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate"]
+    unread = dict.fromkeys(names, True) | {"force_sensor": {"mounting"}}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 
 
@@ -166,6 +169,13 @@ def tcp_of(wildcards):
     """Return the tool centre point that the study declares for a recording; empty without one."""
     tool = recording_of(wildcards).known_tool()
     return list(tool.tcp) if tool and tool.tcp else []
+
+
+def sensor_mounting_of(wildcards):
+    """Return position [m] and turn [°] of a recording's force sensor; None: as described."""
+    sensor = getattr(recording_of(wildcards), "force_sensor", None)
+    mounting = sensor.mounting if sensor else None
+    return [mounting and [*mounting.position_m], mounting and [*mounting.rotation_deg]]
 
 
 def raw_files(name):
@@ -286,6 +296,7 @@ def of_every_job(kind):
     """Return the outputs or logs (`output`, `log`) that a run makes by the rules above."""
     only = {
         "ablate_forces": TOUCHED,
+        "audit_sensor": WITH_WRIST_SENSOR,
         "draw_figures": illustrated(),
         "draw_published_forces": PRINTED,
     }

@@ -76,6 +76,7 @@ rule compare_forces:
         force=result("force.parquet"),
         quality=result("quality.json"),
         kinematics=result("kinematics.parquet"),
+        motion=result("motion.parquet"),
         published=result("published_forces.parquet"),
         forces=result("forces.parquet"),
         arm=arm_file,
@@ -87,8 +88,29 @@ rule compare_forces:
     params:
         code=code("compare_forces"),
         gravity=gravity_of,
+        mounting=sensor_mounting_of,
         bias_window_s=SETTINGS.sensor.bias_window_s,
         min_singular_value=SETTINGS.singularities.min_singular_value,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule audit_sensor:
+    input:
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        motion=result("motion.parquet"),
+        load=result("torques.json"),
+        currents=result("currents.json"),
+        quality=result("quality.json"),
+        arm=arm_file,
+    output:
+        audit=result("audit.json"),
+    log:
+        **traces("audit_sensor", "{recording}"),
+    params:
+        code=code("audit_sensor"),
+        gravity=gravity_of,
     run:
         run_step(rule, input, output, params, log)
 

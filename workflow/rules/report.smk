@@ -76,6 +76,7 @@ rule make_tables:
         currents=results("currents.json"),
         detection=results("detection.json"),
         ablation=results("ablation.json", TOUCHED),
+        audit=results("audit.json", WITH_WRIST_SENSOR),
         modules=[f"ur5lib/report/tables/{name}.py" for name in TABLES],
     output:
         **tables(TABLES),

@@ -5,45 +5,49 @@ from typing import Any
 from ur5lib.pipeline.force_comparison import against_sensor, band_widths
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_reference import (
+    SensorReading,
+    device_reading,
     offset_account,
     sensor_doubts,
-    sensor_offset,
     sensor_wrenches,
 )
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_json, read_table, write_json
-from ur5lib.timeseries.arrays import Array
 
 
 def compare_forces(input: Any, output: Any, params: Any) -> None:
     signals, kinematics = Signals.read(input.signals), Kinematics.read(input.kinematics)
     published, forces = PublishedForces.read(input.published), Forces.read(input.forces)
-    robot, reading = load_robot(input.arm).mounted(params.gravity), signals.force_sensor
     near = kinematics.smallest_singular_value < params.min_singular_value
     summary: dict[str, Any] = {
-        "force_sensor": reading is not None,
+        "force_sensor": signals.force_sensor is not None,
         "share_near_singularity": float(near.mean()),
         "std": band_widths(forces),
         "errors": {},
     }
     sensor = SensorWrenches(time=signals.time, segment=signals.segment)
-    if reading is not None:
-        start = read_json(input.quality)["starts"]["force"]
-        by_stamps = placed_by_stamps(read_table(input.force), start, signals.time)
-        offset = sensor_offset(reading, signals, kinematics.rotation, robot)
-        window = params.bias_window_s
-        sensor = sensor_wrenches(signals, by_stamps, kinematics, robot, offset, window)
-        summary["offset"] = offset_account(offset, by_stamps, signals, window)
-        summary |= sensor_doubts(sensor, forces, kinematics.rotation, offset)
+    if signals.force_sensor is not None:
+        robot = load_robot(input.arm).mounted(params.gravity).with_force_sensor(*params.mounting)
+        reading, window = read_sensor(input, robot, signals, kinematics), params.bias_window_s
+        sensor = sensor_wrenches(robot, signals, reading, kinematics, window)
+        summary["offset"] = offset_account(reading, signals, window)
+        summary |= sensor_doubts(sensor, forces, kinematics.rotation, reading.offset)
         summary |= against_sensor(sensor, published, forces)
     sensor.write(output.sensor)
     write_json(summary, output.summary)
 
 
-def placed_by_stamps(device: Any, start: Any, time: Array) -> Array:
-    """Return the sensor's reading (N, 6) placed by its start stamp alone, as in the thesis."""
-    from ur5lib.pipeline.stamps import by_stamps  # slow to import, and most have no sensor
+def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics) -> SensorReading:
+    """Return the reading of the arm's own sensor, or of one with a clock of its own."""
+    start = read_json(input.quality)["starts"].get("force")
+    if start is None:  # what either needs is slow to import, and most recordings have no sensor
+        from ur5lib.pipeline.wrist_reading import wrist_reading
 
-    return by_stamps(device, start, time, "force")
+        return wrist_reading(robot, signals, kinematics, Motion.read(input.motion))
+    from ur5lib.pipeline.stamps import by_stamps
+
+    placed = by_stamps(read_table(input.force), start, signals.time, "force")
+    return device_reading(robot, signals, kinematics, placed)

@@ -20,7 +20,8 @@ class Signals(SegmentedTable):
     """All devices on the robot's clock, under RTDE's names; None where not recorded.
 
     interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
-    actual_TCP_force: (N, 6), the controller's estimate, base frame; payload: (N,), payload_cog:
+    actual_TCP_force: (N, 6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a
+    wrist sensor, axes of frame 6, with its bias and its tool; payload: (N,), payload_cog:
     (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz, xy, xz, yz, that the controller was
     given; tcp_offset: (N, 6), its tool centre point in frame 6, position and rotation vector;
     force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
@@ -39,6 +40,7 @@ class Signals(SegmentedTable):
     actual_TCP_force: Array | None = channel(  # noqa: N815 - RTDE's name
         "actual_TCP_force", "N, Nm", JOINTS, optional=True
     )
+    ft_raw_wrench: Array | None = channel("ft_raw_wrench", "N, Nm", JOINTS, optional=True)
     payload: Array | None = channel("payload", "kg", optional=True)
     payload_cog: Array | None = channel("payload_cog", "m", XYZ, optional=True)
     payload_inertia: Array | None = channel("payload_inertia", "kg m2", JOINTS, optional=True)

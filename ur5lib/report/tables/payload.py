@@ -16,6 +16,9 @@ COLUMNS = [
     "center_of_mass_z",
     "configured",
     "taken",
+    "center_of_mass_std_x",
+    "center_of_mass_std_y",
+    "center_of_mass_std_z",
 ]
 
 
@@ -29,14 +32,18 @@ def payload_rows(recording: str, currents: Mapping[str, Any]) -> Iterator[Row]:
     """Yield the undeclared payload on the flange, from currents.json; none at rest."""
     if load := currents.get("load"):
         low, high = load["interval"]
-        center = zip("xyz", load["center_of_mass"], strict=True)
+        place = {
+            f"{name}_{axis}": value
+            for name in ("center_of_mass", "center_of_mass_std")
+            for axis, value in zip("xyz", load[name], strict=True)
+        }
         yield {
             "recording": recording,
             "mass": load["mass"],
             "std_error": load["std_error"],
             "low": low,
             "high": high,
-            **{f"center_of_mass_{axis}": value for axis, value in center},
+            **place,
             "configured": load["configured"],
             "taken": "yes" if load["taken"] else "no",
         }

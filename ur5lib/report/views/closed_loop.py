@@ -75,8 +75,7 @@ def _gain(row: pd.Series) -> Cell:
 def contradictions(results: Results) -> Iterator[str]:
     """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
-    arms = {each["name"]: each["robot"] for each in results.study["recordings"]}
-    ranges["robot"] = ranges["recording"].map(arms)
+    ranges["robot"] = ranges["recording"].map(results.arms())
     for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
         each = rows.groupby("joint")
         apart = each["low"].max() > each["high"].min()

@@ -1,0 +1,117 @@
+"""Turn, scale, bias and drift of a force sensor, by the weight of its tool."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from ur5lib.force.sensor_audit import FreeReading, read_free, response_of, sense
+from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
+from ur5lib.pipeline.sensor_audit import row
+from ur5lib.robots.description import Payload
+from ur5lib.timeseries.arrays import Array
+
+PERIOD, SECONDS = 0.01, 60.0
+TIME = np.arange(0, SECONDS, PERIOD)
+TOOL = Payload(mass=1.2, center_of_mass=(0.01, -0.02, 0.05))
+TURN, SCALE = np.deg2rad([3.0, 0.0, 4.0]), np.array([0.97, 0.98, 1.03])
+BIAS = np.array([11000.0, -15000.0, 3.0, -290.0, 0.2, 0.1])
+DRIFT = np.array([0.5, -0.5, 0.2, 0.02, -0.02, 0.01])  # per minute
+NOISE = np.array([0.2] * 3 + [0.006] * 3)
+
+
+def turning(size: float) -> Array:
+    """Gravity in the axes of a flange that turns by angles of this size [rad]."""
+    angles = size * np.sin(TIME[:, None] * [0.7, 0.5, 0.9] + np.array([0, 1, 2]))
+    return np.array([0, 0, -9.81]) @ Rotation.from_euler("xyz", angles).as_matrix()
+
+
+def spin(seed: int = 5) -> Array:
+    """Angular accelerations of a flange."""
+    phases = np.random.default_rng(seed).uniform(0, 6, 3)
+    return 2 * np.sin(3 * TIME[:, None] + phases)
+
+
+def touched(force: float, last: float = 0.0) -> Array:
+    """Three contacts of two seconds, after which `last` stays [N]."""
+    wrench = np.zeros((len(TIME), 6))
+    for start in (10, 25, 40):
+        wrench[(start < TIME) & (start + 2 > TIME), 0] += force
+        wrench[start + 1 < TIME, 0] += last
+    return wrench
+
+
+def read(pull: Array, contact: Array | float = 0.0, seed: int = 0) -> Array:
+    """What a turned, biased and drifting sensor reads, noise included."""
+    moment = TOOL.mass * np.array(TOOL.center_of_mass)
+    response = response_of(np.concatenate([TURN, SCALE, [TOOL.mass], moment]))
+    noise = NOISE * np.random.default_rng(seed).normal(size=(len(TIME), 6))
+    return pull @ response.T + BIAS + np.outer(TIME / 60, DRIFT) + contact + noise
+
+
+def explain(reading: Array, pull: Array, tool: Payload | None = TOOL) -> FreeReading:
+    return read_free(reading, pull, spin(), TIME, PERIOD, tool)
+
+
+def test_a_response_is_scale_times_turn_times_the_tool_s_wrench() -> None:
+    pull, axes = np.array([1.0, -2.0, 3.0]), Rotation.from_rotvec(TURN).as_matrix()
+    moment = TOOL.mass * np.array(TOOL.center_of_mass)
+    force, torque = np.split(
+        response_of(np.concatenate([TURN, SCALE, [TOOL.mass], moment])) @ pull, 2
+    )
+    np.testing.assert_allclose(force, SCALE * (TOOL.mass * pull @ axes))
+    np.testing.assert_allclose(torque, SCALE.mean() * np.cross(moment, pull) @ axes)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_turn_scale_bias_and_drift_are_found_between_contacts(seed: int) -> None:
+    pull = turning(0.8)
+    found = explain(read(pull, touched(15.0), seed), pull)
+    tool = sense(found, TOOL.mass)
+    bias_std, drift_std = found.std()
+    for value, truth, std in [
+        (tool.turn, TURN, tool.turn_std),
+        (tool.scale, SCALE, tool.scale_std),
+        (tool.center, TOOL.center_of_mass, tool.center_std),
+        (found.bias, BIAS, bias_std),
+        (found.drift, DRIFT, drift_std),
+    ]:
+        np.testing.assert_array_less(np.abs(value - truth), 4 * std)
+    assert tool.turn_std.max() < np.deg2rad(0.2)
+    assert tool.scale_std.max() < 0.01
+    assert tool.mass == TOOL.mass
+
+
+def test_without_a_declared_mass_the_scale_is_the_mass_s() -> None:
+    pull = turning(0.8)
+    tool = sense(explain(read(pull), pull, None), None)
+    np.testing.assert_array_equal(tool.scale, 1.0)
+    assert SCALE.min() < tool.mass / TOOL.mass < SCALE.max()
+
+
+def test_an_arm_that_does_not_turn_tells_no_turn_and_no_scale() -> None:
+    pull = turning(0.0)
+    found = explain(read(pull), pull)
+    tool = sense(found, TOOL.mass)
+    assert tool.turn_std.max() > np.deg2rad(5)
+    assert tool.scale_std.max() > 0.1
+    np.testing.assert_array_less(np.abs(found.drift - DRIFT), 4 * found.std()[1])
+    np.testing.assert_array_less(np.abs(found.bias - BIAS), 2 * found.std()[0])
+
+
+@pytest.mark.parametrize("left", [0.0, 2.0])
+def test_what_contacts_leave_is_found(left: float) -> None:
+    pull = turning(0.8)
+    found = shifts(explain(read(pull, touched(15.0, left)), pull), TIME)
+    assert found.shape == (3, 6)
+    # the drift takes up a part of steps that add up
+    assert found[:, 0].mean() == pytest.approx(left, abs=0.5)
+    np.testing.assert_allclose(found[:, 1:3], 0, atol=0.2)
+
+
+def test_a_verdict_needs_an_interval_narrower_than_what_matters() -> None:
+    told = {row("scale", "x", v, s, "1", 1.0, 0.05)["verdict"] for v, s in [(1.01, 0.1)]}
+    assert told == {"unknown"}
+    assert row("scale", "x", 1.2, 0.01, "1", 1.0, 0.05)["verdict"] == "wrong"
+    assert row("scale", "x", 1.02, 0.01, "1", 1.0, 0.05)["verdict"] == "right"
+    assert row("scale", "x", 1.2, 0.2, "1", 1.0, 0.05)["verdict"] == "unknown"
+    assert row("bias", "Fx", 5.0, 0.1, "N", None, None)["verdict"] == ""

@@ -1,0 +1,202 @@
+"""What is wrong with a force sensor, by the weight of its tool: turn, scale, bias, drift.
+
+Without contact, a sensor with the axes R in frame 6 and the scales k reads
+
+    f = diag(k) Rᵀ m p + b + d t,    n = k̄ Rᵀ (c × m p - I α) + b + d t
+
+of a tool of mass m and inertia I at c, where p pulls on each of its kilograms and α is its angular
+acceleration.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
+
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.force.free_fit import Record, covariance, least_deviations, settle
+from ur5lib.force.sensed_contacts import contacts
+from ur5lib.robots.description import Payload
+from ur5lib.timeseries.arrays import Array
+
+MOST = 5_000  # samples for a fit
+MINUTE = 60.0  # s
+RESPONSE, BIAS, DRIFT = slice(0, 18), slice(18, 24), slice(24, 30)  # of the parameters
+# Expected before any reading: a tool that weighs what it should, within SHARE and LIGHT, else
+# nothing, within HEAVY; little drift; an inertia as of small tools.
+SHARE, LIGHT, HEAVY, AWAY = 0.3, 0.3, 3.0, 0.2  # 1, kg, kg, m
+DRIFTS, INERTIA = np.array([5.0] * 3 + [0.5] * 3), 0.02  # N/min, Nm/min; kg m²
+TURN, SCALE, MASS = 1.0, 0.3, 10.0  # rad, 1, kg
+BEFORE, AFTER = np.array([-1.25, -0.25]), np.array([0.25, 1.25])  # s, from a contact's start, end
+
+
+@dataclass(frozen=True)
+class FreeReading:
+    """The reading (N, 6) without contact, explained by pull, bias and drift.
+
+    response: of forces and moments to a pull, (6, 3) [kg, kg m]; bias, drift: (6,), at the start
+    [N, Nm], and per minute; covariance: of response, bias and drift, (30, 30), in this order;
+    residual: (N, 6) [N, Nm], what contacts and noise leave; seconds: without contact.
+    """
+
+    response: Array
+    bias: Array
+    drift: Array
+    covariance: Array
+    residual: Array
+    seconds: float
+
+    def std(self) -> tuple[Array, Array]:
+        """Return standard errors of bias and drift, (6,) each."""
+        deviation = np.sqrt(np.diag(self.covariance))
+        return deviation[BIAS], deviation[DRIFT]
+
+
+@dataclass(frozen=True)
+class Sensed:
+    """A sensor's tool and its errors, each with its standard error.
+
+    mass [kg]; center: (3,) [m], frame 6; turn: (3,) [rad], rotation vector of the sensor's axes in
+    frame 6; scale: (3,), of the forces, all 1 where the tool's mass was not known.
+    """
+
+    mass: float
+    mass_std: float
+    center: Array
+    center_std: Array
+    turn: Array
+    turn_std: Array
+    scale: Array
+    scale_std: Array
+
+
+def read_free(
+    reading: Array, pull: Array, spin: Array, time: Array, period: float, tool: Payload | None
+) -> FreeReading:
+    """Explain a reading between contacts, which fill less than half of the time.
+
+    reading: (N, 6) [N, Nm], NaN rows allowed; pull: p (N, 3) [m/s²], at the tool's centre of mass,
+    and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
+    Least squares under a prior that leaves undetermined what the motion does not tell.
+    """
+    every = slice(None, None, max(1, -(-len(reading) // MOST)))
+    measured = finite_rows(reading) & finite_rows(pull)
+    middle = np.median(reading[measured], axis=0)  # of a sensor that was never zeroed
+    minutes = (time - time[0]) / MINUTE
+    terms = _terms(pull[every], spin[every], minutes[every])
+    expected, spread = _expectation(tool)
+    known = 1 / spread**2
+    unexpected = reading[every] - middle - terms @ expected
+    thin = Record(unexpected, terms, measured[every], every.step * period, known)
+    found, free, _ = settle(thin, thin.measured, least_deviations(thin))
+    left = (unexpected - terms @ found)[free]
+    response, bias, drift, inertia = np.split(expected + found, [18, 24, 30])
+    residual = reading - middle - bias - pull @ response.reshape(6, 3).T - np.outer(minutes, drift)
+    residual[:, 3:] -= spin @ inertia.reshape(3, 3).T
+    return FreeReading(
+        response=response.reshape(6, 3),
+        bias=middle + bias,
+        drift=drift,
+        covariance=covariance(terms[free], left, left.std(axis=0), known)[:30, :30],
+        residual=residual,
+        seconds=float(free.sum() * thin.period),
+    )
+
+
+def _expectation(tool: Payload | None) -> tuple[Array, Array]:
+    """Return what is expected of the parameters (39,), and the standard deviations of that."""
+    mass, center = (tool.mass, np.array(tool.center_of_mass)) if tool else (0.0, np.zeros(3))
+    expected = np.zeros(39)
+    expected[RESPONSE] = response_of(
+        np.concatenate([np.zeros(3), np.ones(3), [mass], mass * center])
+    ).ravel()
+    about = SHARE * mass + LIGHT if tool else HEAVY
+    free = np.full(6, np.inf)
+    spread = [np.full(9, about), np.full(9, about * AWAY), free, DRIFTS, np.full(9, INERTIA)]
+    return expected, np.concatenate(spread)
+
+
+def _terms(pull: Array, spin: Array, minutes: Array) -> Array:
+    """Return the regressor (N, 6, 39): response (18), bias, drift per minute (6), inertia (9)."""
+    terms = np.zeros((len(pull), 6, 39))
+    for component in range(6):
+        terms[:, component, 3 * component : 3 * component + 3] = np.nan_to_num(pull)
+    for component in range(3):
+        first = 30 + 3 * component
+        terms[:, 3 + component, first : first + 3] = np.nan_to_num(spin)
+    terms[:, :, 18:24] = np.eye(6)
+    terms[:, :, 24:30] = np.eye(6) * minutes[:, None, None]
+    return terms
+
+
+def sense(reading: FreeReading, known_mass: float | None) -> Sensed:
+    """Return the tool and the errors of a sensor that best explain its response.
+
+    known_mass: of the tool [kg]; without it, the scale is taken as 1. Least squares weighted by the
+    response's covariance, under wide priors.
+    """
+    start = np.concatenate([np.zeros(3), np.ones(3), [known_mass or 0.0], np.zeros(3)])
+    scale, mass = (0.0, MASS) if known_mass is None else (SCALE, 0.0)
+    width = np.concatenate([[TURN] * 3, [scale] * 3, [mass], [MASS * AWAY] * 3])
+    free = width > 0
+    values, vectors = np.linalg.eigh(reading.covariance[RESPONSE, RESPONSE])
+    whiten = vectors.T / np.sqrt(np.maximum(values, 1e-12 * values.max()))[:, None]
+
+    def misfit(moved: Array) -> Array:
+        parameters = start.copy()
+        parameters[free] += moved * width[free]
+        apart = whiten @ (response_of(parameters) - reading.response).ravel()
+        return np.concatenate([apart, moved])
+
+    found = least_squares(misfit, np.zeros(free.sum()))
+    std = np.zeros(10)
+    std[free] = width[free] * np.sqrt(np.diag(np.linalg.inv(found.jac.T @ found.jac)))
+    start[free] += width[free] * found.x
+    return _sensed(start, std)
+
+
+def response_of(parameters: Array) -> Array:
+    """Return the response (6, 3) [kg, kg m] to a pull; parameters: (10,), turn [rad], scale, mass
+    [kg], and first moments [kg m].
+    """
+    turn, scale, (mass,), moment = np.split(parameters, [3, 6, 7])
+    axes = Rotation.from_rotvec(turn).as_matrix().T
+    across = np.cross(moment, np.eye(3)).T  # (m c) × p
+    return np.concatenate([scale[:, None] * axes * mass, scale.mean() * axes @ across])
+
+
+def _sensed(parameters: Array, std: Array) -> Sensed:
+    (turn, scale, (mass,), moment), (turn_std, scale_std, (mass_std,), moment_std) = (
+        np.split(part, [3, 6, 7]) for part in (parameters, std)
+    )
+    center = moment / mass if mass else np.full(3, np.nan)
+    center_std = np.hypot(moment_std, center * mass_std) / abs(mass) if mass else np.full(3, np.nan)
+    return Sensed(
+        float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std
+    )
+
+
+def shifts_after_contacts(reading: FreeReading, time: Array) -> Array:
+    """Return by how much each contact shifted the reading, (C, 6) [N, Nm], from the second before
+    it to the second after it. Contacts without a free second on both sides are left out.
+    """
+    force = np.linalg.norm(reading.residual[:, :3], axis=1)
+    touched = np.zeros(len(force), dtype=bool)
+    for first, last in (found := contacts(force)):
+        touched[first:last] = True
+    free = np.where(touched[:, None], np.nan, reading.residual)
+    shifts = [
+        _mean_in(free, time, time[last - 1] + AFTER) - _mean_in(free, time, time[first] + BEFORE)
+        for first, last in found
+    ]
+    known = np.array(shifts).reshape(-1, 6)
+    return known[np.isfinite(known).all(axis=1)]
+
+
+def _mean_in(values: Array, time: Array, span: Array) -> Array:
+    """Return the mean (6,) of values (N, 6) in a span [s], NaN where a part of it is unknown."""
+    rows = (time >= span[0]) & (time <= span[1])
+    if span[0] < time[0] or span[1] > time[-1]:
+        return np.full(6, np.nan)
+    return np.asarray(values[rows].mean(axis=0))

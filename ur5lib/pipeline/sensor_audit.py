@@ -1,0 +1,182 @@
+"""What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from scipy import stats
+
+from ur5lib.force.sensor_audit import FreeReading, Sensed, read_free, sense, shifts_after_contacts
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.pipeline.sensor_reference import in_frame_6, weight_per_kilogram
+from ur5lib.pipeline.wrist_reading import pull_and_spin, within_reach
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.timeseries.arrays import Array
+
+Row = dict[str, object]
+
+ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
+PAYLOAD = 0.15  # error of the scale beyond which the declared payload is wrong, not the sensor
+FEW = 5.0  # s without contact, below which nothing is said
+HALF = float(stats.norm.ppf(0.975))
+# Errors that matter: a quarter of the maker's accuracy of 4 N and 0.3 Nm, and what 0.05 kg weigh.
+FORCES = np.array([1.0] * 3 + [0.1] * 3)  # N, Nm; per minute
+DEGREES, SCALES, KILOGRAMS, METRES = 2.0, 0.05, 0.1, 0.01
+ZERO = 2 * FORCES
+SCALE_STD = 0.03  # of a sensor whose scale nothing tells but the mass that it weighs
+SLOW = 0.3  # m/s², below which inertia, which a controller may leave in its force, does not matter
+UNITS = ["N"] * 3 + ["Nm"] * 3
+
+
+def audit(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    motion: Motion,
+    tool: Payload | None,
+    currents: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Return what can be said of the sensor, a row a value; tool: on the flange, as declared.
+
+    currents: the load that the motor currents show beside the tool, None where they show none.
+    """
+    free, rows = 0.0, list[Row]()
+    if signals.ft_raw_wrench is not None:
+        reading, sensed = _explained(robot, signals, kinematics, motion, tool)
+        free = reading.seconds
+        rows += [*_sensor_rows(reading, sensed, tool), *_shift_rows(reading, signals.time)]
+    if signals.actual_TCP_force is not None:
+        found = _left_by_controller(robot, signals, kinematics, motion)
+        if found is not None and found[0].seconds >= FEW:
+            free = free or found[0].seconds
+            rows += _controller_rows(*found)
+    if currents:
+        rows += [_current_row(currents)]
+    return {"free_s": free, "rows": rows if free >= FEW else []}
+
+
+def _explained(
+    robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion, tool: Payload | None
+) -> tuple[FreeReading, Sensed]:
+    """Explain the raw reading, with the tool where it turns out to be."""
+    assert signals.ft_raw_wrench is not None
+    center = np.array(tool.center_of_mass) if tool else np.zeros(3)
+    for _ in range(ROUNDS):
+        pull, spin = pull_and_spin(robot, kinematics, motion, center)
+        known = pull, spin, signals.time, signals.period
+        reading = read_free(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
+        sensed = sense(reading, tool.mass if tool else None)
+        if tool and abs(sensed.scale.mean() - 1) > PAYLOAD:
+            sensed = sense(reading, None)
+        center = within_reach(sensed.center)
+    return reading, sensed
+
+
+def _left_by_controller(
+    robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion
+) -> tuple[FreeReading, Sensed] | None:
+    """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
+    assert signals.actual_TCP_force is not None
+    weight = weight_per_kilogram(robot, kinematics)
+    pull, spin = pull_and_spin(robot, kinematics, motion, np.zeros(3))
+    slow = np.linalg.norm(pull - weight, axis=1) < SLOW
+    if slow.sum() * signals.period < FEW:
+        return None
+    wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ kinematics.rotation).reshape(-1, 6)
+    wrench[~slow] = np.nan
+    reading = read_free(wrench, weight, spin, signals.time, signals.period, None)
+    return reading, sense(reading, None)
+
+
+def _sensor_rows(reading: FreeReading, sensed: Sensed, tool: Payload | None) -> Iterator[Row]:
+    """Yield bias, drift, turn and scale of the sensor, and the tool that it carries."""
+    bias_std, drift_std = reading.std()
+    yield from _wrench_rows("bias", reading.bias, bias_std)
+    yield from _wrench_rows("drift", reading.drift, drift_std, FORCES, "/min")
+    turn, turn_std = np.rad2deg(sensed.turn), np.rad2deg(sensed.turn_std)
+    for axis, value, std in zip("xyz", turn, turn_std, strict=True):
+        yield row("turn", axis, value, std, "°", 0.0, DEGREES)
+    mass, mass_std = sensed.mass, sensed.mass_std
+    if tool and sensed.mass == tool.mass:
+        for axis, value, std in zip("xyz", sensed.scale, sensed.scale_std, strict=True):
+            yield row("scale", axis, value, std, "1", 1.0, SCALES)
+        factor = float(sensed.scale.mean())
+        mass, mass_std = factor * mass, float(mass * np.linalg.norm(sensed.scale_std) / 3)
+    mass_std = float(np.hypot(mass_std, SCALE_STD * mass))
+    limit = max(KILOGRAMS, 2.5 * SCALE_STD * abs(mass))
+    yield row("mass", "", mass, mass_std, "kg", tool.mass if tool else None, limit)
+    places = tool.center_of_mass if tool else (None,) * 3
+    for axis, value, std, place in zip(
+        "xyz", sensed.center, sensed.center_std, places, strict=True
+    ):
+        yield row("center_of_mass", axis, value, std, "m", place, METRES)
+
+
+def _shift_rows(reading: FreeReading, time: Array) -> Iterator[Row]:
+    """Yield the mean shift of the reading by a contact, where there were two or more."""
+    shifts = shifts_after_contacts(reading, time)
+    if len(shifts) > 1:
+        error = shifts.std(axis=0, ddof=1) / np.sqrt(len(shifts))
+        student = stats.t.ppf(0.975, len(shifts) - 1) / HALF
+        yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
+
+
+def _controller_rows(reading: FreeReading, left: Sensed) -> Iterator[Row]:
+    """Yield the zero of the controller's force, and the weight that it still contains."""
+    yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
+    yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)
+
+
+def _current_row(load: Mapping[str, Any]) -> Row:
+    """Return the mass on the flange by the motor currents, beside the one that was declared."""
+    declared, error = load["configured"], load["std_error"]
+    return row("mass_by_currents", "", load["carried"], error, "kg", declared, 0.0)
+
+
+def _wrench_rows(
+    quantity: str,
+    values: Array,
+    errors: Array,
+    limits: Array | None = None,
+    per: str = "",
+) -> Iterator[Row]:
+    wanted = None if limits is None else 0.0
+    allowed = [None] * 6 if limits is None else limits
+    for name, value, std, unit, limit in zip(WRENCH, values, errors, UNITS, allowed, strict=True):
+        yield row(quantity, name, value, std, unit + per, wanted, limit)
+
+
+def row(
+    quantity: str,
+    component: str,
+    value: float,
+    std: float,
+    unit: str,
+    expected: float | None,
+    limit: float | None,
+) -> Row:
+    """Return a value with its 95 % interval and the verdict on it.
+
+    limit: the error that matters. unknown: the interval is wider than that; wrong: the value is
+    further from what is expected than its interval and the limit allow; right otherwise.
+    """
+    half, verdict = HALF * std, ""
+    if expected is not None and limit is not None:
+        off = abs(value - expected)
+        verdict = "wrong" if off > max(half, limit) else "right"
+        if verdict == "right" and limit and not half <= limit:
+            verdict = "unknown"
+    return {
+        "quantity": quantity,
+        "component": component,
+        "value": float(value),
+        "std_error": float(std),
+        "low": float(value - half),
+        "high": float(value + half),
+        "unit": unit,
+        "expected": expected,
+        "verdict": verdict,
+    }

@@ -1,0 +1,78 @@
+"""Answers to single questions about a study, from the tables of its last run."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.errors import InputError
+from ur5lib.report.views.audit import verdicts
+from ur5lib.study.check import read_study
+from ur5lib.tables import read_csv
+
+RESULTS = Path("results")
+
+
+def audit_answers(study: Path) -> Iterator[str]:
+    """Yield what is wrong with the wrist sensors of a study's recordings, line by line.
+
+    Raises InputError where the study was not run, or has no wrist sensor.
+    """
+    rows = _table(study, "audit")
+    if rows.empty:
+        raise InputError(
+            f"{study}: no recording has a wrist sensor's reading (ft_raw_wrench or "
+            "actual_TCP_force of an e-Series arm); record one of them"
+        )
+    for name, part in rows.groupby("recording", sort=False):
+        yield f"{name}:"
+        yield from (f"  {sentence}" for sentence in verdicts(part))
+
+
+def payload_answers(study: Path) -> Iterator[str]:
+    """Yield what each recording's arm carries, line by line.
+
+    Raises InputError where the study was not run.
+    """
+    loads, sensed = _table(study, "payload"), _table(study, "audit")
+    for recording in read_study(study).recordings:
+        own = [table[table["recording"] == recording.name] for table in (loads, sensed)]
+        yield f"{recording.name}: {'; '.join(_carried(*own))}"
+
+
+def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
+    """Yield the mass on the flange by currents and by sensor, from rows of their tables."""
+    if loads.empty:
+        yield "the currents tell nothing (no motion, or no contact-free recording of this arm)"
+    for row in loads.itertuples():
+        mass, low, high = (row.configured + part for part in (row.mass, row.low, row.high))
+        yield (
+            f"by the currents {mass:.2f} kg ({low:.2f} to {high:.2f}), configured "
+            f"{row.configured:.2f} kg{_place(row)}"
+        )
+    for row in sensed[sensed["quantity"] == "mass"].itertuples():
+        yield f"by the wrist sensor {row.value:.3f} kg ({row.low:.3f} to {row.high:.3f})"
+
+
+def _place(row: Any) -> str:
+    """Return where the undeclared part of a load is, empty where it is uncertain."""
+    if np.isnan(row.center_of_mass_x):
+        return ""
+    center, error = (
+        [getattr(row, f"{name}_{axis}") for axis in "xyz"]
+        for name in ("center_of_mass", "center_of_mass_std")
+    )
+    parts = ", ".join(f"{c:.3f} ± {e:.3f}" for c, e in zip(center, error, strict=True))
+    return f"; {row.mass:.2f} kg are undeclared, at ({parts}) m in frame 6"
+
+
+def _table(study: Path, name: str) -> pd.DataFrame:
+    """Return a table of the last run of a study."""
+    path = RESULTS / read_study(study).study / "tables" / f"{name}.csv"
+    if not path.is_file():
+        raise InputError(
+            f"{path} does not exist; first run snakemake --configfile {study} to make it"
+        )
+    return read_csv(path)
