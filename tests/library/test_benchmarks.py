@@ -15,6 +15,7 @@ PRINTED = {  # what each prints at least
     "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
+    "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 OF_A_BUILT_STUDY = {"leave_out"}  # in tests/artefacts/test_demo.py
@@ -51,7 +52,7 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
 def test_what_make_bench_runs_is_there() -> None:
     makefile = (PROJECT / "Makefile").read_text()
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
-    assert set(named.split()[2:]) == set(PRINTED) - {"stand_seeds"}
+    assert set(named.split()[2:]) == set(PRINTED) - {"stand_seeds", "wrist_sensor"}
 
 
 def test_a_study_that_is_not_built_is_told(tmp_path: Path) -> None:
