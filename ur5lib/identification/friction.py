@@ -18,6 +18,7 @@ MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is sti
 # shorter ones are below the encoder's resolution. The first is used if cross-validation is
 # impossible.
 PRESLIDING = (3e-4, 1e-3, 1e-4)
+USUAL = 30.0  # °C, of a joint in motion: at which friction has the coefficients of its other terms
 
 
 @dataclass(frozen=True)
@@ -25,13 +26,14 @@ class JointMotion:
     """Motion of one joint, (N,) each.
 
     q [rad], qd [rad/s]; torque: of the rigid-body model [Nm]; direction: of its dry friction, -1 to
-    1, see `friction_direction`.
+    1, see `friction_direction`; warmth: [K], above USUAL, 0 where it was not recorded.
     """
 
     q: Array
     qd: Array
     torque: Array
     direction: Array
+    warmth: Array | float = 0.0
 
 
 def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
@@ -94,6 +96,11 @@ def _periodic(motion: JointMotion, cycles: float) -> list[Array]:
     return [np.sin(cycles * motion.q), np.cos(cycles * motion.q)]
 
 
+def _warming(motion: JointMotion, _: float) -> list[Array]:
+    """Return what Coulomb and viscous friction gain per kelvin; they lose, as grease thins."""
+    return [motion.warmth * motion.direction, motion.warmth * motion.qd]
+
+
 KINDS: dict[str, Callable[[JointMotion, float], list[Array]]] = {
     "coulomb": _coulomb,
     "viscous": _viscous,
@@ -104,11 +111,14 @@ KINDS: dict[str, Callable[[JointMotion, float], list[Array]]] = {
     "cubic": _cubic,
     "asymmetric": _asymmetric,
     "periodic": _periodic,
+    "warming": _warming,
 }
 
 
 LOAD = 0.1  # Nm/Nm
 PERIODIC = 0.005  # of a motor's largest torque
+WARMING = 5e-4  # of it per kelvin: a hundredth of Coulomb friction
+PARTS = {"periodic": ("sin", "cos"), "warming": ("coulomb", "viscous")}  # of kinds with two
 
 
 @dataclass(frozen=True)
@@ -119,7 +129,7 @@ class Term:
     shape: float = 0.0
 
     def columns(self, motion: JointMotion) -> Array:
-        """Return the columns (N, M), M = 2 for periodic terms and 1 for all others."""
+        """Return the columns (N, M), M = 2 for periodic and warming terms, 1 for all others."""
         return np.stack(KINDS[self.kind](motion, self.shape), axis=1)
 
     def expected(self, torque_max: float) -> list[float]:
@@ -128,13 +138,17 @@ class Term:
         torque_max: of the motor [Nm]. Gears lose some per cent of the load; the periodic torque is
         a tenth of Coulomb friction, itself a twentieth of the largest torque.
         """
-        sizes = {"load": LOAD, "periodic": PERIODIC * torque_max}
+        sizes = {
+            "load": LOAD,
+            "periodic": PERIODIC * torque_max,
+            "warming": WARMING * torque_max,
+        }
         return [sizes.get(self.kind, torque_max)] * len(self.names())
 
     def names(self) -> list[str]:
-        """Return the coefficients' names: the kind, its shape, and sin or cos."""
+        """Return the coefficients' names: the kind, its shape, and which of two."""
         name = f"{self.kind}_{self.shape:g}" if self.shape else self.kind
-        return [f"{name}_sin", f"{name}_cos"] if self.kind == "periodic" else [name]
+        return [f"{name}_{part}" for part in PARTS[self.kind]] if self.kind in PARTS else [name]
 
 
 BASE = (Term("coulomb"), Term("viscous"), Term("load"))
@@ -145,13 +159,15 @@ FAMILY = (
     Term("quadratic"),
     Term("cubic"),
     Term("asymmetric"),
+    Term("warming"),
 )
 
 
 def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torque: Array) -> bool:
     """Return whether friction brakes at every velocity (N,) [rad/s] under every torque (M,) [Nm].
 
-    Terms that are even in the velocity (asymmetric, periodic) are excluded.
+    At the usual temperature; terms that are even in the velocity (asymmetric, periodic) are
+    excluded.
     """
     even = [term.kind in ("asymmetric", "periodic") for term in terms]
     speed, load = (grid.ravel() for grid in np.meshgrid(qd, torque))

@@ -14,6 +14,7 @@ from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
     MOVING,
+    USUAL,
     JointMotion,
     Term,
     friction_direction,
@@ -34,7 +35,8 @@ class Record:
     """A contact-free recording on a uniform grid.
 
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
-    torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A].
+    torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
+    (N, 6) [°C], of the motors, where it was recorded.
     """
 
     name: str
@@ -44,11 +46,14 @@ class Record:
     qd: Array
     torque: Array
     current: Array
+    temperature: Array | None = None
 
     def joint(self, joint: int, presliding: float) -> JointMotion:
         """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad]."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        return JointMotion(q, qd, torque, friction_direction(q, self.segment, presliding))
+        direction = friction_direction(q, self.segment, presliding)
+        warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL
+        return JointMotion(q, qd, torque, direction, warmth)
 
 
 # A zero-phase low-pass of (N, M) samples of a recording, within its segments.

@@ -28,6 +28,7 @@ def current_record(
         qd=motion.qd,
         torque=torques.measured[model] + torques.payload_torque,
         current=signals.actual_current,
+        temperature=signals.joint_temperatures,
     )
 
 

@@ -21,6 +21,7 @@ from ur5lib.identification.validation import fitted_on_tested_on, least_squares_
 # A torque constant contradicts the known value beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DEVIATIONS, RATIO = 5.0, 1.75
+WARMER = 3.0  # K between recordings, below which temperature tells nothing
 
 
 class ContradictionError(ValueError):
@@ -35,7 +36,8 @@ def friction_summary(
     terms: of friction, from which the fit chooses. Raises ContradictionError when the torque
     constants are not those of the arm.
     """
-    family = [term for term in FAMILY if term.kind in terms]
+    known = {*terms} if temperatures_differ(records) else {*terms} - {"warming"}
+    family = [term for term in FAMILY if term.kind in known]
     fit = fit_currents(records, smooth, prior, family)
     require_known_constants(fit, prior)
     shapes = [joint.terms for joint in fit.joints], [joint.presliding for joint in fit.joints]
@@ -51,6 +53,15 @@ def friction_summary(
         "least_squares": least_squares_coefficients(records),
         "cross_validation": fitted_on_tested_on(records, smooth, prior, *shapes),
     }
+
+
+def temperatures_differ(records: Sequence[Record]) -> bool:
+    """Return whether the temperatures of all recordings are known and tell their effect."""
+    known = [record.temperature for record in records if record.temperature is not None]
+    if len(known) < len(records):
+        return False
+    means = [float(np.nanmean(temperature)) for temperature in known]
+    return bool(max(means, default=0) - min(means, default=0) > WARMER)
 
 
 def _without_replicates(fit: dict[str, Any]) -> dict[str, Any]:

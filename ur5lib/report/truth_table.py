@@ -175,6 +175,8 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
         "load": ("1", true["load"]),
         "periodic_1_cos": ("Nm", true["periodic"] * np.cos(true["phase"])),
         "periodic_1_sin": ("Nm", -true["periodic"] * np.sin(true["phase"])),
+        "warming_coulomb": ("Nm/K", true["coulomb"] * true["coulomb_warming"]),
+        "warming_viscous": ("Nm s/rad/K", true["viscous"] * true["viscous_warming"]),
     }
     for row in friction.get("parameters", []):
         if row["name"] in known:

@@ -10,6 +10,7 @@ from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.drive import current_noise, stir
 from ur5lib.stand.engine import STEP, Experiment, Motion
+from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array, Labels
@@ -22,7 +23,7 @@ VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
 WINDOW = 4  # steps; velocity is the mean over them and hence delayed by 2 ms
 FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
 SINGULAR = 0.02  # damping of that estimate near singularities
-TEMPERATURE = 30.0  # °C, of every motor
+SENSED = 1 / 16  # °C, step of a motor's temperature
 
 Steps = Labels
 
@@ -61,12 +62,18 @@ def frames(
         "actual_TCP_force": force,
         "actual_TCP_pose": _pose(motion, steps),
         "actual_TCP_speed": np.einsum("nij,nj->ni", jacobian, qd[steps]),
-        "joint_temperatures": np.full((len(steps), 6), TEMPERATURE),
+        "joint_temperatures": _temperatures(experiment.plan, motion.time)[steps],
     }
     columns = {"time": np.round(STEP * steps, DECIMALS)}
     for name, values in channels.items():
         columns |= named(np.round(values, DECIMALS), name)
     return pd.DataFrame(columns | _payload(experiment.declared, len(steps)))
+
+
+def _temperatures(plan: SimulatedRecording, time: Array) -> Array:
+    """Return the motors' temperatures (N, 6) [°C] as they are sensed."""
+    warming = np.interp(time, time[[0, -1]], plan.temperature_c)
+    return np.repeat(SENSED * np.rint(warming / SENSED)[:, None], 6, axis=1)
 
 
 def _payload(declared: Payload | None, count: int) -> dict[str, Array]:

@@ -10,7 +10,7 @@ from ur5lib.robots.description import Payload, Robot
 from ur5lib.stand.arm import FLANGE, build_arm
 from ur5lib.stand.contacts import Contacts
 from ur5lib.stand.drive import Drive, drive_of, link_torques
-from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
+from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
@@ -121,9 +121,10 @@ def _move(
     data, control = mujoco.MjData(plant), Control(known, mujoco.MjData(known), drive)
     data.qpos, data.time = targets.q[0], -SETTLE * STEP
     wanted = [*zip(targets.q, targets.qd, targets.qdd, strict=True)]
+    warmth = np.interp(time, time[[0, -1]], plan.temperature_c) - USUAL
     for step in range(-SETTLE, len(time)):
         now = max(step, 0)
-        _step(plant, data, control, friction, contacts, wanted[now], kept[now])
+        _step(plant, data, control, friction, contacts, wanted[now], warmth[now], kept[now])
     parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
     return Motion(time, targets, *parts)
 
@@ -151,6 +152,7 @@ def _step(
     friction: Friction,
     contacts: Contacts,
     target: tuple[Array, Array, Array],
+    warmth: float,
     row: Array,
 ) -> None:
     """Advance by one step; write the state before it into `row`, in the order of PARTS."""
@@ -158,7 +160,7 @@ def _step(
     q, qd = data.qpos.copy(), data.qvel.copy()
     motor = control.torques(q, qd, target)
     load = link_torques(plant, data, target[2])
-    rubbing = friction.torque(q, qd, load, STEP)
+    rubbing = friction.torque(q, qd, load, STEP, warmth)
     contact, wrench = contacts.apply(plant, data, STEP)
     data.qfrc_applied = motor - rubbing
     mujoco.mj_step2(plant, data)

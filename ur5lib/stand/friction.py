@@ -19,6 +19,10 @@ COULOMB = np.array(
 VISCOUS = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
 LOAD = np.full(6, 0.05)  # Nm/Nm
 PERIODIC = 0.05  # share of the Coulomb friction
+USUAL = 30.0  # °C, at which friction is as above
+# What friction gains per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the
+# arm is warm, and dry friction changes less.
+COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class FrictionParameters:
     coulomb: [Nm]; viscous: [Nm s/rad]; load: Nm of friction per Nm of load; stiction: ratio of
     breakaway to Coulomb torque; stribeck_velocity: [rad/s], at which stiction has vanished;
     periodic, phase: of the torque periodic cos(q + phase) [Nm, rad]; presliding: [rad], elastic
-    deflection before slip.
+    deflection before slip; coulomb_warming, viscous_warming: relative change per kelvin [1/K].
     """
 
     coulomb: Array
@@ -39,11 +43,17 @@ class FrictionParameters:
     stribeck_velocity: Array = field(default_factory=lambda: np.full(6, 0.03))
     phase: Array = field(default_factory=lambda: np.arange(6.0))
     presliding: Array = field(default_factory=lambda: np.full(6, 2e-4))
+    coulomb_warming: Array = field(default_factory=lambda: np.full(6, COULOMB_WARMING))
+    viscous_warming: Array = field(default_factory=lambda: np.full(6, VISCOUS_WARMING))
 
-    def dry(self, qd: Array, load: Array) -> Array:
-        """Return the dry friction of a sliding joint (..., 6) [Nm]; qd [rad/s], load [Nm]."""
+    def dry(self, qd: Array, load: Array, warmth: float = 0.0) -> Array:
+        """Return the dry friction of a sliding joint (..., 6) [Nm].
+
+        qd [rad/s], load [Nm]; warmth: [K], above the usual temperature.
+        """
         stribeck = (self.stiction - 1) * np.exp(-((qd / self.stribeck_velocity) ** 2))
-        return self.coulomb * (1 + stribeck) + self.load * np.abs(load)
+        coulomb = self.coulomb * (1 + self.coulomb_warming * warmth)
+        return coulomb * (1 + stribeck) + self.load * np.abs(load)
 
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
@@ -67,14 +77,18 @@ class Friction:
         self._stiffness = parameters.coulomb / parameters.presliding
         self._deflection = start * parameters.presliding
 
-    def torque(self, q: Array, qd: Array, load: Array, step: float) -> Array:
-        """Return the friction (6,) [Nm] against the motion after a step [s]; load: (6,) [Nm]."""
+    def torque(self, q: Array, qd: Array, load: Array, step: float, warmth: float = 0.0) -> Array:
+        """Return the friction (6,) [Nm] against the motion after a step [s]; load: (6,) [Nm].
+
+        warmth: [K], above the usual temperature.
+        """
         parameters = self._parameters
-        dry = parameters.dry(qd, load)
+        dry = parameters.dry(qd, load, warmth)
         if not dry.any():
             return dry
         most = dry / self._stiffness * np.sign(qd)
         decay = np.exp(-np.abs(qd) * step * self._stiffness / dry)
         self._deflection = most + (self._deflection - most) * decay
         periodic = parameters.periodic * np.cos(q + parameters.phase)
-        return self._stiffness * self._deflection + parameters.viscous * qd + periodic
+        viscous = parameters.viscous * (1 + parameters.viscous_warming * warmth)
+        return self._stiffness * self._deflection + viscous * qd + periodic

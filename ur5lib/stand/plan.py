@@ -233,6 +233,9 @@ class SimulatedRecording(Planned):
     undeclared_payload: Payload | None = Field(
         None, description="payload beyond the force sensor that is declared nowhere"
     )
+    temperature_c: tuple[float, float] = Field(
+        (30.0, 30.0), description="of the motors, at the start and at the end [°C]"
+    )
     friction: bool = Field(True, description="whether the joints have friction")
     noise: bool = Field(True, description="whether measurements have noise")
     contacts: list[Contact] = Field(default=[], description="contacts with the arm")

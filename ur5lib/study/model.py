@@ -269,7 +269,7 @@ class Lowpass(Strict):
     published_forces: PublishedLowpass = PublishedLowpass()
 
 
-FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric"]
+FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric", "warming"]
 
 
 class Friction(Strict):
@@ -278,7 +278,8 @@ class Friction(Strict):
     terms: list[FrictionTerm] = Field(
         [*get_args(FrictionTerm)],
         description="candidate friction terms besides Coulomb, viscous, load-dependent and "
-        "once-per-turn friction; only terms that improve cross-validation are used",
+        "once-per-turn friction; only terms that improve cross-validation are used; warming: "
+        "friction that changes with recorded temperatures",
     )
 
 

@@ -21,7 +21,8 @@ class Signals(SegmentedTable):
 
     interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
     actual_TCP_force: (N, 6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a
-    wrist sensor, axes of frame 6, with its bias and its tool; payload: (N,), payload_cog:
+    wrist sensor, axes of frame 6, with its bias and its tool; joint_temperatures: (N, 6) [°C], of
+    the motors; payload: (N,), payload_cog:
     (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz, xy, xz, yz, that the controller was
     given; tcp_offset: (N, 6), its tool centre point in frame 6, position and rotation vector;
     force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
@@ -41,6 +42,7 @@ class Signals(SegmentedTable):
         "actual_TCP_force", "N, Nm", JOINTS, optional=True
     )
     ft_raw_wrench: Array | None = channel("ft_raw_wrench", "N, Nm", JOINTS, optional=True)
+    joint_temperatures: Array | None = channel("joint_temperatures", "degC", JOINTS, optional=True)
     payload: Array | None = channel("payload", "kg", optional=True)
     payload_cog: Array | None = channel("payload_cog", "m", XYZ, optional=True)
     payload_inertia: Array | None = channel("payload_inertia", "kg m2", JOINTS, optional=True)
