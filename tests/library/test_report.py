@@ -381,6 +381,7 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
         "carried": 0.5 + mass,
         "taken": taken,
         "center_of_mass": [0.0, 0.01, 0.05] if taken else [None] * 3,
+        "center_of_mass_std": [0.01] * 3 if taken else [None] * 3,
     }
     return name, {"load": load}
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 from scipy import stats
+from scipy.spatial.transform import Rotation
 
 from ur5lib.force.sensor_audit import FreeReading, Sensed, read_free, sense, shifts_after_contacts
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -47,7 +48,9 @@ def audit(
     if signals.ft_raw_wrench is not None:
         reading, sensed = _explained(robot, signals, kinematics, motion, tool)
         free = reading.seconds
-        rows += [*_sensor_rows(reading, sensed, tool), *_shift_rows(reading, signals.time)]
+        declared = robot.mounting.force_sensor_turn_deg
+        rows += [*_turn_rows(sensed, np.array(declared)), *_sensor_rows(reading, sensed, tool)]
+        rows += _shift_rows(reading, signals.time)
     if signals.actual_TCP_force is not None:
         found = _left_by_controller(robot, signals, kinematics, motion)
         if found is not None and found[0].seconds >= FEW:
@@ -91,14 +94,20 @@ def _left_by_controller(
     return reading, sense(reading, None)
 
 
+def _turn_rows(sensed: Sensed, declared: Array) -> Iterator[Row]:
+    """Yield the rotation vector from frame 6 to the sensor's axes; declared: (3,) [°]."""
+    left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
+    turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
+    std = np.rad2deg(sensed.turn_std)
+    for axis, value, error, wanted in zip("xyz", turn, std, declared, strict=True):
+        yield row("turn", axis, value, error, "°", wanted, DEGREES)
+
+
 def _sensor_rows(reading: FreeReading, sensed: Sensed, tool: Payload | None) -> Iterator[Row]:
-    """Yield bias, drift, turn and scale of the sensor, and the tool that it carries."""
+    """Yield bias, drift and scale of the sensor, and the tool that it carries."""
     bias_std, drift_std = reading.std()
     yield from _wrench_rows("bias", reading.bias, bias_std)
     yield from _wrench_rows("drift", reading.drift, drift_std, FORCES, "/min")
-    turn, turn_std = np.rad2deg(sensed.turn), np.rad2deg(sensed.turn_std)
-    for axis, value, std in zip("xyz", turn, turn_std, strict=True):
-        yield row("turn", axis, value, std, "°", 0.0, DEGREES)
     mass, mass_std = sensed.mass, sensed.mass_std
     if tool and sensed.mass == tool.mass:
         for axis, value, std in zip("xyz", sensed.scale, sensed.scale_std, strict=True):

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.cells import fixed, interval, number
+from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
 
@@ -29,16 +30,22 @@ nothing touches the tool, the flange turning to different sides"
 
 
 def audited(results: Results) -> list[str]:
-    """Return the recordings with a wrist sensor."""
-    rows = results.tables["audit"]
-    return [str(name) for name in rows["recording"].unique()]
+    """Return the first few recordings with a wrist sensor."""
+    return [*map(str, results.tables["audit"]["recording"].unique())][:MOST_SHOWN]
 
 
-def found(results: Results) -> Iterator[str]:
-    """Yield what was found about each recording's sensor."""
-    for name in audited(results):
-        for sentence in verdicts(results.rows("audit", recording=name)):
-            yield f"{name}: {sentence}."
+def found(results: Results, of: str) -> Iterator[str]:
+    """Yield what was found about a recording's sensor."""
+    for sentence in verdicts(results.rows("audit", recording=of)):
+        yield f"{sentence[0].upper()}{sentence[1:]}."
+
+
+def faults(results: Results) -> Iterator[str]:
+    """Yield what is wrong with wrist sensors, in a sentence for each kind of fault."""
+    rows = results.rows("audit", verdict="wrong")
+    for quantity, part in rows.groupby("quantity", sort=False):
+        names = ", ".join(map(str, part["recording"].unique()))
+        yield f"Wrist sensor: wrong {NAMES[str(quantity)]} on {names}; section “The wrist sensor”."
 
 
 def values(results: Results, of: str) -> Body:
@@ -110,12 +117,13 @@ def _turn(told: pd.DataFrame) -> Iterator[str]:
         yield "the orientations do not tell whether its axes are turned against frame 6"
     elif (turn["verdict"] == "wrong").any():
         size = fixed(float((turn["value"] ** 2).sum() ** 0.5), 1)
+        typed = vector.replace("−", "-")
         yield (
             f"its axes are turned by {size}° against frame 6, by the rotation vector ({vector})°: "
-            f"declare `override: {{mounting: {{force_sensor_turn_deg: [{vector}]}}}}`"
+            f"declare override: {{mounting: {{force_sensor_turn_deg: [{typed}]}}}} in robot"
         )
     else:
-        yield f"its axes are those of frame 6, within ({vector})°"
+        yield f"its axes are turned against frame 6 as declared, by ({vector})°"
 
 
 def _payload(told: pd.DataFrame) -> Iterator[str]:

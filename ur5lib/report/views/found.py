@@ -9,6 +9,7 @@ from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
 from ur5lib.report.findings import SEVERITIES
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
+from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, leading, pushes_found
 
@@ -33,6 +34,7 @@ def findings(results: Results) -> list[str]:
         *contacts_found(results),
         *loads_taken_up(results),
         *_detection(results),
+        *wrist_sensor_faults(results),
         _data_quality(results.tables["quality"]),
         *beside_truth(results.tables.get("truth")),
     ]
