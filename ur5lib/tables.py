@@ -123,6 +123,12 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return pd.read_parquet(path)
 
 
+def read_units(path: str | Path) -> dict[str, str]:
+    """Return the unit of each column of a table of signals."""
+    fields = pq.read_schema(path)
+    return {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in fields}
+
+
 def columns(name: str, count: int = 6) -> list[str]:
     """Return the names of a channel's columns: name_0, name_1, ..."""
     return [f"{name}_{index}" for index in range(count)]

@@ -9,9 +9,9 @@ from pypdf import PdfReader
 
 from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
 from tests.artefacts.summary import check_summary
-from tests.conftest import Workflow
+from tests.conftest import PROJECT, Workflow
 from tests.library.test_benchmarks import run_benchmark
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
 NOTICE = "Simulated: all recordings of this study are of the virtual test stand"
@@ -143,3 +143,15 @@ def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
 def test_the_summary_tells_the_numbers_of_the_tables(demo: Workflow, results: Path) -> None:
     study = yaml.safe_load((demo.folder / "config.yaml").read_text())
     check_summary(results / "report.html", study)
+
+
+def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cell by cell, in the folder in which the study was built."""
+    monkeypatch.chdir(demo.folder)
+    notebook = read_json(PROJECT / "docs" / "notebook.ipynb")
+    cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
+    known: dict[str, object] = {}
+    for cell in cells:
+        exec("".join(cell["source"]), known)
+        assert cell["outputs"] == []  # what it shows is not committed
+    assert len(known["errors"]) > 100  # type: ignore[arg-type]

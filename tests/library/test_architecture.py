@@ -19,6 +19,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": {"errors"},
     "datasets": {"errors"},
     "tables": {"errors", "timeseries"},
+    "finished": {"errors", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "pipeline": BASE | ROOMS,

@@ -129,7 +129,7 @@ def add_a_term(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
-    ">>> import pandas": read,
+    ">>> import ur5lib": read,
     "def _root(": add_a_term,
 }
 

@@ -1,0 +1,54 @@
+"""Results of a study as data frames."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import ur5lib
+from ur5lib.errors import InputError
+from ur5lib.tables import write_csv, write_table
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    folder = tmp_path / "results" / "mine"
+    forces = pd.DataFrame({"time": [0.0, 0.1], "Fmap_Fx": [1.0, np.nan], "Fmap_nx": [0.1, 0.2]})
+    units = {"Fmap_Fx": "N", "Fmap_nx": "Nm"}
+    write_table(forces, folder / "recordings" / "pushed" / "forces.parquet", units)
+    write_csv(pd.DataFrame({"joint": [1], "value": [2.5]}), folder / "tables" / "friction.csv")
+    return folder
+
+
+def test_a_recording_s_frame_has_time_channels_and_units(results: Path) -> None:
+    forces = ur5lib.load(results).forces("pushed")
+    assert [*forces.index] == [0.0, 0.1]
+    assert [*forces["Fmap_nx"]] == [0.1, 0.2]
+    assert forces.attrs["units"] == {"time": "s", "Fmap_Fx": "N", "Fmap_nx": "Nm"}
+
+
+def test_what_there_is_has_names(results: Path) -> None:
+    study = ur5lib.load(str(results))
+    assert study.recordings == ["pushed"]
+    assert study.tables == ["friction"]
+    assert study.table("friction")["value"].item() == 2.5
+
+
+@pytest.mark.parametrize(
+    ("what", "name", "hint"),
+    [
+        ("forces", "pushd", "did you mean pushed?"),
+        ("table", "frition", "did you mean friction?"),
+        ("motion", "pushed", "there are forces"),
+    ],
+)
+def test_what_there_is_not_is_told(results: Path, what: str, name: str, hint: str) -> None:
+    with pytest.raises(InputError) as told:
+        getattr(ur5lib.load(results), what)(name)
+    assert str(told.value).endswith(hint)
+
+
+def test_a_folder_without_results_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="run snakemake first"):
+        ur5lib.load(tmp_path)
