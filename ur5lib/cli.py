@@ -84,21 +84,34 @@ def payload(
 def export(
     robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
     model: Annotated[
-        str | None, typer.Option(help="name of one of its link models; default: the chosen one")
+        str | None,
+        typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: urdf")] = "urdf",
+    to: Annotated[str, typer.Option(help="output format: urdf, mjcf")] = "urdf",
+    results: Annotated[
+        Path | None, typer.Option(help="results of a study that identified it: results/<study>")
+    ] = None,
+    as_in: Annotated[
+        str, typer.Option(help="a recording of that study: with its payload and mounting")
+    ] = "",
 ) -> None:
-    """Print an arm with one of its link models as URDF (which has no rotor inertias)."""
-    from ur5lib.robots.inertia import rigid_bodies
-    from ur5lib.robots.urdf import urdf
+    """Print an arm for other programs: URDF (which has no rotors) or MJCF."""
+    from ur5lib.study.exported import exported
 
-    if to != "urdf":
-        raise InputError(f"unknown format {to!r}; available: urdf")
-    arm = _load(robot)
-    model = model or arm.chosen_model
-    if model not in arm.models:
-        raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
-    typer.echo(urdf(arm, rigid_bodies(arm, model)))
+    typer.echo(exported(robot, model, to, results, as_in))
+
+
+@app.command()
+def replay(
+    file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
+    results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    recording: Annotated[str, typer.Argument(help="one of its recordings")],
+) -> None:
+    """Replay a model along a recording in MuJoCo: how far its torques are from the currents."""
+    from ur5lib.study.replay import replayed
+
+    for line in replayed(file, results, recording):
+        typer.echo(line)
 
 
 @app.command()

@@ -9,6 +9,8 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
+from ur5lib.study.check import read_study
+from ur5lib.study.reading import study_text
 from ur5lib.tables import read_csv, read_json
 
 TOOL = {"mass": 1.2, "center_of_mass": [0, 0, 0.05], "tcp": [0, 0, 0.12, 0, 0, 0]}
@@ -110,6 +112,25 @@ def test_the_report_has_a_section_on_it(results: Path) -> None:
     report = (results / "report.html").read_text()
     assert "The wrist sensor" in report
     assert "cell-2" in report
+
+
+def test_the_identified_arm_is_replayed_in_mujoco(workflow: Workflow, tmp_path: Path) -> None:
+    """Closer to the currents than the maker's model, on a recording that it was fitted to."""
+    options = ["--robot", "cell-2", "--to", "mjcf", "--results", "results/e_series"]
+    (tmp_path / "arm.xml").write_text(workflow.ur5("export", *options, "--as-in", "fit_1"))
+    told = workflow.ur5("replay", str(tmp_path / "arm.xml"), "results/e_series", "fit_1")
+    rows = {line[:40].strip(): line[40:].split() for line in told.splitlines()}
+    assert [*rows["torque error [Nm], joint"]] == [*"123456"]
+    error = {name: [float(value) for value in row] for name, row in rows.items()}
+    ours, maker = error["arm.xml"], error["maker's model (maker)"]
+    assert all(x < 0.5 * y for x, y in zip(ours, maker, strict=True))
+    predicted = error["this study's prediction"]
+    assert sum(ours) < 1.5 * sum(predicted)
+
+
+def test_the_study_that_was_run_can_be_run_again(results: Path) -> None:
+    again = read_study(results / "configuration.yaml")
+    assert study_text(again) == (results / "configuration.yaml").read_text()
 
 
 def test_the_push_is_found(truth: pd.DataFrame) -> None:

@@ -24,15 +24,15 @@ def link_tail(pose: Pose) -> tuple[Array, Array]:
     return yaw @ pitch @ roll + 0.0, np.array(pose.position)
 
 
-def thick(inertia: Array) -> Array:
+def thick(inertia: Array, share: float = 1e-12) -> Array:
     """Return an inertia tensor that obeys the triangle inequality of a rigid body.
 
     Principal moments obey A + B >= C. For a flat plate A + B = C, which rounded digits can violate;
-    MuJoCo then rejects the link. In that case all moments are raised by 1e-12 of their sum, those
-    of a point mass by 1e-12 kg m².
+    MuJoCo then rejects the link. In that case all moments are raised by a share of their sum, those
+    of a point mass by so many kg m².
     """
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
-    margin = 1e-12 * (np.trace(inertia) or 1.0)
+    margin = share * (np.trace(inertia) or 1.0)
     return inertia if slack > margin else inertia + margin * np.eye(3)
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import mujoco
 import numpy as np
 
-from ur5lib.stand.arm import FLANGE, TOOL
+from ur5lib.robots.mjcf import TOOL
+from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.plan import Hand, Load, Push, Spring, Timed, Wall
 from ur5lib.timeseries.arrays import Array
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import yaml
 from pydantic import ValidationError
 
 from ur5lib.errors import InputError
@@ -109,6 +110,16 @@ def _with_files(entry: Any, study: object) -> Any:
     if entry.get("format") in layout.FORMATS:
         files |= layout.device_keys(entry["format"], plan)
     return entry | files
+
+
+def study_text(study: Study) -> str:
+    """Return a study with every default filled in, as YAML that `parse_study` reads."""
+    plain = study.model_dump(exclude_none=True)
+    for recording in plain["recordings"]:
+        if "simulate" in recording:  # whose files the test stand names
+            for key in FILE_KEYS & recording.keys():
+                del recording[key]
+    return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
 
 
 def _with_arms(raw: dict[str, Any]) -> dict[str, Any]:

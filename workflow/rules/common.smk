@@ -6,7 +6,6 @@ import tempfile
 from functools import cache
 from hashlib import sha256
 
-import yaml
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
@@ -14,7 +13,7 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import robot_path
 from ur5lib.steps.workers import run_step
-from ur5lib.study.reading import parse_study
+from ur5lib.study.reading import parse_study, study_text
 
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
@@ -37,9 +36,6 @@ RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
 SETTINGS = STUDY.settings
-STUDY_YAML = yaml.safe_dump(
-    STUDY.model_dump(exclude_none=True), sort_keys=False, allow_unicode=True
-)
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
 ARMS = STUDY.arms()

@@ -176,6 +176,6 @@ rule write_report:
         **traces("write_report"),
     params:
         code=code("write_report"),
-        study=STUDY_YAML,
+        study=study_text(STUDY),
     run:
         run_step(rule, input, output, params, log)

@@ -1,0 +1,86 @@
+"""A model file of another program, replayed along a recording."""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.identification.currents import fit_for
+from ur5lib.identification.friction import MOVING
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import load_robot
+from ur5lib.study.exported import motor_torque, recorded
+from ur5lib.tables import read_json
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.segments import by_segment
+
+PARTS: dict[Any, str] = {Signals: "signals", Motion: "motion"}
+MORE: dict[Any, str] = {Torques: "torques", Currents: "currents"}
+DISABLED = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+ORDER, CUTOFF = 4, 2.0  # Hz; above, measured currents are mostly noise
+
+
+def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
+    """Yield lines of a table: the error of a model file's torque against a recording's currents,
+    beside those of the maker's model and of the study's prediction.
+
+    file: MJCF or URDF of six joints, as MuJoCo reads them, with the recording's payload; results:
+    results/<study>. Root mean square [Nm] of the low-passed torque in motion. Raises InputError for
+    what is not there.
+    """
+    recording, folder = recorded(results, name), results / "recordings" / name
+    parameters = results / "parameters" / recording.arm.known_as
+    signals, motion = (kind.read(folder / f"{part}.parquet") for kind, part in PARTS.items())
+    torques, currents = (kind.read(folder / f"{part}.parquet") for kind, part in MORE.items())
+    friction, arm = read_json(parameters / "friction.json"), load_robot(parameters / "arm.yaml")
+    if currents.predicted_current is None or signals.actual_current is None:
+        raise InputError(f"no current was predicted on {name}; the report of {results} says why")
+    fit = fit_for(name, friction)
+    measured = motor_torque(fit, signals.actual_current)
+    maker, gravity = arm.chosen_model, arm.mounted(recording.known_gravity()).gravity
+    compared = {
+        file.name: inverse_dynamics(file, motion, np.array(gravity)),
+        f"maker's model ({maker})": torques.measured[maker] + torques.payload_torque,
+        "this study's prediction": motor_torque(fit, currents.predicted_current),
+        "zero": np.zeros_like(measured),
+    }
+    slow = partial(zero_phase_lowpass, rate=1 / signals.period, order=ORDER, cutoff=CUTOFF)
+    still = np.abs(motion.qd) < MOVING
+    yield f"{'torque error [Nm], joint':<40}" + "".join(f"{joint:>9}" for joint in range(1, 7))
+    for label, torque in compared.items():
+        error = by_segment(slow, measured - torque, signals.segment)
+        error[still] = np.nan
+        rms = np.sqrt(np.nanmean(error**2, axis=0))
+        yield f"{label:<40}" + "".join(f"{value:>9.3f}" for value in rms)
+
+
+def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
+    """Return the torques (N, 6) [Nm] that a model needs for a motion, by MuJoCo.
+
+    gravity: (3,) [m/s²], base frame.
+
+    Raises InputError where MuJoCo cannot read the file, or it has not six joints.
+    """
+    try:
+        model = mujoco.MjModel.from_xml_path(str(file))
+    except ValueError as error:
+        raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
+    if model.nv != 6:
+        raise InputError(f"{file} has {model.nv} degrees of freedom instead of 6")
+    model.opt.disableflags |= (
+        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
+    )
+    data, torque = mujoco.MjData(model), np.empty_like(motion.q)
+    states = zip(motion.q, motion.qd, motion.qdd, strict=True)
+    for row, (data.qpos, data.qvel, data.qacc) in zip(torque, states, strict=True):
+        mujoco.mj_inverse(model, data)
+        row[:] = data.qfrc_inverse
+    return torque
