@@ -112,6 +112,11 @@ def _topic_arrays(
         detail = f"{path.name}: messages on {topic} about other joints than {', '.join(usual)}"
         count = len(messages) - len(kept)
         findings.append(Finding("robot", "other messages", "note", count, f"{detail}; left out"))
+    if usual and joint_order(usual) is None:
+        detail = (
+            f"{path.name}: {', '.join(usual)} on {topic} name no arm's joints; left as they are"
+        )
+        findings.append(Finding("robot", "unnamed joints", "note", len(usual), detail))
     arrays = {
         f"{topic}/stamp": np.array([message.stamp for message in kept]),
         f"{topic}/bag_stamp": np.array([message.bag_stamp for message in kept]),

@@ -89,7 +89,7 @@ def _wanted(tables: list[Mapping[str, Any]]) -> set[str]:
 
 def _table(named: Mapping[str, Any], arrays: Arrays, path: Path) -> pd.DataFrame:
     """Return `time` and the channels in SI units; named: `channels`, `units` and `time`."""
-    time = _seconds(_array(arrays, "time", named["channels"]["time"], path))
+    time = seconds_of(_array(arrays, "time", named["channels"]["time"], path))
     columns = {"time": time}
     for channel, given in named["channels"].items():
         if channel != "time":
@@ -116,7 +116,7 @@ def _columns(
 
 
 def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> np.ndarray:
-    """Return the array that a channel names, or its columns, each an array of its own, as (k, n).
+    """Return the array that a channel names, or those that hold its columns, joined as (k, n).
 
     A name stands for `<name>_0` ... too. Raises InputError where one is missing.
     """
@@ -129,16 +129,18 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
             f"{path}: {channel} names {missing[0]}, which the file lacks; correct `channels` in "
             "the study (`ur5 import` shows what a file holds), or copy the file again"
         )
-    columns = [arrays[name].ravel() for name in single]
-    if len({len(column) for column in columns}) > 1:
+    parts = [np.atleast_2d(arrays[name]) for name in single]
+    rows = max(parts[0].shape) if parts else 0
+    turned = [part if part.shape[1] == rows else part.T for part in parts]
+    if len({part.shape[1] for part in turned}) > 1:
         raise InputError(
             f"{path}: the columns of {channel} differ in length; correct `channels`, or record it "
             "again"
         )
-    return np.stack(columns)
+    return np.concatenate(turned)
 
 
-def _seconds(stamps: np.ndarray) -> np.ndarray:
+def seconds_of(stamps: np.ndarray) -> np.ndarray:
     """Return stamps (n,); pairs (n, 2) or (2, n) are seconds and nanoseconds."""
     pairs = stamps.T if stamps.ndim == 2 and stamps.shape[0] == 2 else stamps
     if pairs.ndim == 2 and pairs.shape[1] == 2:

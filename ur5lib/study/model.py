@@ -214,8 +214,8 @@ class StoredTable(Strict):
 
     channels: Annotated[dict[str, str | list[str]], AfterValidator(_maps_the_time)] = Field(
         description="the array of each channel: of `time` and of channels by their RTDE names, "
-        "without suffix; an array by its path in the file, or a list of one for each column. "
-        "Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
+        "without suffix; an array by its path in the file, or a list of those that hold its "
+        "columns. Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
     )
     units: dict[str, str] = Field(default={}, description=UNITS)
     time: TimeBase = Field("relative_s", description=TIME_BASE)
