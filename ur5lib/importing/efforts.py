@@ -4,9 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ur5lib.errors import InputError
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.readings import SURE, Order, slopes, unit_scores
+from ur5lib.importing.readings import SURE, Order, own_order, slopes, unit_scores
 from ur5lib.recordings.block_means import BlockMeans, size
 from ur5lib.recordings.exchanged import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
@@ -32,6 +33,9 @@ def name_efforts(
     units = {name: _unit(name, block, means, arm, order, account) for name, block in blocks.items()}
     currents = [blocks[name] for name, unit in units.items() if unit == "A"]
     smooth = _smoothest(currents, account)
+    for name, unit in units.items():
+        if unit is not None:
+            _expect_order(name, blocks[name], means, arm, order, account)
     found: dict[str, Block] = {}
     for name, block in blocks.items():
         unit = units[name]
@@ -67,6 +71,22 @@ def _unit(
         return None
     account.proven.append(f"{block.title} in {best}: {ratio}")
     return best
+
+
+def _expect_order(
+    name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, account: Account
+) -> None:
+    """Raise InputError where an effort's joints are in another order than the positions'."""
+    margin = own_order(means, name, arm, order)
+    if margin < -SURE:
+        raise InputError(
+            f"{block.title}: its joints are in another order than those of the positions: so "
+            "gravity and friction explain it better by far; bring both into one order"
+        )
+    if margin < SURE:
+        account.assumed.append(f"{block.title} has the joints' order of the positions")
+    else:
+        account.proven.append(f"{block.title} has the joints' order of the positions")
 
 
 def _smoothest(currents: list[Block], account: Account) -> Block | None:

@@ -34,8 +34,7 @@ def identified(
     ambiguous: the readings, and what would settle it.
     """
     arms = [described(name) for name in names or robot_names()]
-    few = readings.thinned(means)
-    likely = readings.readings(few, efforts, arms, readings.gravity_orders()) if efforts else []
+    likely = readings.likeliest(means, efforts, arms) if efforts else []
     by_name = names_order(moving.position, found)
     by_pose = _by_pose(found, moving, arms, account)
     if by_name:

@@ -65,8 +65,9 @@ def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
             channels[name] = [block]
     pushed = _pushed(wrench, account)
     sensor: list[Block] = []
-    if wrench and efforts:
-        frame = _frame(wrench, next(iter(efforts)), means, reading, account, pushed)
+    telling = [k for k, block in efforts.items() if any(block is its for its in named.values())]
+    if wrench:
+        frame = _frame(wrench, telling, means, reading, account, pushed)
         sensor = wrench if frame == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame == "base" else {}
     _account_for_silence(found, account)
@@ -121,7 +122,7 @@ def _means(
 
 def _frame(
     wrench: Sequence[Block],
-    effort: str,
+    efforts: Sequence[str],
     means: BlockMeans,
     reading: Reading,
     account: Account,
@@ -130,8 +131,10 @@ def _frame(
     """Return the frame of a wrench: base or flange, None where the efforts do not tell."""
     title = " and ".join(block.title for block in wrench)
     values, arm = means.currents["wrench"], described(reading.arm)
-    frame, apart = wrench_frame(means, effort, values, arm, reading.order)
-    if frame is None or not pushed:
+    frame, apart = None, 0.0
+    if pushed and efforts:
+        frame, apart = wrench_frame(means, efforts[0], values, arm, reading.order)
+    if frame is None:
         account.ambiguous.append(
             f"{title}: in the base's frame or the flange's (log-likelihoods {apart:.1f} apart, "
             f"changes up to {_change(wrench):.0f} N); left out: record a push in several postures"

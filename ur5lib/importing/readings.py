@@ -29,6 +29,8 @@ KNOWN = 0.2  # spread of torque constants around those of the joints' sizes
 MOST = 40  # blocks that are looked at
 INDEPENDENT = 0.25  # share of the blocks that count as independent
 SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
+CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
+LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
 HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
 
 
@@ -93,6 +95,18 @@ def readings(
     return sorted(found, key=lambda reading: -reading.score)
 
 
+def likeliest(means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot]) -> list[Reading]:
+    """Return the likeliest readings of all orders that gravity tells apart, the best first.
+
+    All are tried on few blocks, and those that explain these on all blocks.
+    """
+    first = readings(thinned(means), efforts, arms, gravity_orders())
+    close = [one for one in first if first[0].score - one.score < CLOSE]
+    by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
+    again = [readings(means, efforts, [a], by_arm[a.name]) for a in arms if by_arm[a.name]]
+    return sorted((one for few in again for one in few), key=lambda one: -one.score)
+
+
 def slopes(means: BlockMeans, effort: str, arm: Robot, order: Order) -> Array:
     """Return effort per torque of gravity (6,) of each joint [1/unit]; NaN where gravity is nil."""
     torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
@@ -113,6 +127,35 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dic
         "neither": _scores(means, free, 0 * torque, columns, arm)["A"]
     }
     return {unit: float(score[0]) for unit, score in scores.items()}
+
+
+def own_order(means: BlockMeans, effort: str, arm: Robot, order: Order) -> float:
+    """Return how much likelier an effort's columns have the positions' order than any other.
+
+    A difference of log-likelihoods; negative where another order explains the effort better.
+    """
+    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
+    values = means.currents[effort]
+    floor = NOISE**2 + LEVEL * (values**2).mean()
+    every = np.array(all_orders())
+    margins = []
+    for low, high in SLOPES.values():
+        left = [_left(means, values, torque[:, j], k, low, high) for j, k in enumerate(order)]
+        scores = -INDEPENDENT * len(values) / 2 * np.log(np.array(left) + floor)
+        margins.append(scores[np.arange(6), every].sum(axis=1))
+    total = np.max(margins, axis=0)
+    same = (every == order).all(axis=1)
+    return float(total[same][0] - total[~same].max())
+
+
+def _left(
+    means: BlockMeans, values: Array, gravity: Array, column: int, low: float, high: float
+) -> Array:
+    """Return the mean squares (6,) that gravity and motion of one joint leave of all efforts."""
+    basis, _ = np.linalg.qr(np.column_stack([means.friction(column), means.qdd[:, column]]))
+    own, free = _project(basis, gravity), _project(basis, values.T)
+    slope = np.clip(free @ own / (own @ own + 1e-12), low, high)
+    return np.asarray(((free - slope[:, None] * own) ** 2).mean(axis=1))
 
 
 def base_first(means: BlockMeans, efforts: Sequence[str], order: Order) -> bool | None:
