@@ -123,10 +123,11 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     if isinstance(given, str) and given in arrays:
         return arrays[given]
     single = [given + s for s in SUFFIXES.get(channel, [])] if isinstance(given, str) else given
-    missing = [name for name in single if name not in arrays] if single else [str(given)]
-    if missing:
+    missing = [name for name in single if name not in arrays]
+    if missing or not single:
+        named = given if isinstance(given, str) else missing[0]
         raise InputError(
-            f"{path}: {channel} names {missing[0]}, which the file lacks; correct `channels` in "
+            f"{path}: {channel} names {named}, which the file lacks; correct `channels` in "
             "the study (`ur5 import` shows what a file holds), or copy the file again"
         )
     parts = [np.atleast_2d(arrays[name]) for name in single]
