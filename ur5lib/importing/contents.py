@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS, Block, grouped
+from ur5lib.recordings.columns import expand
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stored import load_arrays, seconds_of
@@ -29,6 +30,7 @@ FORMATS = {
 }
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
+AGAIN = " again "  # and its number: a column whose name is taken
 EPOCH = 1e9  # s; stamps after 2001 count from 1970
 NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
     "time",
@@ -39,23 +41,34 @@ NIST = [  # the columns of NIST's UR5 degradation measurements, which have no he
 
 
 @dataclass(frozen=True)
-class Contents:
-    """A file's blocks by its format, and its clocks: stamps (N,) [s] by name.
+class Header:
+    """The columns of a delimited table, in the file's order.
 
-    units: of the clocks that are not in seconds; columns: of a delimited table, in the file's
-    order; repeated: those whose name a column before them has; silent: blocks that are zero
-    throughout; findings: what reading it found.
+    repeated: those whose name a column before them has; layout: whose columns a table without a
+    header is taken to have.
+    """
+
+    columns: list[str] = field(default_factory=list)
+    repeated: list[str] = field(default_factory=list)
+    layout: str = ""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A file's blocks, and its clocks: stamps (N,) [s] by name.
+
+    silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
+    findings: what reading it found.
     """
 
     path: Path
     format: str
+    header: Header
     blocks: list[Block]
+    silent: list[Block]
     clocks: dict[str, Array]
     units: dict[str, str]
-    columns: list[str] = field(default_factory=list)
-    repeated: list[str] = field(default_factory=list)
-    silent: list[Block] = field(default_factory=list)
-    findings: list[Finding] = field(default_factory=list)
+    findings: list[Finding]
 
     def time_base(self, clock: str) -> str:
         """Return the time base of a clock, as a study has it."""
@@ -71,12 +84,10 @@ def contents(path: Path) -> Contents:
             f"{', '.join(FORMATS)}, or write the entry by hand (raw/README.md)"
         )
     findings: list[Finding] = []
-    if format == "table-csv":
-        columns, repeated = header(path)
-        table = read_numbers(path, columns, "robot", findings)
-        arrays = {name: table[name].to_numpy() for name in columns}
+    header = read_header(path) if format == "table-csv" else Header()
+    if header.columns:
+        arrays = _table(path, header, findings)
     else:
-        columns, repeated = [], []
         arrays = load_arrays(format, path, None, findings)
     clocks, units = _clocks(arrays)
     if not clocks:
@@ -84,23 +95,42 @@ def contents(path: Path) -> Contents:
             f"{path}: none of {_listed(arrays)} increases like a clock; record the time, or write "
             "the entry by hand (raw/README.md)"
         )
-    every = [*_blocks(arrays, clocks, bool(columns) and columns[0].startswith(NAMELESS))]
+    every = [*_blocks(arrays, clocks, header.columns[:1] == nameless(1))]
     silent = [block for block in every if not np.nan_to_num(block.rows).any()]
     blocks = [block for block in every if not any(block is other for other in silent)]
-    return Contents(path, format, blocks, clocks, units, columns, repeated, silent, findings)
+    return Contents(path, format, header, blocks, silent, clocks, units, findings)
 
 
-def header(path: Path) -> tuple[list[str], list[str]]:
-    """Return the names of a table's columns, and those given to names that appear again.
-
-    Columns of a table without a header are called `column 1` and so on.
-    """
+def read_header(path: Path) -> Header:
+    """Return the columns of a table; of one without a header, `column 1` and so on."""
     cells = first_cells(path)
     if all(_is_number(cell) for cell in cells):
-        return [f"{NAMELESS}{k + 1}" for k in range(len(cells))], []
+        known = expand(NIST)
+        if len(cells) == len(known):
+            return Header(known, layout="NIST's UR5 degradation measurements")
+        return Header(nameless(len(cells)))
     first = {name: k for k, name in reversed([*enumerate(cells)])}
-    names = [name if first[name] == k else f"{name} again {k + 1}" for k, name in enumerate(cells)]
-    return names, [name for name in names if name not in first]
+    names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
+    return Header(names, [name for name in names if name not in first])
+
+
+def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
+    """Return a table's columns by name, each once. Raises InputError where equal names differ."""
+    table = read_numbers(path, header.columns, "robot", findings)
+    for name in header.repeated:
+        first = name.split(AGAIN)[0]
+        if not table[name].equals(table[first]):
+            raise InputError(
+                f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
+                "numbers; give each column its own name"
+            )
+    once = [name for name in header.columns if name not in header.repeated]
+    return {name: table[name].to_numpy() for name in once}
+
+
+def nameless(count: int) -> list[str]:
+    """Return names of columns that have none."""
+    return [f"{NAMELESS}{k + 1}" for k in range(count)]
 
 
 def _is_number(cell: str) -> bool:

@@ -49,9 +49,9 @@ def _of_table(proposal: Proposal) -> dict[str, Any]:
             for column, suffix in zip(order, SUFFIXES[channel], strict=True)
         }
     unchanged = all(name in (column, "time") for column, name in named.items())
-    if proposal.clock == "timestamp" and unchanged and not found.repeated:
+    if proposal.clock == "timestamp" and unchanged and not found.header.repeated:
         return {"format": "rtde-csv"}
-    columns = _shortened([named.get(column, SKIPPED) for column in found.columns])
+    columns = _shortened([named.get(column, SKIPPED) for column in found.header.columns])
     return {"columns": columns} | _units(proposal) | _time(proposal)
 
 

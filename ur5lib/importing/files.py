@@ -43,7 +43,9 @@ def import_files(paths: Sequence[Path], arms: Sequence[str]) -> list[Imported]:
             imported[one.path] = _like(other, one)
             del refused[one.path]
     complaints = [str(error) for error in refused.values()]
-    complaints += [text for its in imported.values() for text in contradictions(its.entry)]
+    for path, its in imported.items():
+        imported[path], contradicted = _checked(its)
+        complaints += contradicted
     if complaints:
         raise InputError("\n".join(complaints))
     _number_names([imported[one.path].entry for one in found])
@@ -65,6 +67,17 @@ def write_study(imported: Sequence[Imported], path: Path) -> None:
     write_text(study_yaml(name, title, entries), path)
 
 
+def _checked(one: Imported) -> tuple[Imported, list[str]]:
+    """Return an entry, as `validate` where only the role `fit` is contradicted, and complaints."""
+    complaints = contradictions(one.entry)
+    other = one.entry | {"role": "validate"}
+    if not complaints or one.entry["role"] != "fit" or contradictions(other):
+        return one, complaints
+    reason = complaints[0].split(": ", 1)[-1]
+    comments = [line for line in one.comments if not line.startswith("# assumed: role")]
+    return Imported(other, [*comments, f"# assumed: role validate, as {reason}"]), []
+
+
 def contradictions(its: dict[str, Any]) -> list[str]:
     """Return what contradicts an entry when the recording is read through it."""
     study = parse_study({"study": "import", "title": "Import", "recordings": [its]}, "the entry")
@@ -77,7 +90,8 @@ def _of_same_columns(
     one: Contents, found: Sequence[Contents], imported: Mapping[Path, Imported]
 ) -> Imported | None:
     """Return what was understood and has the same columns as a file that tells too little."""
-    alike = (o for o in found if o.columns and o.columns == one.columns and o.path in imported)
+    columns = one.header.columns
+    alike = (o for o in found if columns and o.header.columns == columns and o.path in imported)
     return next((imported[other.path] for other in alike), None)
 
 

@@ -178,11 +178,11 @@ def _sure_arm(found: Contents, likely: Sequence[Reading], given: bool, account: 
     rival = next((one for one in likely if one.arm != best.arm), None)
     if rival is None and given:
         account.assumed.append(f"robot {best.arm}, as given")
-    elif rival and best.score - rival.score < SURE and _is_named(found, best, likely):
+    elif named := _named(found, likely):
         account.assumed.append(
-            f"robot {best.arm}, as the file's name says: the efforts prefer it to {rival.arm}, too "
-            "little for a proof"
+            f"robot {named.arm}, as the file's name says: the efforts fit others about as well"
         )
+        return named
     elif rival and best.score - rival.score < SURE:
         raise ambiguous(
             found,
@@ -196,11 +196,12 @@ def _sure_arm(found: Contents, likely: Sequence[Reading], given: bool, account: 
     return best
 
 
-def _is_named(found: Contents, best: Reading, likely: Sequence[Reading]) -> bool:
-    """Return whether the file's name names the best arm, and no other that explains as much."""
-    near = {one.arm for one in likely if best.score - one.score < SURE}
+def _named(found: Contents, likely: Sequence[Reading]) -> Reading | None:
+    """Return the only one of several likely arms that the file's name names."""
+    near = [one for one in likely if likely[0].score - one.score < SURE]
     words = {*re.split(r"[^a-z0-9]+", found.path.name.lower())}
-    return near & words == {best.arm}
+    named = [one for one in near if one.arm in words]
+    return named[0] if len(named) == 1 and len(near) > 1 else None
 
 
 def in_words(order: Order) -> str:

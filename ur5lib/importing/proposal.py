@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import Contents
+from ur5lib.importing.contents import AGAIN, Contents
 from ur5lib.importing.efforts import name_efforts
 from ur5lib.importing.identity import identified
 from ur5lib.importing.motion import Motion, find_motion
@@ -21,7 +21,13 @@ from ur5lib.recordings.frames import repair_frames
 
 FEWEST = 8  # blocks of 0.1 s
 EFFORTS = ("effort", "actual_current", "target_current", "target_moment")
-OTHERS = ("actual_TCP_pose", "actual_TCP_force", "actual_TCP_speed", "joint_temperatures")
+OTHERS = (
+    "joint_control_output",
+    "actual_TCP_pose",
+    "actual_TCP_force",
+    "actual_TCP_speed",
+    "joint_temperatures",
+)
 PUSHED = 10.0  # N; a wrench that changes by more is a contact
 
 
@@ -70,7 +76,7 @@ def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
         frame = _frame(wrench, telling, means, reading, account, pushed)
         sensor = wrench if frame == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame == "base" else {}
-    _account_for_silence(found, account)
+    _account_for_columns(found, account)
     return Proposal(
         found, clock, reading.arm, reading.order, channels, moving.units, account, sensor, pushed
     )
@@ -158,7 +164,13 @@ def _pushed(wrench: Sequence[Block], account: Account) -> bool:
     return False
 
 
-def _account_for_silence(found: Contents, account: Account) -> None:
+def _account_for_columns(found: Contents, account: Account) -> None:
+    """Tell what of a file is left out, and on whose word a table's columns were named."""
+    if found.header.layout:
+        account.assumed.append(f"columns as of {found.header.layout}")
+    for name in found.header.repeated:
+        first = name.split(AGAIN)[0]
+        account.proven.append(f"{first} appears twice in the header; read once, the first")
     silent = [block.title for block in found.silent]
     if silent:
         more = ", ..." if len(silent) > 5 else ""

@@ -26,8 +26,6 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         if head[512:] == HDF5_INSIDE or head.startswith(HDF5_INSIDE):
             return hdf5_arrays(path, wanted, findings)
         content = scipy.io.loadmat(path, simplify_cells=True)
-    except OSError:
-        raise
     except Exception as error:  # of damaged files, the library may raise anything
         raise damaged(path, "a MAT file", error) from error
     return {name: values for name, values in _leaves(content) if wanted is None or name in wanted}

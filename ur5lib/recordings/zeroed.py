@@ -4,15 +4,22 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.quality import Finding
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 FAR = 5.0  # times the largest usual step; a value that falls to zero by more was not received
 USUAL = 0.99  # quantile of a column's steps that is still usual
+NOISY = "actual_current_"  # channels that are never zero for long while other joints' are not
+LONG = 5  # rows
 
 
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
-    """Return a table with NaN where a column falls to exactly zero at once, and returns as fast."""
-    wrong = np.stack([_zeroed(column) for column in table.to_numpy(float).T], axis=1)
+    """Return a table with NaN where a column falls to exactly zero at once, or a current is zero
+    while those of other joints are not.
+    """
+    wrong = np.stack([_fallen(column) for column in table.to_numpy(float).T], axis=1)
+    noisy = [k for k, name in enumerate(table) if name.startswith(NOISY)]
+    if noisy:
+        wrong[:, noisy] |= _dead(table.iloc[:, noisy].to_numpy(float))
     if not wrong.any():
         return table
     detail = "values fall to exactly zero at once, as where a file lost a block; not used"
@@ -21,16 +28,32 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     return table.mask(wrong)
 
 
-def _zeroed(column: Array) -> Mask:
+def _fallen(column: Array) -> Mask:
     """Return which cells (N,) of a column lie in runs of zeros that begin or end in a leap."""
     zero = column == 0.0
-    steps = np.abs(np.diff(column[~zero]))
+    known = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
+    steps = np.abs(np.diff(known))
     wrong = np.zeros(len(column), dtype=bool)
     if not zero.any() or not len(steps):
         return wrong
-    leap = FAR * np.nanquantile(steps, USUAL)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], zero, [False]])))
-    for start, end in edges.reshape(-1, 2):
+    leap = FAR * np.quantile(steps, USUAL)
+    for start, end in _runs(zero):
         beside = [column[k] for k in (start - 1, end) if 0 <= k < len(column)]
-        wrong[start:end] = bool(beside) and max(np.abs(beside)) > leap
+        wrong[start:end] = bool(beside) and np.nanmax(np.abs(beside)) > leap
     return wrong
+
+
+def _dead(currents: Array) -> Mask:
+    """Return which cells (N, k) lie in long runs of zeros of some joints, not of all."""
+    zero = (currents == 0.0) & ~(currents == 0.0).all(axis=1, keepdims=True)
+    wrong = np.zeros_like(zero)
+    for joint, column in enumerate(zero.T):
+        for start, end in _runs(column):
+            wrong[start:end, joint] = end - start >= LONG and not column.all()
+    return wrong
+
+
+def _runs(flags: Mask) -> Labels:
+    """Return where runs of True (n, 2) begin and end."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return edges.reshape(-1, 2)
