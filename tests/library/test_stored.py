@@ -1,11 +1,14 @@
 """Files that hold arrays: HDF5, MAT, ROS 2 bags, Parquet, Feather, one file a channel."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.stored_corpus import KINDS, damaged, objection
 from tests.stored_files import (
     JOINTS,
     WRITERS,
@@ -189,3 +192,20 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     told = {finding["finding"] for finding in taken.quality["findings"]}
     assert {"no velocities", "currents from torques"} <= told
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
+
+
+def test_damaged_files_get_an_honest_answer(tmp_path: Path, ur5: Robot) -> None:
+    """`python -m tests.stored_corpus 3000` tries more of them."""
+    made = made_up_channels(tmp_path, seconds=4)
+    wholes = {kind: read_and_repair(write(kind, tmp_path, *made), ur5, 0.1) for kind in KINDS}
+    told = []
+    for kind, label, entry in damaged(tmp_path, made, 80, seed=3):
+        fault = objection(entry, ur5, wholes[kind], "flipped" in label)[1]
+        told += [f"{label}: {fault}"] if fault else []
+    assert not told, "\n".join(told)
+
+
+def test_packages_of_a_format_are_loaded_with_its_files_only() -> None:
+    program = "import sys, ur5lib.recordings.intake; "
+    program += "sys.exit(any(p in sys.modules for p in ('h5py', 'rosbags', 'scipy.io')))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -67,7 +67,9 @@ def _collect(
         if connection.msgtype in FIELDS
         and (wanted is None or any(name.startswith(f"{connection.topic}/") for name in wanted))
     ]
+    missing = sum(connection.msgcount for connection in known)
     for connection, received, raw in bag.messages(connections=known) if known else ():
+        missing -= 1
         try:
             message = bag.deserialize(raw, connection.msgtype)
             fields, names = FIELDS[connection.msgtype](message)
@@ -79,6 +81,8 @@ def _collect(
         topics.setdefault(connection.topic, []).append(
             Message(seconds, received * 1e-9, fields, names)
         )
+    if missing > 0:
+        lost["messages that its index counts and the bag does not hold"] += missing
 
 
 def _joint_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:

@@ -9,17 +9,20 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 FAR = 5.0  # times the largest usual step; a value that falls to zero by more was not received
 USUAL = 0.99  # quantile of a column's steps that is still usual
 NOISY = "actual_current_"  # channels that are never zero for long while other joints' are not
-LONG = 5  # rows
+LONG, POWERED = 5, 50  # rows
+SMALLEST = 1e-30  # in any unit; values nearer to zero are no measurements but stray bytes
 
 
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with NaN where a column falls to exactly zero at once, or a current is zero
     while those of other joints are not.
     """
-    wrong = np.stack([_fallen(column) for column in table.to_numpy(float).T], axis=1)
+    values = table.to_numpy(float)
+    stray = (values != 0.0) & (np.abs(values) < SMALLEST)
+    wrong = stray | np.stack([_fallen(column) for column in values.T], axis=1)
     noisy = [k for k, name in enumerate(table) if name.startswith(NOISY)]
     if noisy:
-        wrong[:, noisy] |= _dead(table.iloc[:, noisy].to_numpy(float))
+        wrong[:, noisy] |= _dead(values[:, noisy])
     if not wrong.any():
         return table
     detail = "values fall to exactly zero at once, as where a file lost a block; not used"
@@ -44,9 +47,15 @@ def _fallen(column: Array) -> Mask:
 
 
 def _dead(currents: Array) -> Mask:
-    """Return which cells (N, k) lie in long runs of zeros of some joints, not of all."""
-    zero = (currents == 0.0) & ~(currents == 0.0).all(axis=1, keepdims=True)
+    """Return which cells (N, k) lie in long runs of zeros of some joints, or short ones of all.
+
+    An arm without power has zeros of all joints for long.
+    """
+    off = (currents == 0.0).all(axis=1)
+    zero = (currents == 0.0) & ~off[:, None]
     wrong = np.zeros_like(zero)
+    for start, end in _runs(off):
+        wrong[start:end] = end - start < POWERED
     for joint, column in enumerate(zero.T):
         for start, end in _runs(column):
             wrong[start:end, joint] = end - start >= LONG and not column.all()
