@@ -80,6 +80,11 @@ def nothing(data: bytes, random: np.random.Generator) -> bytes:
     return b""
 
 
+def is_in_place(label: str) -> bool:
+    """Whether a damage changed bytes and moved none."""
+    return label.endswith((flipped_head.__name__, garbled.__name__))
+
+
 DAMAGES: list[Damage] = [cut, zeroed, garbled, flipped_head, lost, inserted, text, nothing]
 WEIGHTS = np.array([5, 5, 5, 5, 3, 3, 0.5, 0.3])
 
@@ -99,10 +104,11 @@ def damaged(
         yield kind, f"{index}: {kind}, {damage.__name__}", whole[kind] | {"file": path.name}
 
 
-def objection(entry: dict[str, Any], arm: Robot, whole: Intake, flipped: bool) -> tuple[str, str]:
+def objection(entry: dict[str, Any], arm: Robot, whole: Intake, in_place: bool) -> tuple[str, str]:
     """What came of a damaged file, and what is dishonest about it.
 
-    Refused, told, right, or possible: a few numbers that changed, no more than flipped bytes.
+    Refused, told, right, or possible: a few numbers that changed within what an arm
+    may do, where bytes changed in place.
     """
     try:
         with time_limit(SECONDS):
@@ -116,7 +122,7 @@ def objection(entry: dict[str, Any], arm: Robot, whole: Intake, flipped: bool) -
     named = names_of(taken) - names_of(whole)
     lost, wrong = differences(taken, whole)
     if (wrong or lost) and not named:
-        few = flipped and not lost and sum(wrong.values()) <= FLIPPED
+        few = in_place and not lost and sum(wrong.values()) <= FLIPPED
         fault = f"silently wrong: {wrong}, {lost} frames fewer"
         return ("possible", "") if few else ("wrong", fault)
     return ("told" if named else "right"), ""
@@ -151,7 +157,7 @@ def main(count: int, seed: int) -> int:
         made = made_up_channels(folder, seconds=4)
         wholes = {k: read_and_repair(write(k, folder, *made), arm, 0.1) for k in KINDS}
         for kind, label, entry in damaged(folder, made, count, seed):
-            outcome, fault = objection(entry, arm, wholes[kind], "flipped" in label)
+            outcome, fault = objection(entry, arm, wholes[kind], is_in_place(label))
             outcomes[outcome] += 1
             faults += [f"{label}: {fault}"] if fault else []
     print(dict(outcomes), *faults, sep="\n")

@@ -26,7 +26,8 @@ from ur5lib.importing.files import import_files
 from ur5lib.importing.proposal import propose
 from ur5lib.recordings.columns import expand
 from ur5lib.recordings.formats import read_recording
-from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.statics import link_frames
 from ur5lib.study.reading import parse_study
 
 ORDER = np.array([2, 1, 0, 3, 4, 5])  # elbow, lift, pan, as a lab records them
@@ -111,6 +112,30 @@ def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> Non
     entry, said = entry_and_comments(tmp_path / "run.h5")
     assert "run/effort" not in entry["channels"].values()
     assert "ambiguous: run/effort" in said
+
+
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
+    tmp_path: Path, made: Made, ur5: Robot, frame: str
+) -> None:
+    """The base's frame: the arm on its surroundings; the flange's: these on the arm."""
+    time, channels = made
+    rotation, origin = link_frames(ur5, channels["actual_q"])
+    axes, lever = rotation[:, :6, :, 2], origin[:, 6:] - origin[:, :6]
+    force = 20 * np.sin(np.outer(time, [2.0, 3.1, 4.3]))
+    torque = np.einsum("nji,ni->nj", np.cross(axes, lever), force)  # by the arm, base frame
+    pushed = channels | {"actual_current": channels["actual_current"] + torque / 10}
+    sensed = force if frame == "base" else -np.einsum("nji,nj->ni", rotation[:, 6], force)
+    wrench = {"force": sensed, "torque": 0 * sensed + 1e-6}
+    write_hdf5(tmp_path / "run.h5", time, pushed | wrench)
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert entry["role"] == "contact"
+    assert f"in the {frame}'s frame: only so" in said
+    if frame == "base":
+        assert entry["channels"]["actual_TCP_force"] == ["run/force", "run/torque"]
+    else:
+        its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
+        assert entry["force_sensor"]["channels"] == its
 
 
 def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.stored_corpus import KINDS, damaged, objection
+from tests.stored_corpus import KINDS, damaged, is_in_place, objection
 from tests.stored_files import (
     JOINTS,
     WRITERS,
@@ -200,7 +200,7 @@ def test_damaged_files_get_an_honest_answer(tmp_path: Path, ur5: Robot) -> None:
     wholes = {kind: read_and_repair(write(kind, tmp_path, *made), ur5, 0.1) for kind in KINDS}
     told = []
     for kind, label, entry in damaged(tmp_path, made, 80, seed=3):
-        fault = objection(entry, ur5, wholes[kind], "flipped" in label)[1]
+        fault = objection(entry, ur5, wholes[kind], is_in_place(label))[1]
         told += [f"{label}: {fault}"] if fault else []
     assert not told, "\n".join(told)
 

@@ -15,6 +15,7 @@ from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # share of a measured effort's residual that friction explains at least
+UNITS = {"A": "A", "Nm": "Nm", "neither": "a torque from which a driver took gravity"}
 CHANNELS = {  # by unit, and whether it is a target
     ("A", False): "actual_current",
     ("A", True): "target_current",
@@ -65,8 +66,8 @@ def _unit(
     ratio = f"gravity on joint {joint + 1} is {1 / (slope or np.inf):.3g} Nm per unit of it"
     if best == "neither" or scores[best] - scores[rival] < SURE:
         account.ambiguous.append(
-            f"{block.title}: {best} and {rival} of A and Nm explain it as well ({ratio}), as where "
-            "a driver subtracts gravity; left out: record currents, or several postures"
+            f"{block.title}: its unit, {UNITS[best]} or {UNITS[rival]} ({ratio}); left out: record "
+            "currents, or more postures"
         )
         return None
     account.proven.append(f"{block.title} in {best}: {ratio}")

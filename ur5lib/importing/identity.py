@@ -34,9 +34,10 @@ def identified(
     ambiguous: the readings, and what would settle it.
     """
     arms = [described(name) for name in names or robot_names()]
-    likely = readings.likeliest(means, efforts, arms) if efforts else []
     by_name = names_order(moving.position, found)
     by_pose = _by_pose(found, moving, arms, account)
+    weighed = efforts and (by_name or not by_pose)
+    likely = readings.likeliest(means, efforts, arms) if weighed else []
     if by_name:
         account.proven.append(f"the joints' order, by their names in {moving.position.title}")
         _expect_agreement(likely, found)

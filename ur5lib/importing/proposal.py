@@ -71,7 +71,8 @@ def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
             channels[name] = [block]
     pushed = _pushed(wrench, account)
     sensor: list[Block] = []
-    telling = [k for k, block in efforts.items() if any(block is its for its in named.values())]
+    measured = [block for name, block in named.items() if name.startswith("actual")]
+    telling = [name for name, block in efforts.items() if any(block is its for its in measured)]
     if wrench:
         frame = _frame(wrench, telling, means, reading, account, pushed)
         sensor = wrench if frame == "flange" else []

@@ -87,7 +87,8 @@ def readings(
         postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, 6)
         torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, 6))
         torque = torque.reshape(postures.shape)
-        scores = [_scores(means, free[name], torque, columns, arm) for name in efforts]
+        constants = arm.maker_torque_constants()
+        scores = [_scores(means, free[name], torque, columns, constants) for name in efforts]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         for place, order in enumerate(orders):
             units = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
@@ -123,9 +124,9 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dic
     """Return the log-likelihood of each unit of an effort, and that it holds no gravity."""
     torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])[None]
     free, columns = _without_motion(means, means.currents[effort]), np.array([order])
-    scores = _scores(means, free, torque, columns, arm) | {
-        "neither": _scores(means, free, 0 * torque, columns, arm)["A"]
-    }
+    unknown = [math.nan] * 6
+    scores = _scores(means, free, torque, columns, unknown)
+    scores |= {"neither": _scores(means, free, 0 * torque, columns, unknown)["A"]}
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
@@ -204,9 +205,12 @@ def _without_motion(means: BlockMeans, effort: Array) -> Array:
 
 
 def _scores(
-    means: BlockMeans, effort: Array, torque: Array, columns: Labels, arm: Robot
+    means: BlockMeans, effort: Array, torque: Array, columns: Labels, constants: Sequence[float]
 ) -> dict[str, Array]:
-    """Return the log-likelihood of each order (K,) by unit; torque: (K, M, 6) of gravity."""
+    """Return the log-likelihood of each order (K,) by unit.
+
+    torque: (K, M, 6) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
+    """
     count = INDEPENDENT * torque.shape[1]
     total = {unit: np.zeros(len(columns)) for unit in SLOPES}
     for column in range(6):
@@ -215,7 +219,7 @@ def _scores(
             rows = columns[:, joint] == column
             own = _project(basis, torque[rows, :, joint])
             slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)
-            known = arm.maker_torque_constants()[joint]
+            known = constants[joint]
             for unit, (low, high) in SLOPES.items():
                 bounded = np.clip(slope, low, high)
                 left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)

@@ -9,8 +9,11 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 FAR = 5.0  # times the largest usual step; a value that falls to zero by more was not received
 USUAL = 0.99  # quantile of a column's steps that is still usual
 NOISY = "actual_current_"  # channels that are never zero for long while other joints' are not
+SLOW = 0.1  # rad/s; drivers round smaller velocities to zero
 LONG, POWERED = 5, 50  # rows
-SMALLEST = 1e-30  # in any unit; values nearer to zero are no measurements but stray bytes
+SMALLEST = (
+    1e-50  # in any unit; single precision ends at 1e-45, what is nearer to zero is stray bytes
+)
 
 
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -19,7 +22,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """
     values = table.to_numpy(float)
     stray = (values != 0.0) & (np.abs(values) < SMALLEST)
-    wrong = stray | np.stack([_fallen(column) for column in values.T], axis=1)
+    fallen = [_fallen(values[:, k], _least(name)) for k, name in enumerate(table)]
+    wrong = stray | np.stack(fallen, axis=1)
     noisy = [k for k, name in enumerate(table) if name.startswith(NOISY)]
     if noisy:
         wrong[:, noisy] |= _dead(values[:, noisy])
@@ -31,7 +35,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     return table.mask(wrong)
 
 
-def _fallen(column: Array) -> Mask:
+def _least(name: str) -> float:
+    """Return the smallest leap of a channel; slow joints have velocities of exactly zero."""
+    return SLOW if "_qd_" in name else 0.0
+
+
+def _fallen(column: Array, least: float) -> Mask:
     """Return which cells (N,) of a column lie in runs of zeros that begin or end in a leap."""
     zero = column == 0.0
     known = column[~zero & (np.abs(column) < np.sqrt(np.finfo(float).max))]
@@ -39,7 +48,7 @@ def _fallen(column: Array) -> Mask:
     wrong = np.zeros(len(column), dtype=bool)
     if not zero.any() or not len(steps):
         return wrong
-    leap = FAR * np.quantile(steps, USUAL)
+    leap = max(least, FAR * np.quantile(steps, USUAL))
     for start, end in _runs(zero):
         beside = [column[k] for k in (start - 1, end) if 0 <= k < len(column)]
         wrong[start:end] = bool(beside) and np.nanmax(np.abs(beside)) > leap
