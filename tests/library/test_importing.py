@@ -1,5 +1,6 @@
 """`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ import pytest
 import yaml
 
 from tests.conftest import shared_folder
+from tests.stored_corpus import damaged
 from tests.stored_files import (
     Made,
     made_up_channels,
@@ -165,6 +167,14 @@ def test_velocities_in_another_order_are_refused(tmp_path: Path, made: Made) -> 
         import_files([tmp_path / "run.h5"], [])
 
 
+def test_names_that_gravity_contradicts_are_refused(tmp_path: Path, made: Made) -> None:
+    time, channels = shuffled(made, ORDER)
+    kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_current")}
+    write_bag(tmp_path / "run.db3", time, kept)
+    with pytest.raises(InputError, match=r"that of the names and .* by far.*; check the names"):
+        import_files([tmp_path / "run.db3"], [])
+
+
 def test_two_arms_that_fit_as_well_are_refused(tmp_path: Path, made: Made) -> None:
     """Currents that follow the gravity of a UR10 and as well that of a UR10e."""
     kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
@@ -206,6 +216,15 @@ def test_three_commands_are_named(
         cli.main()
     assert "next: ur5 check" in capsys.readouterr().out
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
+
+
+def test_damaged_files_are_imported_right_or_refused(tmp_path: Path) -> None:
+    made = made_up_channels(tmp_path, seconds=4)
+    for _, label, damage in damaged(tmp_path, made, 20, seed=4):
+        with suppress(InputError):
+            entry, _ = entry_and_comments(tmp_path / damage["file"], robot="ur5")
+            assert entry["channels"].items() <= damage["channels"].items(), label
+            assert "joints" not in entry, label
 
 
 # Real recordings

@@ -30,6 +30,7 @@ FORMATS = {
 }
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
+HUGE = 1e9  # in any unit of a channel
 AGAIN = " again "  # and its number: a column whose name is taken
 EPOCH = 1e9  # s; stamps after 2001 count from 1970
 NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
@@ -179,15 +180,21 @@ def _blocks(
             continue
         if values.ndim == 2 and 1 not in values.shape:
             tall = values if values.shape[0] == len(clocks[clock]) else values.T
-            yield Block((name,), tall.astype(float), clock)
+            yield Block((name,), _possible(tall), clock)
         else:
             single.append(name)
     groups = _by_place(single, len(arrays)) if nameless else [*grouped(single)]
     for names in groups:
         clock = _clock_of(names[0], arrays[names[0]].size, clocks)
-        columns = [arrays[name].ravel().astype(float) for name in names]
+        columns = [_possible(arrays[name].ravel()) for name in names]
         if clock and len({len(column) for column in columns}) == 1:
             yield Block(names, np.stack(columns, axis=1), clock)
+
+
+def _possible(values: np.ndarray) -> Array:
+    """Return values with NaN for those that no device writes."""
+    known = values.astype(float)
+    return np.where(np.abs(known) < HUGE, known, np.nan)
 
 
 def _by_place(names: list[str], count: int) -> list[tuple[str, ...]]:

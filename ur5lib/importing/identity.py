@@ -72,8 +72,8 @@ def names_order(position: Block, found: Contents) -> bool:
 
 def _expect_agreement(likely: Sequence[Reading], found: Contents) -> None:
     """Raise InputError where gravity contradicts the names."""
-    named = next((one for one in likely if one.order == IN_ORDER), None)
-    if named and likely[0].score - named.score > 3 * SURE:
+    named = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
+    if likely and likely[0].score - named > 3 * SURE:
         raise ambiguous(
             found,
             "the joints' order",

@@ -128,7 +128,7 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
         named = given if isinstance(given, str) else missing[0]
         raise InputError(
             f"{path}: {channel} names {named}, which the file lacks; correct `channels` in "
-            "the study (`ur5 import` shows what a file holds), or copy the file again"
+            "the study (`ur5 import` writes them), or copy the file again"
         )
     parts = [np.atleast_2d(arrays[name]) for name in single]
     rows = max(parts[0].shape) if parts else 0
