@@ -182,6 +182,8 @@ def check_ur5(words: list[str]) -> str | None:
 
 
 def check_python(words: list[str]) -> str | None:
+    if words[0] == "-m":
+        words = [words[1].replace(".", "/") + ".py", *words[2:]]
     script = PROJECT / words[0]
     if not script.is_file():
         return f"there is no {words[0]}"

@@ -54,6 +54,31 @@ def check(
         raise SystemExit(1)
 
 
+@app.command(name="import")
+def import_(
+    files: Annotated[list[Path], typer.Argument(help="recordings of any known format")],
+    robot: Annotated[
+        str | None, typer.Option(help="name of the arm, where the files do not tell it")
+    ] = None,
+    write: Annotated[
+        Path | None, typer.Option(help="study file to write; default: print the entries")
+    ] = None,
+) -> None:
+    """Propose the study entry of recordings, with what is proven, assumed and ambiguous."""
+    from ur5lib.importing.files import as_entries, import_files, write_study
+
+    if robot is not None:
+        _load(robot)
+    imported = import_files(files, [robot] if robot else [])
+    if write is None:
+        typer.echo(as_entries(imported), nl=False)
+        return
+    write_study(imported, write)
+    for one in imported:
+        typer.echo("\n".join([f"{one.entry['name']}:", *one.comments]))
+    typer.echo(f"{write}: {len(imported)} recordings; next: ur5 check {write}")
+
+
 @app.command()
 def audit(
     study: Annotated[

@@ -25,7 +25,8 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"pipeline"},
     "study": BASE | ROOMS | {"pipeline", "report"},
-    "cli": BASE | ROOMS | {"datasets", "report", "study"},
+    "importing": BASE | {"recordings", "study"},
+    "cli": BASE | ROOMS | {"datasets", "importing", "report", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",

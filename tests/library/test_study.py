@@ -14,6 +14,11 @@ from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
 from ur5lib.study.reading import RENAMED, parse_study
 from ur5lib.study.settings_table import settings_text
 
+FORMATS = (
+    "thesis-csv, realtime-stream, rtde-csv, table-csv, feather, hdf5, mat, parquet, rosbag, "
+    "channel-files"
+)
+
 
 @pytest.fixture
 def raw(tmp_path: Path) -> dict[str, Any]:
@@ -71,7 +76,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (
             lambda raw: raw["recordings"][0].update(format="thesis"),
             "`recordings[0].format` is 'thesis' (did you mean `thesis-csv`?); "
-            "give one of thesis-csv, realtime-stream, rtde-csv, table-csv",
+            f"give one of {FORMATS}",
         ),
         (
             lambda raw: raw["recordings"][0].update(name="../run"),
@@ -98,8 +103,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
          "unknown key `recordings[0].imu.tim` (did you mean `time`?); "
          "known keys: file, columns, units, time, start_file, start"),
         (lambda raw: raw["recordings"][0].pop("format"),
-         "`recordings[0].format` is missing; give one of "
-         "thesis-csv, realtime-stream, rtde-csv, table-csv"),
+         f"`recordings[0].format` is missing; give one of {FORMATS}"),
         (lambda raw: raw["recordings"][0].pop("role"),
          "`recordings[0].role` is missing; give one of fit, validate, contact"),
         (lambda raw: raw.update(recordings=[]),

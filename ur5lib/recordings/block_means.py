@@ -1,5 +1,6 @@
 """Means of a robot table's channels over short blocks, for checks of the arm's statics."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ FILLED = 0.6  # share of a block's frames that may have been lost; in some recor
 SLOW = 0.02  # rad/s; faster joints have their full friction
 TINY = 1e-300
 SHORT = 1e-4  # of the regressor's square; keeps first moments small that nothing determines
+CURRENTS = ("actual_current", "target_current")
 
 
 @dataclass(frozen=True)
@@ -45,12 +47,14 @@ class BlockMeans:
         return np.column_stack([np.tanh(qd / SLOW), qd])
 
 
-def block_means(robot: pd.DataFrame, period: float) -> BlockMeans:
+def block_means(
+    robot: pd.DataFrame, period: float, currents: Sequence[str] = CURRENTS
+) -> BlockMeans:
     """Return the means over blocks without a split, mostly of received frames.
 
-    robot: repaired, on a uniform grid with this period [s].
+    robot: repaired, on a uniform grid with this period [s]; currents: channels that hold currents.
     """
-    names = ("actual_q", "actual_qd", "target_moment", "actual_current", "target_current")
+    names = ("actual_q", "actual_qd", "target_moment", *currents)
     channels = {name: channel(robot, name) for name in names if f"{name}_0" in robot}
     channels.setdefault("actual_qd", np.gradient(channels["actual_q"], period, axis=0))
     rows = _blocks(robot, [*channels.values()], round(BLOCK / period))

@@ -43,12 +43,27 @@ SUFFIXES = {  # of vector channels; all other channels have one column
     "imu_g": XYZ,
     "imu_m": XYZ,
 }
+JOINT_CHANNELS = [  # a column for each joint; the other vectors of six are poses and wrenches
+    "actual_q",
+    "actual_qd",
+    "actual_current",
+    "actual_joint_voltage",
+    "actual_current_as_torque",
+    "target_q",
+    "target_qd",
+    "target_qdd",
+    "target_current",
+    "target_moment",
+    "joint_temperatures",
+    "joint_control_output",
+]
 FACTORS = {  # from these units to SI
     "deg": np.pi / 180,
     "deg/s": np.pi / 180,
     "deg/s2": np.pi / 180,
     "ms": 1e-3,
     "us": 1e-6,
+    "ns": 1e-9,
     "mA": 1e-3,
     "mm": 1e-3,
     "mNm": 1e-3,

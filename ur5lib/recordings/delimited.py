@@ -36,7 +36,7 @@ def read_numbers(
     data = _read_text(path, device, findings)
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
     first = data[top : _end_of_line(data, top)].strip()
-    delimiter = next((mark for mark in (b";", b",", b"\t") if mark in first), b" ")
+    delimiter = _delimiter(first)
     if delimiter == b";" and b"," in data:
         findings.append(
             Finding(device, "decimal commas", "note", 1, f"{path.name}: read as decimal points")
@@ -72,6 +72,19 @@ def first_line(path: Path) -> str:
     """Return the beginning of a file, for messages."""
     with path.open("rb") as stream:
         return repr(stream.readline(60).decode(errors="replace").strip())
+
+
+def first_cells(path: Path) -> list[str]:
+    """Return the cells of a table's first line, below comments. Raises InputError as reading it."""
+    data = _read_text(path, "robot", [])
+    top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
+    first = data[top : _end_of_line(data, top)].strip()
+    delimiter = _delimiter(first)
+    return [cell.decode(errors="replace").strip() for cell in first.split(delimiter)]
+
+
+def _delimiter(line: bytes) -> bytes:
+    return next((mark for mark in (b";", b",", b"\t") if mark in line), b" ")
 
 
 def _read_text(path: Path, device: Device, findings: list[Finding]) -> bytes:

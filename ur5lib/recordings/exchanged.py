@@ -64,12 +64,13 @@ def _apart(frames: pd.DataFrame, moves: Mask, position: str, velocity: str) -> A
 
 def _current(frames: pd.DataFrame) -> Iterator[str]:
     if {"actual_current_0", "target_current_0"} <= {*frames}:
-        measured, target = (_roughness(frames, f"{kind}_current") for kind in ("actual", "target"))
+        kinds = ("actual", "target")
+        measured, target = (roughness(channel(frames, f"{kind}_current")) for kind in kinds)
         known = (measured > 0) | (target > 0)
         if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
             yield "current"
 
 
-def _roughness(frames: pd.DataFrame, name: str) -> Array:
-    """Return the median size (6,) of a channel's third differences: noise more than motion."""
-    return np.asarray(np.nanmedian(np.abs(np.diff(channel(frames, name), 3, axis=0)), axis=0))
+def roughness(values: Array) -> Array:
+    """Return the median size (6,) of third differences of (N, 6): noise more than motion."""
+    return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))

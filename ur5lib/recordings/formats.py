@@ -9,6 +9,7 @@ from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.rtde_csv import read_rtde_csv
 from ur5lib.recordings.sensors import read_sensors
+from ur5lib.recordings.stored import LOADERS, read_stored
 from ur5lib.recordings.table_csv import read_table_csv
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
@@ -42,4 +43,5 @@ READERS: dict[str, Callable[[Mapping[str, Any]], RawRecording]] = {
     "realtime-stream": read_realtime_stream,
     "rtde-csv": read_rtde_csv,
     "table-csv": read_table_csv,
+    **dict.fromkeys(LOADERS, read_stored),
 }

@@ -11,6 +11,7 @@ import pandas as pd
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.motor_torque import with_currents
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.starts import place_sensors
@@ -40,6 +41,8 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     """
     raw = read_recording(recording)
     known, findings = _known_channels(raw.robot.table)
+    known = with_currents(known, arm, findings)
+    findings += _without_velocities(known)
     robot, timing, repairs = repair_frames(known, raw.cycle, max_gap, raw.robot.source)
     findings += raw.findings + repairs
     placed = place_sensors(raw, findings)
@@ -84,6 +87,14 @@ def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
         if names
     ]
     return table.drop(columns=others), notes
+
+
+def _without_velocities(table: pd.DataFrame) -> list[Finding]:
+    """Return a note where the velocities are to be found from the positions."""
+    if "actual_qd_0" in table or "actual_q_0" not in table:
+        return []
+    detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
+    return [Finding("robot", "no velocities", "note", len(table), detail)]
 
 
 def _some(names: list[str]) -> str:

@@ -67,7 +67,7 @@ def read_device(
         return None
     try:
         table = to_si(read_numbers(path, names, device, findings), units)
-        return _repair(table, path, device, findings)
+        return repair_samples(table, path, device, findings)
     except InputError as error:
         findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
         return None
@@ -126,10 +126,13 @@ def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding
     return table[whole].reset_index(drop=True)
 
 
-def _repair(
+def repair_samples(
     table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
 ) -> Samples | None:
-    """Return the plausible samples in order, each once. Raises InputError for wrong units."""
+    """Return the plausible samples in order, each once; None, and a finding, where there are none.
+
+    Raises InputError for wrong units.
+    """
     table = drop_untimed(table, path, device, findings)
     absence = _nothing(table, path, device)
     if absence is not None:

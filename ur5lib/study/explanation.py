@@ -62,10 +62,10 @@ def _descend(
 
 def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the kinds of a part by tag; where two types are allowed, the types."""
-    tags = {ref: tag for tag, ref in node.get("discriminator", {}).get("mapping", {}).items()}
-    kinds = ((option.get("$ref"), option) for option in node.get("oneOf", []))
-    options = {tags.get(ref, option.get("type", "object")): option for ref, option in kinds}
-    return options if "oneOf" in node else {}
+    mapping = node.get("discriminator", {}).get("mapping", {})
+    options = node.get("oneOf", [])
+    tagged = {t: option for option in options for t in mapping if mapping[t] == option.get("$ref")}
+    return tagged or {option.get("type", "object"): option for option in options}
 
 
 def _present(node: dict[str, Any]) -> dict[str, Any]:

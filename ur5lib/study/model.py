@@ -83,6 +83,11 @@ class Part(Strict):
         return [name for name in names if name is not None]
 
 
+TimeBase = Literal["relative_s", "epoch_s", "day_ms"]
+TIME_BASE = "time base: seconds since the start, seconds since 1970, milliseconds of the day"
+UNITS = "units of the channels not in SI units: deg, deg/s, ms, mA, g, ..."
+
+
 class DeviceTable(Strict):
     """A delimited table of numbers, with or without a header line."""
 
@@ -92,14 +97,8 @@ class DeviceTable(Strict):
         description="contents of the columns, in order: `time` and channels by their RTDE names; a "
         "channel without suffix stands for all its columns, `-` for a column to skip",
     )
-    units: dict[str, str] = Field(
-        default={}, description="units of the channels not in SI units: deg, deg/s, ms, mA, g, ..."
-    )
-    time: Literal["relative_s", "epoch_s", "day_ms"] = Field(
-        "relative_s",
-        description="time base: seconds since the start, seconds since 1970, milliseconds of the "
-        "day",
-    )
+    units: dict[str, str] = Field(default={}, description=UNITS)
+    time: TimeBase = Field("relative_s", description=TIME_BASE)
 
 
 class Sensor(DeviceTable):
@@ -204,8 +203,59 @@ class TableRecording(Part, DeviceTable, Sensors):
     format: Literal["table-csv"] = Field(description="format of the files")
 
 
+def _maps_the_time(channels: dict[str, Any]) -> dict[str, Any]:
+    if "time" not in channels:
+        raise ValueError("a mapping with `time`, which names the array of the stamps")
+    return channels
+
+
+class StoredTable(Strict):
+    """Arrays with one clock, in a file."""
+
+    channels: Annotated[dict[str, str | list[str]], AfterValidator(_maps_the_time)] = Field(
+        description="the array of each channel: of `time` and of channels by their RTDE names, "
+        "without suffix; an array by its path in the file, or a list of those that hold its "
+        "columns. Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
+    )
+    units: dict[str, str] = Field(default={}, description=UNITS)
+    time: TimeBase = Field("relative_s", description=TIME_BASE)
+
+
+class StoredRobot(StoredTable):
+    """Arrays of the robot, and of sensors in the same file."""
+
+    joints: list[Annotated[int, Field(ge=1, le=6)]] | None = Field(
+        None,
+        min_length=6,
+        max_length=6,
+        description="joint, 1 to 6, of each column of the joints' arrays; default: in order",
+    )
+    force_sensor: StoredTable | None = Field(None, description="arrays of the force sensor, if any")
+    imu: StoredTable | None = Field(None, description="arrays of the IMU, if any")
+
+
+class StoredRecording(Part, StoredRobot):
+    """Arrays in an HDF5, MAT, Parquet or Feather file, or in a ROS 2 bag (.db3, .mcap)."""
+
+    format: Literal["hdf5", "mat", "rosbag", "parquet", "feather"] = Field(
+        description="format of the files"
+    )
+    file: str = Field(description="path within the recording's folder")
+
+
+class ChannelFilesRecording(Part, StoredRobot):
+    """A text file for each channel: one value a line, or one row of values."""
+
+    format: Literal["channel-files"] = Field(description="format of the files")
+
+
 Recording = Annotated[
-    ThesisRecording | StreamRecording | RtdeRecording | TableRecording,
+    ThesisRecording
+    | StreamRecording
+    | RtdeRecording
+    | TableRecording
+    | StoredRecording
+    | ChannelFilesRecording,
     Field(discriminator="format"),
 ]
 

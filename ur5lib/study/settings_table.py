@@ -41,11 +41,13 @@ def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
     """Yield the parts that a key may hold: [] for lists, kind, name of the schema."""
     if "$ref" in node:
         yield "", "", node["$ref"].rsplit("/", 1)[-1]
+    kinds: dict[str, list[str]] = {}
     for kind, option in branches(node).items():
         if "$ref" in option:
-            chosen_by = node.get("discriminator", {}).get("propertyName")
-            label = f", {chosen_by}: {kind}" if chosen_by else ""
-            yield "", label, option["$ref"].rsplit("/", 1)[-1]
+            kinds.setdefault(option["$ref"].rsplit("/", 1)[-1], []).append(kind)
+    for name, its in kinds.items():
+        chosen_by = node.get("discriminator", {}).get("propertyName")
+        yield "", f", {chosen_by}: {', '.join(its)}" if chosen_by else "", name
     for option in node.get("anyOf", []):
         yield from _named(option)
     if "items" in node:

@@ -1,0 +1,304 @@
+"""`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
+
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from tests.conftest import shared_folder
+from tests.stored_corpus import damaged
+from tests.stored_files import (
+    Made,
+    made_up_channels,
+    thesis_channels,
+    write_bag,
+    write_hdf5,
+    write_mat,
+    write_parquet,
+)
+from ur5lib import cli
+from ur5lib.errors import InputError
+from ur5lib.importing.blocks import Block
+from ur5lib.importing.contents import NIST, contents
+from ur5lib.importing.files import import_files
+from ur5lib.importing.proposal import propose
+from ur5lib.recordings.columns import expand
+from ur5lib.recordings.formats import read_recording
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.statics import link_frames
+from ur5lib.study.reading import parse_study
+
+ORDER = np.array([2, 1, 0, 3, 4, 5])  # elbow, lift, pan, as a lab records them
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    return made_up_channels(tmp_path_factory.mktemp("made"))
+
+
+@pytest.fixture(scope="module")
+def thesis(thesis_data: Path) -> Made:
+    return thesis_channels(thesis_data / "Movement_No8_Singularity_Free_1")
+
+
+@pytest.fixture(scope="module")
+def ur5e_data() -> Path:
+    return shared_folder("ur5e", "they are recordings of real UR5e arms")
+
+
+def entry_and_comments(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
+    """The entry of the first file, and all that is said about it."""
+    (one, *_) = import_files(paths, [robot] if robot else [])
+    return one.entry, "\n".join(one.comments)
+
+
+def shuffled(made: Made, order: np.ndarray) -> Made:
+    """The recording with the joints' columns in another order."""
+    time, channels = made
+    kept = {name: v if "TCP" in name else v[:, order] for name, v in channels.items()}
+    return time, kept
+
+
+# Made-up recordings
+
+
+def test_what_names_and_numbers_tell_becomes_the_entry(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *made)
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert entry["robot"] == "ur5"
+    assert entry["format"] == "hdf5"
+    assert entry["channels"] == {"time": "run/time"} | {name: f"run/{name}" for name in made[1]}
+    assert "joints" not in entry
+    assert "proven: run/actual_qd is the velocity of run/actual_q (6 joints move)" in said
+    assert "it puts the flange of ur5 within" in said
+
+
+def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *shuffled(made, ORDER))
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert entry["joints"] == [3, 2, 1, 4, 5, 6]
+    assert "elbow, shoulder lift, shoulder pan, wrist 1" in said
+    complete = entry | {"units": {}, "joints": entry["joints"]}
+    table = read_recording(complete | {"time": "relative_s"}).robot.table
+    np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
+
+
+def test_degrees_are_told(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
+    write_parquet(tmp_path / "run.parquet", time, channels | turned)
+    entry, said = entry_and_comments(tmp_path / "run.parquet")
+    assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
+    assert "in degrees" in said
+
+
+def test_the_unit_of_efforts_is_told_by_gravity(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    for factor, channel in ((1.0, "actual_current"), (10.0, "actual_current_as_torque")):
+        effort = {"effort": factor * channels["actual_current"]}
+        kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
+        write_hdf5(tmp_path / "run.h5", time, kept | effort)
+        entry, _ = entry_and_comments(tmp_path / "run.h5")
+        assert entry["channels"][channel] == "run/effort"
+
+
+def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
+    free = {"effort": np.sign(channels["actual_qd"])}
+    write_hdf5(tmp_path / "run.h5", time, kept | free)
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert "run/effort" not in entry["channels"].values()
+    assert "ambiguous: run/effort" in said
+
+
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
+    tmp_path: Path, made: Made, ur5: Robot, frame: str
+) -> None:
+    """The base's frame: the arm on its surroundings; the flange's: these on the arm."""
+    time, channels = made
+    rotation, origin = link_frames(ur5, channels["actual_q"])
+    axes, lever = rotation[:, :6, :, 2], origin[:, 6:] - origin[:, :6]
+    force = 20 * np.sin(np.outer(time, [2.0, 3.1, 4.3]))
+    torque = np.einsum("nji,ni->nj", np.cross(axes, lever), force)  # by the arm, base frame
+    pushed = channels | {"actual_current": channels["actual_current"] + torque / 10}
+    sensed = force if frame == "base" else -np.einsum("nji,nj->ni", rotation[:, 6], force)
+    wrench = {"force": sensed, "torque": 0 * sensed + 1e-6}
+    write_hdf5(tmp_path / "run.h5", time, pushed | wrench)
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert entry["role"] == "contact"
+    assert f"in the {frame}'s frame: only so" in said
+    if frame == "base":
+        assert entry["channels"]["actual_TCP_force"] == ["run/force", "run/torque"]
+    else:
+        its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
+        assert entry["force_sensor"]["channels"] == its
+
+
+def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    write_hdf5(tmp_path / "run.h5", time, channels | {"target_qdd": 0 * channels["actual_q"]})
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert "target_qdd" not in entry["channels"]
+    assert "run/target_qdd: zero throughout, so not recorded" in said
+
+
+def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    names = expand(["time", "actual_q", "actual_qd", "actual_TCP_pose"])[1:]
+    values = [channels[n] for n in ("actual_q", "actual_qd", "actual_TCP_pose")]
+    table = np.column_stack([time, *values, channels["actual_q"][:, 0]])
+    head = ",".join(["timestamp", *names, "actual_q_0"])
+    np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
+    entry, said = entry_and_comments(tmp_path / "run.csv")
+    assert entry["columns"] == ["time", "actual_q", "actual_qd", "actual_TCP_pose", "-"]
+    assert "actual_q_0 appears twice" in said
+
+
+def test_velocities_in_another_order_are_refused(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    write_hdf5(tmp_path / "run.h5", time, channels | {"actual_qd": channels["actual_qd"][:, ORDER]})
+    with pytest.raises(InputError, match=r"run.h5: .* is not the derivative of .*; bring"):
+        import_files([tmp_path / "run.h5"], [])
+
+
+def test_names_that_gravity_contradicts_are_refused(tmp_path: Path, made: Made) -> None:
+    time, channels = shuffled(made, ORDER)
+    kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_current")}
+    write_bag(tmp_path / "run.db3", time, kept)
+    with pytest.raises(InputError, match=r"that of the names and .* by far.*; check the names"):
+        import_files([tmp_path / "run.db3"], [])
+
+
+def test_two_arms_that_fit_as_well_are_refused(tmp_path: Path, made: Made) -> None:
+    """Currents that follow the gravity of a UR10 and as well that of a UR10e."""
+    kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
+    write_bag(tmp_path / "run.db3", made[0], kept)
+    with pytest.raises(InputError, match=r"the arm is ambiguous: .* and .*; name it, as with"):
+        import_files([tmp_path / "run.db3"], [])
+    entry, said = entry_and_comments(tmp_path / "run.db3", robot="ur5")
+    assert entry["robot"] == "ur5"
+    assert "assumed: robot ur5, as given" in said
+
+
+def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    targets = {name.replace("actual", "target"): values for name, values in channels.items()}
+    columns = {name: (targets | channels).get(name) for name in NIST}
+    blocks = [time[:, None]] + [
+        np.zeros((len(time), 6)) if columns[name] is None else columns[name] for name in NIST[1:]
+    ]
+    np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
+    entry, said = entry_and_comments(tmp_path / "run.csv")
+    assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
+    assert "NIST" in said
+
+
+def test_three_commands_are_named(
+    tmp_path: Path, made: Made, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    """Printed entries can be pasted into a study; a written study can be read."""
+    write_hdf5(tmp_path / "run.h5", *made)
+    words = ["ur5", "import", str(tmp_path / "run.h5")]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(SystemExit, match="0"):
+        cli.main()
+    raw = {"study": "mine", "title": "Mine", "recordings": yaml.safe_load(capsys.readouterr().out)}
+    assert parse_study(raw, "pasted").recordings[0].name == "run"
+    study = tmp_path / "mine.yaml"
+    monkeypatch.setattr("sys.argv", [*words, "--write", str(study)])
+    with pytest.raises(SystemExit, match="0"):
+        cli.main()
+    assert "next: ur5 check" in capsys.readouterr().out
+    assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
+
+
+def test_damaged_files_are_imported_right_or_refused(tmp_path: Path) -> None:
+    made = made_up_channels(tmp_path, seconds=4)
+    for _, label, damage in damaged(tmp_path, made, 20, seed=4):
+        with suppress(InputError):
+            entry, _ = entry_and_comments(tmp_path / damage["file"], robot="ur5")
+            assert entry["channels"].items() <= damage["channels"].items(), label
+            assert "joints" not in entry, label
+
+
+# Real recordings
+
+
+def test_demonstrations_of_a_ur5e(ur5e_data: Path) -> None:
+    """Two layouts; the wrench is the controller's, in the base's frame, or too weak to tell."""
+    for path in sorted(ur5e_data.glob("*.h5")):
+        entry, said = entry_and_comments(path)
+        assert entry["robot"] == "ur5e"
+        assert "joints" not in entry
+        assert entry["channels"]["actual_current"].endswith("joint_effort")
+        weak = "2019" in path.name or "2020-07" in path.name
+        assert ("actual_TCP_force" in entry["channels"]) == (not weak)
+        assert entry["role"] == ("fit" if weak else "contact")
+        assert ("ambiguous" in said) == weak
+
+
+def test_a_bag_of_a_ur10() -> None:
+    folder = shared_folder("ur10-bag", "it is a bag of a real UR10")
+    entry, said = entry_and_comments(folder / "ur10_exciting_trajectory.db3")
+    assert entry["robot"] == "ur10"
+    assert entry["channels"]["actual_current_as_torque"] == "/joint_states/effort"
+    assert "effort in Nm: gravity on joint 2 is 0.997 Nm per unit" in said
+
+
+@pytest.mark.parametrize("kind", ["mat", "mcap"])
+def test_thesis_recordings_in_other_files(tmp_path: Path, thesis: Made, kind: str) -> None:
+    time, channels = thesis
+    path = tmp_path / f"ur5_log.{kind}"
+    if kind == "mat":
+        named = {"q_actual": "actual_q", "qd_actual": "actual_qd", "i_actual": "actual_current"}
+        named |= {"m_target": "target_moment", "tool_vector": "actual_TCP_pose"}
+        write_mat(path, time, {name: channels[its] for name, its in named.items()})
+    else:
+        write_bag(path, time, {n: channels[n] for n in ("actual_q", "actual_qd", "actual_current")})
+    entry, _ = entry_and_comments(path)
+    assert entry["robot"] == "ur5"
+    assert "actual_current" in entry["channels"]
+    assert "joints" not in entry
+
+
+def test_logs_without_names(ur10e_data: Path) -> None:
+    """Those at rest are read like one that moves."""
+    names = ["02_19_14harm50sec", "01_17-p1", "01_22-push_pose_1", "01_31-load"]
+    imported = import_files([ur10e_data / f"ur-20_{name}.csv" for name in names], [])
+    columns = ["time", "actual_q", "actual_qd", "actual_current", "target_current", "target_moment"]
+    assert [one.entry["columns"] for one in imported] == [columns] * 4
+    assert [one.entry["role"] for one in imported] == ["fit", "fit", "fit", "validate"]
+    assert {one.entry["robot"] for one in imported} == {"ur10e"}
+    with pytest.raises(InputError, match="no block of six columns is the derivative of another; "):
+        import_files([ur10e_data / "ur-20_01_17-p1.csv"], [])
+
+
+def test_joints_shuffled_at_random_are_found_or_refused(ur5e_data: Path, ur10e_data: Path) -> None:
+    random = np.random.default_rng(7)
+    pose = contents(ur5e_data / "recorded_demo_2022-06-25_15-20-01.h5")
+    gravity = contents(ur10e_data / "ur-20_02_12-40sec_12harm.csv")
+    for found in (pose, gravity, pose, gravity):
+        order = random.permutation(6)
+        joints = [b for b in found.blocks if b.rows.shape[1] == 6]
+        blocks = [
+            Block(b.names, b.rows[:, order], b.clock) if any(b is j for j in joints) else b
+            for b in found.blocks
+        ]
+        told = propose(replace(found, blocks=blocks)).order
+        np.testing.assert_array_equal(order[list(told)], range(6))
+
+
+def test_efforts_turned_into_newton_metres_are_told(ur5e_data: Path) -> None:
+    found = contents(ur5e_data / "recorded_demo_2022-06-25_15-20-01.h5")
+    constants = load_robot(robot_path("ur5e")).maker_torque_constants()
+    blocks = [
+        Block(b.names, b.rows * constants, b.clock) if b.meaning() == "effort" else b
+        for b in found.blocks
+    ]
+    assert "actual_current_as_torque" in propose(replace(found, blocks=blocks)).channels

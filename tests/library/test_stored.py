@@ -1,0 +1,211 @@
+"""Files that hold arrays: HDF5, MAT, ROS 2 bags, Parquet, Feather, one file a channel."""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.stored_corpus import KINDS, damaged, is_in_place, objection
+from tests.stored_files import (
+    JOINTS,
+    WRITERS,
+    Made,
+    entry_of,
+    made_up_channels,
+    write,
+    write_bag,
+    write_channel_files,
+    write_hdf5,
+)
+from ur5lib.errors import InputError
+from ur5lib.recordings import storage
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.intake import read_and_repair
+from ur5lib.recordings.recording import RawRecording
+from ur5lib.robots.description import Robot
+from ur5lib.tables import channel
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
+    return made_up_channels(tmp_path_factory.mktemp("made"))
+
+
+def same(raw: RawRecording, made: Made, names: list[str]) -> None:
+    """Assert that a recording holds what was written."""
+    time, channels = made
+    np.testing.assert_allclose(raw.robot.table["time"], time - time[0], atol=2e-6)
+    for name in names:
+        np.testing.assert_allclose(channel(raw.robot.table, name), channels[name], atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", WRITERS)
+def test_each_format_gives_what_was_written(tmp_path: Path, made: Made, kind: str) -> None:
+    entry = write(kind, tmp_path, *made)
+    raw = read_recording(entry)
+    same(raw, made, [name for name in entry["channels"] if name != "time"])
+    assert raw.findings == []
+
+
+def test_arrays_may_be_turned_and_stamps_may_be_pairs(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    epoch = time + 1577738076.0
+    write_hdf5(tmp_path / "run.h5", epoch, channels, turned=True)
+    raw = read_recording(entry_of("hdf5", tmp_path / "run.h5", [*channels]) | {"time": "epoch_s"})
+    same(raw, made, [*channels])
+    assert raw.robot.start is not None
+    assert raw.robot.start.seconds == pytest.approx(epoch[0])
+
+
+def test_columns_are_put_in_the_arm_s_order(tmp_path: Path, made: Made) -> None:
+    order = [3, 2, 1, 4, 5, 6]
+    shuffled = {name: values[:, [j - 1 for j in order]] for name, values in made[1].items()}
+    pose = "actual_TCP_pose"
+    shuffled[pose] = made[1][pose]
+    write_hdf5(tmp_path / "run.h5", made[0], shuffled)
+    entry = entry_of("hdf5", tmp_path / "run.h5", [*shuffled])
+    same(read_recording(entry | {"joints": order}), made, [*made[1]])
+
+
+def test_a_channel_may_be_made_of_several_arrays(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    parts = {"position": channels["actual_TCP_pose"][:, :3]}
+    parts |= {f"r{k}": channels["actual_TCP_pose"][:, 3 + k : 4 + k] for k in range(3)}
+    write_hdf5(tmp_path / "run.h5", time, channels | parts)
+    entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"])
+    entry["channels"]["actual_TCP_pose"] = ["run/position", "run/r0", "run/r1", "run/r2"]
+    same(read_recording(entry), made, ["actual_q", "actual_TCP_pose"])
+
+
+def test_a_sensor_may_lie_in_the_robot_s_file(tmp_path: Path, made: Made) -> None:
+    force = np.random.default_rng(1).normal(size=(len(made[0]), 3))
+    write_hdf5(tmp_path / "run.h5", made[0], made[1] | {"force": force, "torque": force / 9})
+    entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"])
+    its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
+    entry["force_sensor"] = {"channels": its, "units": {}, "time": "relative_s"}
+    sensor = read_recording(entry).sensors["force"].table
+    np.testing.assert_allclose(sensor[["ft_fx", "ft_fy", "ft_fz"]], force)
+
+
+# Bags
+
+
+def bag(path: Path, made: Made, **settings: Any) -> RawRecording:
+    write_bag(path, *made, **settings)
+    return read_recording(entry_of("rosbag", path, ["actual_q", "actual_qd"]))
+
+
+def test_joints_of_a_bag_are_ordered_by_their_names(tmp_path: Path, made: Made) -> None:
+    order = [2, 1, 0, 3, 5, 4]
+    time, channels = made
+    kept = {name: channels[name] for name in ("actual_q", "actual_qd")}
+    shuffled = {name: values[:, order] for name, values in kept.items()}
+    names = [f"left_{JOINTS[k]}_joint" for k in order]
+    raw = bag(tmp_path / "run.db3", (time, shuffled), names=names, others=9)
+    same(raw, made, [*kept])
+    assert [(f.finding, f.count) for f in raw.findings] == [("other messages", 9)]
+
+
+def test_a_bag_without_an_arm_s_names_says_so(tmp_path: Path, made: Made) -> None:
+    kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
+    raw = bag(tmp_path / "run.mcap", (made[0], kept), names=[f"j{k}" for k in range(6)])
+    same(raw, made, [*kept])
+    assert [f.finding for f in raw.findings] == ["unnamed joints"]
+
+
+def test_a_wrench_of_a_bag_has_its_own_stamps(tmp_path: Path, made: Made) -> None:
+    wrench = np.random.default_rng(2).normal(size=(len(made[0]), 6))
+    kept = {"actual_q": made[1]["actual_q"]}
+    write_bag(tmp_path / "run.db3", made[0], kept, wrench=wrench)
+    entry = entry_of("rosbag", tmp_path / "run.db3", ["actual_q"])
+    its = {"time": "/wrench/bag_stamp", "ft_f": "/wrench/force", "ft_t": "/wrench/torque"}
+    entry["force_sensor"] = {"channels": its, "units": {}, "time": "relative_s"}
+    sensor = read_recording(entry).sensors["force"].table
+    np.testing.assert_allclose(sensor.drop(columns="time"), wrench)
+
+
+# What is wrong is told
+
+
+def test_an_array_that_is_missing_is_told(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *made)
+    entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q", "target_q"])
+    with pytest.raises(InputError, match=r"run.h5: target_q names run/target_q, which .*; correct"):
+        read_recording(entry)
+
+
+def test_arrays_of_another_length_are_told(tmp_path: Path, made: Made) -> None:
+    time, channels = made
+    write_hdf5(tmp_path / "run.h5", time, channels | {"actual_qd": channels["actual_qd"][:-3]})
+    entry = entry_of("hdf5", tmp_path / "run.h5", [*channels])
+    with pytest.raises(InputError, match=r"actual_qd.* has shape .* stamps .*; correct"):
+        read_recording(entry)
+
+
+@pytest.mark.parametrize("line", ["", "lost"])
+def test_a_line_without_a_number_would_shift_the_rows(
+    tmp_path: Path, made: Made, line: str
+) -> None:
+    write_channel_files(tmp_path / "run", *made)
+    file = tmp_path / "run/actual_q.txt"
+    lines = file.read_text().splitlines()
+    file.write_text("\n".join([*lines[:99], line, *lines[99:]]) + "\n")
+    entry = entry_of("channel-files", tmp_path / "run", ["actual_q"])
+    with pytest.raises(InputError, match=r"actual_q.txt has lines without a number, .*; correct"):
+        read_recording(entry)
+
+
+def test_a_package_that_is_not_installed_is_named(
+    tmp_path: Path, made: Made, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    entry = write("hdf5", tmp_path, *made)
+
+    def missing(name: str) -> None:
+        raise ImportError(name)
+
+    monkeypatch.setattr(storage.importlib, "import_module", missing)
+    with pytest.raises(InputError, match=r"package h5py, .*; install the extra `formats`"):
+        read_recording(entry)
+
+
+def test_a_block_that_was_never_written_is_told(tmp_path: Path, made: Made, ur5: Robot) -> None:
+    time, channels = made
+    q = channels["actual_q"].copy()
+    q[200:285] = 0.0
+    write_hdf5(tmp_path / "run.h5", time, channels | {"actual_q": q})
+    taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
+    assert "zeroed cells" in [finding["finding"] for finding in taken.quality["findings"]]
+    assert (np.abs(taken.robot["actual_q_1"]) > 0.5).all()
+
+
+def test_velocities_and_currents_that_are_missing_are_replaced(
+    tmp_path: Path, made: Made, ur5: Robot
+) -> None:
+    time, channels = made
+    torque = np.array(ur5.maker_torque_constants()) * channels["actual_current"]
+    kept = {"actual_q": channels["actual_q"], "actual_current_as_torque": torque}
+    write_hdf5(tmp_path / "run.h5", time, kept)
+    taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
+    told = {finding["finding"] for finding in taken.quality["findings"]}
+    assert {"no velocities", "currents from torques"} <= told
+    np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
+
+
+def test_damaged_files_get_an_honest_answer(tmp_path: Path, ur5: Robot) -> None:
+    """`python -m tests.stored_corpus 3000` tries more of them."""
+    made = made_up_channels(tmp_path, seconds=4)
+    wholes = {kind: read_and_repair(write(kind, tmp_path, *made), ur5, 0.1) for kind in KINDS}
+    told = []
+    for kind, label, entry in damaged(tmp_path, made, 80, seed=3):
+        fault = objection(entry, ur5, wholes[kind], is_in_place(label))[1]
+        told += [f"{label}: {fault}"] if fault else []
+    assert not told, "\n".join(told)
+
+
+def test_packages_of_a_format_are_loaded_with_its_files_only() -> None:
+    program = "import sys, ur5lib.recordings.intake; "
+    program += "sys.exit(any(p in sys.modules for p in ('h5py', 'rosbags', 'scipy.io')))"
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -1,0 +1,20 @@
+"""What an import found: proven, assumed, ambiguous."""
+
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Account:
+    """Sentences about a file. ambiguous: parts of it that the entry therefore leaves out."""
+
+    proven: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    ambiguous: list[str] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Return the three lists as comments of a study."""
+        return [
+            f"# {kind}: {sentence}"
+            for kind in ("proven", "assumed", "ambiguous")
+            for sentence in getattr(self, kind)
+        ]

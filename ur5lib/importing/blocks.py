@@ -1,0 +1,111 @@
+"""Blocks: the columns of a file that belong together, and what their names say."""
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ur5lib.recordings.columns import SUFFIXES
+from ur5lib.recordings.rosbag import JOINTS
+from ur5lib.timeseries.arrays import Array
+
+TARGET = {"target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "setpoint"}
+TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
+NAMELESS = "column "  # and its number: a column of a table without a header
+MEANINGS = {  # of a block with a column for each joint, by a word of its name
+    "q": {"q", "position", "positions", "pos", "angle", "angles"},
+    "qd": {"qd", "dq", "qdot", "velocity", "velocities", "vel", "speed", "speeds"},
+    "qdd": {"qdd", "ddq", "acceleration", "accelerations", "acc"},
+    "current": {"i", "current", "currents"},
+    "torque": {"m", "torque", "torques", "tau", "moment", "moments"},
+    "effort": {"effort", "efforts"},
+}
+OF_TOOL = {
+    "actual_TCP_force": {"force", "wrench"},
+    "actual_TCP_speed": {"speed", "velocity"},
+    "actual_TCP_pose": {"pose", "vector", "position", "positions", "pos", "rot", "coord"},
+}
+IN_SPACE = {  # of a block with three columns
+    "force": {"force", "forces"},
+    "torque": {"torque", "torques", "moment"},
+    "position": {"position", "positions", "translation"},
+}
+
+
+@dataclass(frozen=True)
+class Block:
+    """Columns of a file that belong together.
+
+    names: as a study gives them, one of all columns or one for each; rows: (N, k); clock: the
+    name of their stamps.
+    """
+
+    names: tuple[str, ...]
+    rows: Array
+    clock: str
+
+    @property
+    def title(self) -> str:
+        """Return the name, or what the names have in common."""
+        return self.names[0] if len(self.names) == 1 else f"{self.names[0]} … {self.names[-1]}"
+
+    def is_nameless(self) -> bool:
+        """Return whether it is from a table without a header."""
+        return self.names[0].startswith(NAMELESS)
+
+    def is_target(self) -> bool:
+        """Return whether its name says that it was commanded, not measured."""
+        return (self.meaning() or "").startswith("target")
+
+    def meaning(self) -> str | None:
+        """Return what the name says: a channel of RTDE, a kind of joint or spatial quantity."""
+        stem = _stem(self.names[0])[0] if len(self.names) > 1 else self.names[0]
+        last = stem.rstrip("/").rsplit("/", 1)[-1]
+        width = self.rows.shape[1]
+        if last in SUFFIXES and len(SUFFIXES[last]) == width:
+            return last
+        words = {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last).lower())}
+        if width == 6 and not words & TOOL:
+            return _of_joints(words)
+        if words & TOOL or width == 7:
+            return next((m for m, its in OF_TOOL.items() if words & its), None)
+        return next((m for m, its in IN_SPACE.items() if words & its), None) if width == 3 else None
+
+
+def _of_joints(words: set[str]) -> str | None:
+    kind = next((m for m, its in MEANINGS.items() if words & its), None)
+    if kind is None or kind == "effort":
+        return kind
+    if words & TARGET:
+        return "target_moment" if kind == "torque" else f"target_{kind}"
+    return {"qdd": None, "torque": "effort"}.get(kind, f"actual_{kind}")
+
+
+def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Yield the names of single columns that belong together: of six joints, of x, y and z.
+
+    In the order of their numbers, or of the joints' names where these tell it; the others alone.
+    """
+    stems: dict[str, dict[int, str]] = {}
+    for name in names:
+        stem, place = _stem(name)
+        stems.setdefault(stem, {})[place] = name
+    for places in stems.values():
+        ordered = tuple(places[place] for place in sorted(places))
+        yield from [ordered] if len(ordered) in (3, 6) else ((name,) for name in ordered)
+
+
+def names_joints(name: str) -> bool:
+    """Return whether a column's name tells its joint, not only a number."""
+    return any(joint in name for joint in JOINTS)
+
+
+def _stem(name: str) -> tuple[str, int]:
+    """Return a column's name without what numbers it, and that number; -1 for none."""
+    for place, joint in enumerate(JOINTS):
+        if joint in name:
+            return name.replace(joint, ""), place
+    if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
+        return numbered[1], int(numbered[2])
+    if axis := re.fullmatch(r"(.*?)_?([xyz])", name):
+        return axis[1], "xyz".index(axis[2])
+    return name, -1

@@ -1,0 +1,219 @@
+"""What a file holds: its format, its clocks, and blocks of columns."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.importing.blocks import NAMELESS, Block, grouped
+from ur5lib.recordings.columns import expand
+from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.stored import load_arrays, seconds_of
+from ur5lib.timeseries.arrays import Array
+
+FORMATS = {
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".mat": "mat",
+    ".db3": "rosbag",
+    ".mcap": "rosbag",
+    ".parquet": "parquet",
+    ".feather": "feather",
+    ".csv": "table-csv",
+    ".txt": "table-csv",
+    ".tsv": "table-csv",
+    ".gz": "table-csv",
+}
+CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
+STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
+HUGE = 1e9  # in any unit of a channel
+AGAIN = " again "  # and its number: a column whose name is taken
+EPOCH = 1e9  # s; stamps after 2001 count from 1970
+NIST = [  # the columns of NIST's UR5 degradation measurements, which have no header in their files
+    "time",
+    *("target_q", "actual_q", "target_qd", "actual_qd", "target_current", "actual_current"),
+    *("target_qdd", "target_moment", "joint_control_output"),
+    *("actual_TCP_pose", "actual_TCP_force", "joint_temperatures"),
+]
+
+
+@dataclass(frozen=True)
+class Header:
+    """The columns of a delimited table, in the file's order.
+
+    repeated: those whose name a column before them has; layout: whose columns a table without a
+    header is taken to have.
+    """
+
+    columns: list[str] = field(default_factory=list)
+    repeated: list[str] = field(default_factory=list)
+    layout: str = ""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A file's blocks, and its clocks: stamps (N,) [s] by name.
+
+    silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
+    findings: what reading it found.
+    """
+
+    path: Path
+    format: str
+    header: Header
+    blocks: list[Block]
+    silent: list[Block]
+    clocks: dict[str, Array]
+    units: dict[str, str]
+    findings: list[Finding]
+
+    def time_base(self, clock: str) -> str:
+        """Return the time base of a clock, as a study has it."""
+        return "epoch_s" if self.clocks[clock][0] > EPOCH else "relative_s"
+
+
+def contents(path: Path) -> Contents:
+    """Look into a file. Raises InputError when it cannot be read or no format knows it."""
+    format = FORMATS.get(path.suffix.lower())
+    if format is None:
+        raise InputError(
+            f"{path}: no reader knows files that end in {path.suffix or 'nothing'}; give one of "
+            f"{', '.join(FORMATS)}, or write the entry by hand (raw/README.md)"
+        )
+    findings: list[Finding] = []
+    header = read_header(path) if format == "table-csv" else Header()
+    if header.columns:
+        arrays = _table(path, header, findings)
+    else:
+        arrays = load_arrays(format, path, None, findings)
+    clocks, units = _clocks(arrays)
+    if not clocks:
+        raise InputError(
+            f"{path}: none of {_listed(arrays)} increases like a clock; record the time, or write "
+            "the entry by hand (raw/README.md)"
+        )
+    every = [*_blocks(arrays, clocks, header.columns[:1] == nameless(1))]
+    silent = [block for block in every if not np.nan_to_num(block.rows).any()]
+    blocks = [block for block in every if not any(block is other for other in silent)]
+    return Contents(path, format, header, blocks, silent, clocks, units, findings)
+
+
+def read_header(path: Path) -> Header:
+    """Return the columns of a table; of one without a header, `column 1` and so on."""
+    cells = first_cells(path)
+    if all(_is_number(cell) for cell in cells):
+        known = expand(NIST)
+        if len(cells) == len(known):
+            return Header(known, layout="NIST's UR5 degradation measurements")
+        return Header(nameless(len(cells)))
+    first = {name: k for k, name in reversed([*enumerate(cells)])}
+    names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]
+    return Header(names, [name for name in names if name not in first])
+
+
+def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
+    """Return a table's columns by name, each once. Raises InputError where equal names differ."""
+    table = read_numbers(path, header.columns, "robot", findings)
+    for name in header.repeated:
+        first = name.split(AGAIN)[0]
+        if not table[name].equals(table[first]):
+            raise InputError(
+                f"{path}, line 1: {first!r} is ambiguous: it names two columns with different "
+                "numbers; give each column its own name"
+            )
+    once = [name for name in header.columns if name not in header.repeated]
+    return {name: table[name].to_numpy() for name in once}
+
+
+def nameless(count: int) -> list[str]:
+    """Return names of columns that have none."""
+    return [f"{NAMELESS}{k + 1}" for k in range(count)]
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return not cell
+    return True
+
+
+def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, str]]:
+    """Return the stamps [s] that increase, by name, and the units of those not in seconds.
+
+    Named clocks first; where none is named so, the first array that increases.
+    """
+    found: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    named = [name for name in arrays if CLOCK.search(name)]
+    for name in named or [*arrays][:1]:
+        stamps = seconds_of(arrays[name])
+        unit = _unit(stamps)
+        if unit:
+            factor = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit]
+            found[name] = stamps * factor
+            units |= {name: unit} if unit != "s" else {}
+    return found, units
+
+
+def _unit(stamps: Array) -> str | None:
+    """Return the unit in which stamps (N,) are those of a recording; None where none is."""
+    steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
+    if len(steps) < 2 or np.mean(steps >= 0) < 0.95 or not (steps > 0).any():
+        return None
+    step = float(np.median(steps[steps > 0]))
+    return next((unit for unit, (low, high) in STEPS.items() if low <= step < high), None)
+
+
+def _blocks(
+    arrays: dict[str, np.ndarray], clocks: dict[str, Array], nameless: bool
+) -> Iterator[Block]:
+    """Yield the arrays of several columns, and the groups of single columns."""
+    single = []
+    for name, values in arrays.items():
+        clock = _clock_of(name, max(values.shape), clocks)
+        if name in clocks or clock is None:
+            continue
+        if values.ndim == 2 and 1 not in values.shape:
+            tall = values if values.shape[0] == len(clocks[clock]) else values.T
+            yield Block((name,), _possible(tall), clock)
+        else:
+            single.append(name)
+    groups = _by_place(single, len(arrays)) if nameless else [*grouped(single)]
+    for names in groups:
+        clock = _clock_of(names[0], arrays[names[0]].size, clocks)
+        columns = [_possible(arrays[name].ravel()) for name in names]
+        if clock and len({len(column) for column in columns}) == 1:
+            yield Block(names, np.stack(columns, axis=1), clock)
+
+
+def _possible(values: np.ndarray) -> Array:
+    """Return values with NaN for those that no device writes."""
+    known = values.astype(float)
+    return np.where(np.abs(known) < HUGE, known, np.nan)
+
+
+def _by_place(names: list[str], count: int) -> list[tuple[str, ...]]:
+    """Return the columns of a table without a header, six by six."""
+    return [tuple(names[k : k + 6]) for k in range(0, len(names) - 5, 6)]
+
+
+def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
+    """Return the clock of an array: as long, and nearest to it in the file."""
+    same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
+    return max(same, key=lambda clock: _shared(name, clock), default=None)
+
+
+def _shared(one: str, other: str) -> int:
+    """Return how many parts of two paths agree from the start."""
+    pairs = zip(one.split("/"), other.split("/"), strict=False)
+    return next((k for k, (a, b) in enumerate(pairs) if a != b), min(one.count("/"), 99))
+
+
+def _listed(arrays: dict[str, np.ndarray]) -> str:
+    shown = [f"{name} {values.shape}" for name, values in [*arrays.items()][:8]]
+    return ", ".join(shown) + (", ..." if len(arrays) > 8 else "") or "its arrays (it has none)"

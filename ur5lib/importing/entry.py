@@ -1,0 +1,113 @@
+"""The entry of a study for a proposal, as plain data and as YAML."""
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import yaml
+
+from ur5lib.errors import printable
+from ur5lib.importing.blocks import Block
+from ur5lib.importing.proposal import Proposal
+from ur5lib.importing.readings import IN_ORDER
+from ur5lib.recordings.columns import JOINT_CHANNELS, SKIPPED, SUFFIXES
+
+WRAPPED = 100  # characters a line
+Commented = tuple[dict[str, Any], Sequence[str]]  # an entry, and the comments above it
+
+
+def entry(proposal: Proposal) -> dict[str, Any]:
+    """Return the entry of a file's recording."""
+    path = proposal.contents.path
+    head = {
+        "name": identifier(path.name),
+        "robot": proposal.arm,
+        "format": proposal.contents.format,
+        "folder": str(path.parent),
+        "file": path.name,
+        "role": "contact" if proposal.pushed else "fit",
+    }
+    if proposal.contents.format == "table-csv":
+        return head | _of_table(proposal)
+    return head | _of_arrays(proposal)
+
+
+def identifier(name: str) -> str:
+    """Return a file's name, without what follows its first dot, as the name of a recording."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name.split(".")[0]).strip("_") or "recording"
+
+
+def _of_table(proposal: Proposal) -> dict[str, Any]:
+    """Return `columns`, `units` and `time`, or nothing but the format where RTDE names them all."""
+    found = proposal.contents
+    named = {proposal.clock: "time"}
+    for channel, blocks in proposal.channels.items():
+        names = [name for block in blocks for name in block.names]
+        order = proposal.order if channel in JOINT_CHANNELS else range(len(names))
+        named |= {
+            names[column]: channel + suffix
+            for column, suffix in zip(order, SUFFIXES[channel], strict=True)
+        }
+    unchanged = all(name in (column, "time") for column, name in named.items())
+    if proposal.clock == "timestamp" and unchanged and not found.header.repeated:
+        return {"format": "rtde-csv"}
+    columns = _shortened([named.get(column, SKIPPED) for column in found.header.columns])
+    return {"columns": columns} | _units(proposal) | _time(proposal)
+
+
+def _shortened(columns: Sequence[str]) -> list[str]:
+    """Return a channel once for its columns where they stand together and in order."""
+    short: list[str] = []
+    rest = [*columns]
+    while rest:
+        channel = re.sub(r"_\d$", "", rest[0])
+        width = len(SUFFIXES.get(channel, []))
+        whole = width and rest[:width] == [channel + suffix for suffix in SUFFIXES[channel]]
+        short.append(channel if whole else rest[0])
+        rest = rest[width:] if whole else rest[1:]
+    return short
+
+
+def _of_arrays(proposal: Proposal) -> dict[str, Any]:
+    """Return `channels`, `joints`, `units`, `time` and the force sensor."""
+    channels: dict[str, Any] = {"time": proposal.clock}
+    channels |= {name: _named(blocks) for name, blocks in proposal.channels.items()}
+    joints = [proposal.order.index(column) + 1 for column in range(6)]
+    sensor = {}
+    if proposal.sensor:
+        force, torque = (_named([block]) for block in proposal.sensor)
+        its = {"time": proposal.sensor[0].clock, "ft_f": force, "ft_t": torque}
+        sensor = {"force_sensor": {"channels": its} | _time(proposal)}
+    order = {"joints": joints} if proposal.order != IN_ORDER else {}
+    return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
+
+
+def _named(blocks: Sequence[Block]) -> str | list[str]:
+    names = [name for block in blocks for name in block.names]
+    return names[0] if len(names) == 1 else names
+
+
+def _units(proposal: Proposal) -> dict[str, Any]:
+    clock = proposal.contents.units.get(proposal.clock)
+    units = proposal.units | ({"time": clock} if clock else {})
+    return {"units": units} if units else {}
+
+
+def _time(proposal: Proposal) -> dict[str, str]:
+    base = proposal.contents.time_base(proposal.clock)
+    return {"time": base} if base != "relative_s" else {}
+
+
+def study_yaml(name: str, title: str, entries: Sequence[Commented]) -> str:
+    """Return a study of entries, each with comments above it."""
+    head = yaml.safe_dump({"study": name, "title": title}, sort_keys=False, allow_unicode=True)
+    return f"{head}recordings:\n{entries_yaml(entries)}"
+
+
+def entries_yaml(entries: Sequence[Commented]) -> str:
+    """Return entries as a study lists them, each with comments above it."""
+    parts = []
+    for one, comments in entries:
+        text = yaml.safe_dump([one], sort_keys=False, width=WRAPPED, allow_unicode=True)
+        parts.append("".join(f"{printable(line)}\n" for line in comments) + text)
+    return "\n".join(parts)

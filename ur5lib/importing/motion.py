@@ -1,0 +1,168 @@
+"""Which blocks are positions and velocities: velocities are the derivatives of positions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.importing.account import Account
+from ur5lib.importing.blocks import Block
+from ur5lib.importing.contents import Contents
+from ur5lib.timeseries.arrays import Array
+
+MOVES = 0.05  # rad/s; a slower column says nothing
+AGREE = 0.9  # correlation of a slope with the velocity that it is
+RATIO = (0.8, 1.25)  # of a slope to the velocity that it is
+DEGREES = 180 / np.pi
+LONGEST = 0.1  # s; across longer steps, a slope is no velocity
+SMOOTHED = 0.05  # s
+TURN = 4 * np.pi  # rad; no joint turns further
+NO_PAIR = (
+    "no block of six columns is the derivative of another; import it together with a recording of "
+    "the same columns in which the arm moves, or name the columns"
+)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Positions and velocities of the joints; units: by channel, those that are not SI."""
+
+    position: Block
+    velocity: Block | None
+    targets: dict[str, Block]
+    units: dict[str, str]
+
+    def channels(self) -> dict[str, list[Block]]:
+        """Return the blocks by channel."""
+        measured = {"actual_q": self.position, "actual_qd": self.velocity}
+        every = measured | self.targets
+        return {name: [block] for name, block in every.items() if block is not None}
+
+    def in_si(self) -> dict[str, Array]:
+        """Return the measured positions and velocities (N, 6) [rad, rad/s]."""
+        measured = {"actual_q": self.position, "actual_qd": self.velocity}
+        return {
+            name: block.rows / (DEGREES if name in self.units else 1.0)
+            for name, block in measured.items()
+            if block is not None
+        }
+
+
+def agreement(position: Block, velocity: Block, time: Array) -> tuple[float, float, int]:
+    """Return how well a block is the derivative of another: share of columns, ratio, how many.
+
+    The share is of the columns that move; the ratio is velocity by slope.
+    """
+    ratios = [ratio for ratio in column_ratios(position, velocity, time) if ratio is not None]
+    good = [ratio for ratio in ratios if np.isfinite(ratio)]
+    if not good:
+        return 0.0, np.nan, len(ratios)
+    return len(good) / len(ratios), float(np.median(good)), len(ratios)
+
+
+def column_ratios(position: Block, velocity: Block, time: Array) -> list[float | None]:
+    """Return velocity by slope of each column; None where it rests, NaN where they disagree."""
+    slope, rate = slopes_and_rates(position.rows, velocity.rows, time)
+    return [_ratio(*pair) for pair in zip(slope.T, rate.T, strict=True)]
+
+
+def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Array, Array]:
+    """Return the slopes of positions (N, k) and the velocities beside them (M, k), smoothed."""
+    step = np.diff(time)
+    width = max(1, round(SMOOTHED / max(float(np.median(step)), 1e-4)))
+    whole = (step > 0) & (step < LONGEST) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
+    slope = np.diff(position, axis=0)[whole] / step[whole, None]
+    rate = (velocity[1:] + velocity[:-1])[whole] / 2
+    count = len(slope) // width * width
+    smooth = (v[:count].reshape(-1, width, v.shape[1]).mean(axis=1) for v in (slope, rate))
+    first, second = smooth
+    return first, second
+
+
+def _ratio(slope: Array, rate: Array) -> float | None:
+    known = np.isfinite(slope) & np.isfinite(rate)
+    slope, rate = slope[known], rate[known]
+    if len(slope) < 10 or max(np.std(slope), np.std(rate)) < MOVES:
+        return None
+    if min(np.std(slope), np.std(rate)) == 0 or np.corrcoef(slope, rate)[0, 1] < AGREE:
+        return np.nan
+    return float(slope @ rate / (slope @ slope))
+
+
+def find_motion(found: Contents, account: Account) -> Motion:
+    """Return the positions, the velocities, and the targets of both.
+
+    By their names, and proven by each other; without names, by each other alone. Raises InputError
+    where no block or more than one may be the positions.
+    """
+    named = {block.meaning(): block for block in reversed(found.blocks)}
+    if "actual_q" in named:
+        position = named["actual_q"]
+        velocity = _beside(named.get("actual_qd"), position)
+    else:
+        position, velocity = _nameless(found)
+    time = found.clocks[position.clock]
+    targets = {
+        name: block
+        for name in ("target_q", "target_qd", "target_qdd")
+        if (block := _beside(named.get(name), position)) is not None
+    }
+    units = _units(found, position, velocity, time, account)
+    return Motion(position, velocity, targets, units)
+
+
+def _beside(block: Block | None, position: Block) -> Block | None:
+    """Return a block if it has the clock of the positions."""
+    return block if block is not None and block.clock == position.clock else None
+
+
+def _nameless(found: Contents) -> tuple[Block, Block]:
+    pairs = [*_pairs(found)]
+    if len(pairs) != 1:
+        several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
+        raise InputError(
+            f"{found.path}: which columns are the positions cannot be told: "
+            + (f"{several} may be; name the columns" if pairs else NO_PAIR)
+        )
+    return pairs[0]
+
+
+def _pairs(found: Contents) -> Iterator[tuple[Block, Block]]:
+    """Yield the blocks of six columns of which one is the derivative of the other."""
+    six = [block for block in found.blocks if block.rows.shape[1] == 6]
+    for one in six:
+        for other in six:
+            if one is not other and one.clock == other.clock:
+                share, ratio, count = agreement(one, other, found.clocks[one.clock])
+                if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
+                    yield one, other
+
+
+def _units(
+    found: Contents, position: Block, velocity: Block | None, time: Array, account: Account
+) -> dict[str, str]:
+    """Return the units of positions and velocities that are not SI."""
+    degrees = float(np.nanmedian(np.nanmax(np.abs(position.rows), axis=0))) > TURN
+    units = {"actual_q": "deg"} if degrees else {}
+    if degrees:
+        account.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
+    if velocity is None:
+        account.assumed.append("no velocities: differences of the positions take their place")
+        return units
+    share, ratio, count = agreement(position, velocity, time)
+    if not count:
+        account.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
+        return units
+    known = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}
+    near = min(known, key=lambda factor: abs(np.log(abs(ratio) / factor)) if ratio else np.inf)
+    if share < 1.0 or not RATIO[0] < ratio / near < RATIO[1]:
+        raise InputError(
+            f"{found.path}: {velocity.title} is not the derivative of {position.title}, column by "
+            "column: their joints are in different orders, or one of both is another quantity; "
+            "bring them into one order, or write the entry by hand (raw/README.md)"
+        )
+    account.proven.append(
+        f"{velocity.title} is the velocity of {position.title} ({count} joints move)"
+    )
+    return units | ({"actual_qd": "deg/s"} if known[near] else {})

@@ -1,0 +1,62 @@
+"""Which arm and which order of the joints put the flange where a recorded pose has it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.importing.readings import Order
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
+from ur5lib.timeseries.arrays import Array
+
+FITS = 0.004  # m; a calibrated arm misses its nominal kinematics by less
+WORSE = 3.0  # times the miss of the best; readings that miss by more are excluded
+MOST = 12  # postures that are looked at
+
+
+class Placed(NamedTuple):
+    """How far (root mean square [m]) a reading puts the flange from where the pose has it."""
+
+    arm: str
+    order: Order
+    miss: float
+
+
+def placed(
+    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
+) -> tuple[list[Placed], bool]:
+    """Return the readings, the best first, and whether the pose is the flange's own.
+
+    q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. A tool is
+    allowed for only where no reading puts the bare flange there.
+    """
+    rows = np.unique(np.linspace(0, len(q) - 1, MOST).astype(int))
+    bare = _misses(q[rows], position[rows], arms, orders, tool=False)
+    if bare[0].miss < FITS:
+        return bare, True
+    return _misses(q[rows], position[rows], arms, orders, tool=True), False
+
+
+def fitting(found: Sequence[Placed]) -> list[Placed]:
+    """Return the readings about as good as the best; none where even that does not fit."""
+    best = found[0].miss
+    return [] if best > FITS else [one for one in found if one.miss <= WORSE * best + 1e-4]
+
+
+def _misses(
+    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order], tool: bool
+) -> list[Placed]:
+    found = []
+    for arm in arms:
+        postures = q[:, np.array(orders)].swapaxes(0, 1)
+        rotation, origin = link_frames(arm, postures.reshape(-1, 6))
+        away = position - origin[:, 6].reshape(*postures.shape[:2], 3)
+        if tool:
+            turned = np.einsum(
+                "knij,kni->knj", rotation[:, 6].reshape(*postures.shape[:2], 3, 3), away
+            )
+            away = turned - turned.mean(axis=1, keepdims=True)
+        miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
+        found += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
+    return sorted(found, key=lambda one: one.miss)

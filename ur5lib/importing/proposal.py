@@ -1,0 +1,178 @@
+"""What the channels of a file are: the joints' order, the arm, the units, the wrench's frame."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.errors import InputError
+from ur5lib.importing.account import Account
+from ur5lib.importing.blocks import Block
+from ur5lib.importing.contents import AGAIN, Contents
+from ur5lib.importing.efforts import name_efforts
+from ur5lib.importing.identity import identified
+from ur5lib.importing.motion import Motion, find_motion
+from ur5lib.importing.readings import Order, Reading
+from ur5lib.importing.wrenches import wrench_frame
+from ur5lib.recordings.arm_checks import described
+from ur5lib.recordings.block_means import BlockMeans, block_means
+from ur5lib.recordings.frames import repair_frames
+
+FEWEST = 8  # blocks of 0.1 s
+EFFORTS = ("effort", "actual_current", "target_current", "target_moment")
+OTHERS = (
+    "joint_control_output",
+    "actual_TCP_pose",
+    "actual_TCP_force",
+    "actual_TCP_speed",
+    "joint_temperatures",
+)
+PUSHED = 10.0  # N; a wrench that changes by more is a contact
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A file's channels, and what is known about them.
+
+    clock: the name of the robot's stamps; order: the column of joints 1 to 6; channels: the blocks
+    of each; units: by channel, those that are not SI; sensor: the blocks of the force sensor.
+    """
+
+    contents: Contents
+    clock: str
+    arm: str
+    order: Order
+    channels: dict[str, list[Block]]
+    units: dict[str, str]
+    account: Account
+    sensor: list[Block] = field(default_factory=list)
+    pushed: bool = False
+
+
+def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
+    """Return what a file's blocks are; arms: those that it may be of, by default all described.
+
+    Raises InputError where that is ambiguous, with the readings and what would settle it.
+    """
+    account = Account()
+    moving = find_motion(found, account)
+    clock = moving.position.clock
+    efforts = {f"effort{k}": block for k, block in enumerate(_efforts(found, moving))}
+    wrench = _wrench(found, clock)
+    means = _means(found, moving, efforts, wrench)
+    reading = identified(found, moving, means, [*efforts], arms, account)
+    channels = moving.channels()
+    named = name_efforts(efforts, means, described(reading.arm), reading.order, account)
+    channels |= {name: [block] for name, block in named.items()}
+    for name in OTHERS:
+        block = _of_meaning(found, name, clock)
+        if block is not None and block.rows.shape[1] == 6:
+            channels[name] = [block]
+    pushed = _pushed(wrench, account)
+    sensor: list[Block] = []
+    measured = [block for name, block in named.items() if name.startswith("actual")]
+    telling = [name for name, block in efforts.items() if any(block is its for its in measured)]
+    if wrench:
+        frame = _frame(wrench, telling, means, reading, account, pushed)
+        sensor = wrench if frame == "flange" else []
+        channels |= {"actual_TCP_force": wrench} if frame == "base" else {}
+    _account_for_columns(found, account)
+    return Proposal(
+        found, clock, reading.arm, reading.order, channels, moving.units, account, sensor, pushed
+    )
+
+
+def _efforts(found: Contents, moving: Motion) -> list[Block]:
+    """Return the blocks that may be currents or torques."""
+    taken = [block for blocks in moving.channels().values() for block in blocks]
+    return [
+        block
+        for block in found.blocks
+        if block.clock == moving.position.clock
+        and block.rows.shape[1] == 6
+        and not any(block is other for other in taken)
+        and (block.meaning() in EFFORTS or block.is_nameless())
+    ]
+
+
+def _of_meaning(found: Contents, meaning: str, clock: str) -> Block | None:
+    """Return the block of a meaning with the stamps of a clock."""
+    for block in found.blocks:
+        same = np.array_equal(found.clocks[block.clock], found.clocks[clock])
+        if block.meaning() == meaning and same:
+            return block
+    return None
+
+
+def _wrench(found: Contents, clock: str) -> list[Block]:
+    parts = [_of_meaning(found, meaning, clock) for meaning in ("force", "torque")]
+    return [block for block in parts if block is not None] if None not in parts else []
+
+
+def _means(
+    found: Contents, moving: Motion, efforts: Mapping[str, Block], wrench: Sequence[Block]
+) -> BlockMeans:
+    """Return the means over blocks of time, columns as in the file."""
+    values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
+    if wrench:
+        values["wrench"] = np.hstack([block.rows for block in wrench])
+    columns = {f"{name}_{k}": its[:, k] for name, its in values.items() for k in range(6)}
+    stamps = found.clocks[moving.position.clock]
+    table = pd.DataFrame({"time": stamps - stamps[0], **columns})
+    robot, timing, _ = repair_frames(table, None, 0.1, str(found.path))
+    means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
+    if len(means.q) < FEWEST:
+        raise InputError(f"{found.path}: too short to tell anything; record two seconds or more")
+    return means
+
+
+def _frame(
+    wrench: Sequence[Block],
+    efforts: Sequence[str],
+    means: BlockMeans,
+    reading: Reading,
+    account: Account,
+    pushed: bool,
+) -> str | None:
+    """Return the frame of a wrench: base or flange, None where the efforts do not tell."""
+    title = " and ".join(block.title for block in wrench)
+    values, arm = means.currents["wrench"], described(reading.arm)
+    frame, apart = None, 0.0
+    if pushed and efforts:
+        frame, apart = wrench_frame(means, efforts[0], values, arm, reading.order)
+    if frame is None:
+        account.ambiguous.append(
+            f"{title}: in the base's frame or the flange's (log-likelihoods {apart:.1f} apart, "
+            f"changes up to {_change(wrench):.0f} N); left out: record a push in several postures"
+        )
+        return None
+    account.proven.append(f"{title} in the {frame}'s frame: only so it explains the efforts")
+    return frame
+
+
+def _change(wrench: Sequence[Block]) -> float:
+    force = wrench[0].rows
+    return float(np.nanmax(np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)))
+
+
+def _pushed(wrench: Sequence[Block], account: Account) -> bool:
+    """Return whether something touches the arm, by a wrench."""
+    if wrench and (change := _change(wrench)) > PUSHED:
+        account.proven.append(f"role contact: the force changes by {change:.0f} N")
+        return True
+    account.assumed.append("role fit: nothing touches the arm; otherwise write contact")
+    return False
+
+
+def _account_for_columns(found: Contents, account: Account) -> None:
+    """Tell what of a file is left out, and on whose word a table's columns were named."""
+    if found.header.layout:
+        account.assumed.append(f"columns as of {found.header.layout}")
+    for name in found.header.repeated:
+        first = name.split(AGAIN)[0]
+        account.proven.append(f"{first} appears twice in the header; read once, the first")
+    silent = [block.title for block in found.silent]
+    if silent:
+        more = ", ..." if len(silent) > 5 else ""
+        account.proven.append(f"{', '.join(silent[:5])}{more}: zero throughout, so not recorded")

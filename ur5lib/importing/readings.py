@@ -1,0 +1,236 @@
+"""Which order of the joints, which unit and which arm explain the efforts: by gravity.
+
+A joint's effort is gravity, by a slope that the unit bounds, and friction and inertia. Every order
+of the joints is tried; what is left of each joint's effort, with a variance of its own, gives the
+order's likelihood.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from itertools import permutations
+from typing import NamedTuple
+
+import numpy as np
+
+from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.current_checks import CONSTANTS
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.timeseries.arrays import Array, Labels
+
+Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
+
+IN_ORDER: Order = (0, 1, 2, 3, 4, 5)
+SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effort per Nm
+NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
+KNOWN = 0.2  # spread of torque constants around those of the joints' sizes
+MOST = 40  # blocks that are looked at
+INDEPENDENT = 0.25  # share of the blocks that count as independent
+SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
+CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
+LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
+HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
+
+
+class Reading(NamedTuple):
+    """An arm, an order of the joints and a unit of each effort, and their log-likelihood."""
+
+    arm: str
+    order: Order
+    units: tuple[str, ...]
+    score: float
+
+
+def thinned(means: BlockMeans, most: int = MOST) -> BlockMeans:
+    """Return the blocks in which the arm's postures differ most."""
+    chosen, away = [0], np.full(len(means.q), np.inf)
+    while len(chosen) < min(most, len(means.q)):
+        away = np.minimum(away, np.abs(means.q - means.q[chosen[-1]]).sum(axis=1))
+        chosen.append(int(np.argmax(away)))
+    rows = np.unique(chosen)
+    currents = {name: values[rows] for name, values in means.currents.items()}
+    return replace(
+        means,
+        q=means.q[rows],
+        qd=means.qd[rows],
+        qdd=means.qdd[rows],
+        torque=None,
+        currents=currents,
+    )
+
+
+@cache
+def all_orders() -> tuple[Order, ...]:
+    """Return all orders of six joints."""
+    return tuple(permutations(range(6)))
+
+
+@cache
+def gravity_orders() -> tuple[Order, ...]:
+    """Return the orders that gravity can tell apart: not those that exchange joints 1 and 6."""
+    return tuple(order for order in all_orders() if order[0] < order[5])
+
+
+def readings(
+    means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot], orders: Sequence[Order]
+) -> list[Reading]:
+    """Return the readings of some arms and orders, the likeliest first; of each effort, its unit.
+
+    means: `currents` holds the efforts, columns as in the file.
+    """
+    columns = np.array(orders)
+    free = {name: _without_motion(means, means.currents[name]) for name in efforts}
+    found = []
+    for arm in arms:
+        postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, 6)
+        torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, 6))
+        torque = torque.reshape(postures.shape)
+        constants = arm.maker_torque_constants()
+        scores = [_scores(means, free[name], torque, columns, constants) for name in efforts]
+        total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
+        for place, order in enumerate(orders):
+            units = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
+            found.append(Reading(arm.name, order, units, float(total[place])))
+    return sorted(found, key=lambda reading: -reading.score)
+
+
+def likeliest(means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot]) -> list[Reading]:
+    """Return the likeliest readings of all orders that gravity tells apart, the best first.
+
+    All are tried on few blocks, and those that explain these on all blocks.
+    """
+    first = readings(thinned(means), efforts, arms, gravity_orders())
+    close = [one for one in first if first[0].score - one.score < CLOSE]
+    by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
+    again = [readings(means, efforts, [a], by_arm[a.name]) for a in arms if by_arm[a.name]]
+    return sorted((one for few in again for one in few), key=lambda one: -one.score)
+
+
+def slopes(means: BlockMeans, effort: str, arm: Robot, order: Order) -> Array:
+    """Return effort per torque of gravity (6,) of each joint [1/unit]; NaN where gravity is nil."""
+    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
+    free = _without_motion(means, means.currents[effort])
+    found = np.full(6, np.nan)
+    for joint, column in enumerate(order):
+        own = _project(_motion(means, column), torque[:, joint])
+        if np.linalg.norm(own) > 1e-3 * len(own):
+            found[joint] = own @ free[:, column] / (own @ own)
+    return found
+
+
+def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dict[str, float]:
+    """Return the log-likelihood of each unit of an effort, and that it holds no gravity."""
+    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])[None]
+    free, columns = _without_motion(means, means.currents[effort]), np.array([order])
+    unknown = [math.nan] * 6
+    scores = _scores(means, free, torque, columns, unknown)
+    scores |= {"neither": _scores(means, free, 0 * torque, columns, unknown)["A"]}
+    return {unit: float(score[0]) for unit, score in scores.items()}
+
+
+def own_order(means: BlockMeans, effort: str, arm: Robot, order: Order) -> float:
+    """Return how much likelier an effort's columns have the positions' order than any other.
+
+    A difference of log-likelihoods; negative where another order explains the effort better.
+    """
+    torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
+    values = means.currents[effort]
+    floor = NOISE**2 + LEVEL * (values**2).mean()
+    every = np.array(all_orders())
+    margins = []
+    for low, high in SLOPES.values():
+        left = [_left(means, values, torque[:, j], k, low, high) for j, k in enumerate(order)]
+        scores = -INDEPENDENT * len(values) / 2 * np.log(np.array(left) + floor)
+        margins.append(scores[np.arange(6), every].sum(axis=1))
+    total = np.max(margins, axis=0)
+    same = (every == order).all(axis=1)
+    return float(total[same][0] - total[~same].max())
+
+
+def _left(
+    means: BlockMeans, values: Array, gravity: Array, column: int, low: float, high: float
+) -> Array:
+    """Return the mean squares (6,) that gravity and motion of one joint leave of all efforts."""
+    basis, _ = np.linalg.qr(np.column_stack([means.friction(column), means.qdd[:, column]]))
+    own, free = _project(basis, gravity), _project(basis, values.T)
+    slope = np.clip(free @ own / (own @ own + 1e-12), low, high)
+    return np.asarray(((free - slope[:, None] * own) ** 2).mean(axis=1))
+
+
+def base_first(means: BlockMeans, efforts: Sequence[str], order: Order) -> bool | None:
+    """Return whether joints 1 and 6 of an order are so, and not exchanged; None: not to be told.
+
+    By their rotors: the base's inertia, seen through an effort, is a multiple of a wrist's.
+    """
+    votes = {_heavier(means, means.currents[name], order) for name in efforts} - {None}
+    return votes.pop() if len(votes) == 1 else None
+
+
+def _heavier(means: BlockMeans, effort: Array, order: Order) -> bool | None:
+    first, last = (_inertia(means, effort, order[joint]) for joint in (0, 5))
+    for (one, its), (other, error), told in ((first, last, True), (last, first, False)):
+        if one - 3 * its > HEAVIER * max(other + 3 * error, 0.0):
+            return told
+    return None
+
+
+def _inertia(means: BlockMeans, effort: Array, column: int) -> tuple[float, float]:
+    """Return effort per acceleration of a joint's own, and its standard error."""
+    own = np.column_stack([means.qdd[:, column], means.friction(column), np.ones(len(effort))])
+    inverse = np.linalg.pinv(own)
+    solution = inverse @ effort[:, column]
+    left = np.std(effort[:, column] - own @ solution)
+    return float(solution[0]), float(left * np.linalg.norm(inverse[0]) / math.sqrt(INDEPENDENT))
+
+
+def _motion(means: BlockMeans, column: int) -> Array:
+    """Return an orthonormal basis (M, n) of a joint's friction and of all inertia."""
+    basis, size, _ = np.linalg.svd(
+        np.column_stack([means.friction(column), means.qdd]), full_matrices=False
+    )
+    return basis[:, size > 1e-8 * size[0]]
+
+
+def _project(basis: Array, values: Array) -> Array:
+    """Return what of values (..., M) a basis (M, n) does not span."""
+    return values - (values @ basis) @ basis.T
+
+
+def _without_motion(means: BlockMeans, effort: Array) -> Array:
+    """Return efforts (M, 6) without friction and inertia."""
+    columns = [_project(_motion(means, k), effort[:, k]) for k in range(6)]
+    return np.stack(columns, axis=1)
+
+
+def _scores(
+    means: BlockMeans, effort: Array, torque: Array, columns: Labels, constants: Sequence[float]
+) -> dict[str, Array]:
+    """Return the log-likelihood of each order (K,) by unit.
+
+    torque: (K, M, 6) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
+    """
+    count = INDEPENDENT * torque.shape[1]
+    total = {unit: np.zeros(len(columns)) for unit in SLOPES}
+    for column in range(6):
+        basis = _motion(means, column)
+        for joint in range(6):
+            rows = columns[:, joint] == column
+            own = _project(basis, torque[rows, :, joint])
+            slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)
+            known = constants[joint]
+            for unit, (low, high) in SLOPES.items():
+                bounded = np.clip(slope, low, high)
+                left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
+                total[unit][rows] -= count / 2 * np.log(left + NOISE**2)
+                total[unit][rows] -= _surprise(bounded, known if unit == "A" else 1.0, own)
+    return total
+
+
+def _surprise(slope: Array, constant: float, torque: Array) -> Array:
+    """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity tells."""
+    if math.isnan(constant):
+        return np.zeros(len(slope))
+    tells = np.linalg.norm(torque, axis=1) > 0.5 * math.sqrt(torque.shape[1])  # Nm
+    return np.where(tells, (np.log(slope * constant) / KNOWN) ** 2 / 2, 0.0)

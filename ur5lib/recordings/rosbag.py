@@ -1,0 +1,154 @@
+"""Messages of ROS 2 bags (.db3, .mcap), as arrays by topic and field."""
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.storage import Arrays, damaged, optional_import
+
+JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
+XYZ = ("x", "y", "z")
+
+
+class Message(NamedTuple):
+    """A message's stamps [s]: of its header, and of its receipt; and its fields."""
+
+    stamp: float
+    bag_stamp: float
+    fields: dict[str, list[float]]
+    names: tuple[str, ...] = ()
+
+
+def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the fields of JointState, WrenchStamped and Imu messages by `<topic>/<field>`.
+
+    `<topic>/stamp` is the time in the messages' headers, `<topic>/bag_stamp` that of their receipt
+    [s]. Joints come in the arm's order where the messages name them. Messages that cannot be read
+    are skipped and reported. Raises InputError when the file is damaged or no bag.
+    """
+    reader = optional_import("rosbags.highlevel").AnyReader
+    types = optional_import("rosbags.typesys")
+    store = types.get_typestore(types.Stores.ROS2_HUMBLE)
+    topics: dict[str, list[Message]] = {}
+    lost = Counter[str]()
+    try:
+        with reader([path], default_typestore=store) as bag:
+            _collect(bag, wanted, topics, lost)
+    except Exception as error:  # of damaged files, the library may raise anything
+        if not topics:
+            raise damaged(path, "a ROS 2 bag", error) from error
+        lost["the end of the file cannot be read"] += 1
+    for reason, count in lost.items():
+        detail = f"{path.name}: {reason}"
+        findings.append(Finding("robot", "damaged messages", "warning", count, detail))
+    arrays: Arrays = {}
+    for topic, messages in topics.items():
+        arrays |= _topic_arrays(topic, messages, path, findings)
+    return arrays
+
+
+def joint_order(names: tuple[str, ...]) -> list[int] | None:
+    """Return where joints 1 to 6 stand among named ones; None where the names do not tell."""
+    order = [[k for k, name in enumerate(names) if joint in name] for joint in JOINTS]
+    return [places[0] for places in order] if all(len(places) == 1 for places in order) else None
+
+
+def _collect(
+    bag: Any, wanted: Collection[str] | None, topics: dict[str, list[Message]], lost: Counter[str]
+) -> None:
+    """Read the messages of the wanted topics that can be read, and count the others."""
+    known = [
+        connection
+        for connection in bag.connections
+        if connection.msgtype in FIELDS
+        and (wanted is None or any(name.startswith(f"{connection.topic}/") for name in wanted))
+    ]
+    missing = sum(connection.msgcount for connection in known)
+    for connection, received, raw in bag.messages(connections=known) if known else ():
+        missing -= 1
+        try:
+            message = bag.deserialize(raw, connection.msgtype)
+            fields, names = FIELDS[connection.msgtype](message)
+            stamp = message.header.stamp
+            seconds = stamp.sec + 1e-9 * stamp.nanosec
+        except Exception:  # of damaged messages, the library may raise anything
+            lost["messages that are no messages of their type; skipped"] += 1
+            continue
+        topics.setdefault(connection.topic, []).append(
+            Message(seconds, received * 1e-9, fields, names)
+        )
+    if missing > 0:
+        lost["messages that its index counts and the bag does not hold"] += missing
+
+
+def _joint_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
+    fields = {name: getattr(message, name).tolist() for name in ("position", "velocity", "effort")}
+    return fields, tuple(message.name)
+
+
+def _vectors(*names: str, part: str = "") -> Callable[[Any], tuple[dict[str, list[float]], Any]]:
+    def fields(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
+        body = getattr(message, part) if part else message
+        vectors = {name: getattr(body, name) for name in names}
+        return {n: [getattr(vector, axis) for axis in XYZ] for n, vector in vectors.items()}, ()
+
+    return fields
+
+
+FIELDS = {
+    "sensor_msgs/msg/JointState": _joint_state,
+    "geometry_msgs/msg/WrenchStamped": _vectors("force", "torque", part="wrench"),
+    "sensor_msgs/msg/Imu": _vectors("linear_acceleration", "angular_velocity"),
+}
+
+
+def _topic_arrays(
+    topic: str, messages: list[Message], path: Path, findings: list[Finding]
+) -> Arrays:
+    """Return the arrays of a topic, of the messages about the joints that most of them name."""
+    usual = _usual_names(messages)
+    kept = [m for m in messages if frozenset(m.names) == frozenset(usual)]
+    if len(kept) < len(messages):
+        detail = f"{path.name}: messages on {topic} about other joints than {', '.join(usual)}"
+        count = len(messages) - len(kept)
+        findings.append(Finding("robot", "other messages", "note", count, f"{detail}; left out"))
+    if usual and joint_order(usual) is None:
+        detail = (
+            f"{path.name}: {', '.join(usual)} on {topic} name no arm's joints; left as they are"
+        )
+        findings.append(Finding("robot", "unnamed joints", "note", len(usual), detail))
+    arrays = {
+        f"{topic}/stamp": np.array([message.stamp for message in kept]),
+        f"{topic}/bag_stamp": np.array([message.bag_stamp for message in kept]),
+    }
+    for field in messages[0].fields:
+        if rows := [*_rows(kept, field, usual)]:
+            arrays[f"{topic}/{field}"] = np.array(rows)
+    return arrays
+
+
+def _usual_names(messages: list[Message]) -> tuple[str, ...]:
+    """Return the names of the joints that most messages are about, those of an arm first."""
+    counts = Counter(message.names for message in messages)
+    return max(counts, key=lambda names: (joint_order(names) is not None, counts[names]))
+
+
+def _rows(messages: list[Message], field: str, names: tuple[str, ...]) -> Iterator[list[float]]:
+    """Yield a field of each message in the arm's order, else in that of `names`.
+
+    Nothing where no message has it; NaN in those without it.
+    """
+    width = len(names) or 3
+    if not any(len(message.fields[field]) == width for message in messages):
+        return
+    order = [names[k] for k in joint_order(names) or range(len(names))]
+    for message in messages:
+        values = message.fields[field]
+        if len(values) != width:
+            yield [np.nan] * (len(order) or width)
+        else:
+            yield [values[message.names.index(name)] for name in order] if names else values
