@@ -25,7 +25,7 @@ from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import encoder_system
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.kalman import LinearSystem, smooth
+from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 
 SAMPLES, PERIOD, ROUNDS = 10_000, 0.008, 3
 IMU_NOISE = np.repeat([0.1, 0.01], 3)  # m/s², rad/s
@@ -56,8 +56,8 @@ class Recording:
         """Return the standard deviations of the readings (N, 6)."""
         return np.tile(IMU_NOISE, (len(self.q), 1))
 
-    def joints(self) -> LinearSystem:
-        """Return the linear system of motion and encoders."""
+    def joints(self) -> System:
+        """Return the system of motion and encoders."""
         count = len(self.q)
         noise = EncoderNoise(
             np.ones((count, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002)
@@ -141,8 +141,13 @@ def by_pinocchio(robot: Robot) -> Kinematics:
 
 def batched(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
     """Return the states (N, 24) by this library."""
-    model = linearised(robot, kinematics, own.q, own.qd)
-    return smooth(add_imu(own.joints(), own.time, own.readings, model, own.imu_noise))[0]
+
+    def model(rows: slice) -> LinearImu:
+        return linearised(robot, kinematics, own.q[rows], own.qd[rows])
+
+    system = add_imu(own.joints(), own.time, own.readings, model, own.imu_noise)
+    parts = [part.states.mean[:, 0] for part in smooth(system, len(own.q))]
+    return np.concatenate(parts[::-1])
 
 
 def linearised(robot: Robot, kinematics: Kinematics, q: Array, qd: Array) -> LinearImu:
@@ -179,7 +184,8 @@ def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
 def first_two(robot: Robot, kinematics: Kinematics, own: Recording) -> LinearSystem:
     """Return the linear system of the first two samples; the kinematics take one at a time."""
     two, model = own.first(2), linearised(robot, kinematics, own.q[:1], own.qd[:1])
-    return add_imu(two.joints(), two.time, two.readings, model, two.imu_noise)
+    system = add_imu(two.joints(), two.time, two.readings, lambda _: model, two.imu_noise)
+    return LinearSystem(*(values[:, 0] for values in vars(system(slice(None))).values()))
 
 
 def timed(run: Callable[[], Array]) -> tuple[float, Array]:

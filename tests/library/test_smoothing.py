@@ -1,5 +1,9 @@
 """Extended Kalman filter, smoother, noise and the IMU's equation."""
 
+import tracemalloc
+from collections import deque
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +32,8 @@ from ur5lib.signals.noise import (
     moving_mean,
 )
 from ur5lib.signals.smoothing import SmoothedMotion, encoder_system, smooth_encoders
-from ur5lib.timeseries.kalman import LinearSystem, smooth
+from ur5lib.timeseries import kalman
+from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 
 PERIOD, SAMPLES = 0.008, 3000
 POINT = np.array([0.01735, 0.00605, 0.0095])
@@ -94,6 +99,10 @@ def model_at(robot: Robot, q: np.ndarray, qd: np.ndarray) -> LinearImu:
     return linearise_imu(*kinematics(robot, q), qd, POINT, AXES, UP)
 
 
+def model_of(robot: Robot, q: np.ndarray, qd: np.ndarray, rows: slice) -> LinearImu:
+    return model_at(robot, q[rows], qd[rows])
+
+
 def clock(samples: int) -> tuple[np.ndarray, np.ndarray]:
     return np.arange(samples) * PERIOD, np.zeros(samples, dtype=np.int64)
 
@@ -123,7 +132,7 @@ def by_both(
     noise = np.random.default_rng(3).normal(size=(SAMPLES, 6))
     readings = true_readings(ur5, truth) + IMU_BIAS + IMU_NOISE * noise
     readings[500:600] = np.nan
-    model = model_at(ur5, *measured)
+    model = partial(model_of, ur5, *measured)
     return smooth_with_imu(*clock(SAMPLES), *measured, readings, model, by_encoders)
 
 
@@ -145,7 +154,8 @@ def test_derivative_of_the_jacobian_is_that_of_the_dynamics(ur5: Robot) -> None:
 
 def test_linear_readings_are_exact_at_the_motion_they_belong_to(ur5: Robot) -> None:
     motion = random_states()
-    predicted, _ = model_at(ur5, *motion[:2]).predict(np.hstack(motion), np.zeros((50, 18, 18)))
+    model, nothing = model_at(ur5, *motion[:2]), np.zeros((50, 18))
+    predicted, _ = model.predict(np.hstack(motion), nothing, nothing[:, :6])
     np.testing.assert_allclose(predicted, true_readings(ur5, motion), atol=1e-12)
 
 
@@ -185,17 +195,24 @@ def test_smoother_is_weighted_least_squares(ur5: Robot) -> None:
     noise = encoder_noise(*clock(count), q, qd)
     time = np.cumsum(random.uniform(0.004, 0.03, count))
     segment = np.repeat([0, 1], [15, count - 15])
-    model = model_at(ur5, q, qd)
+    model = partial(model_of, ur5, q.copy(), qd.copy())
     q[5], qd[7], q[17:20] = np.nan, np.nan, np.nan
     readings = true_readings(ur5, motion)
     readings[8:11] = np.nan
     joints = encoder_system(time, segment, q, qd, noise)
     system = add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (count, 1)))
-    states, covariances, _ = smooth(system)
+    states, covariances = smoothed(system, count)
 
-    expected, std = least_squares(system)
-    np.testing.assert_allclose((states - expected) / std, 0, atol=1e-4)
-    np.testing.assert_allclose(np.sqrt(np.diagonal(covariances, axis1=1, axis2=2)), std, rtol=1e-4)
+    expected, std = least_squares(system(slice(None)))
+    np.testing.assert_allclose((states[:, 0] - expected) / std, 0, atol=1e-4)
+    deviations = np.sqrt(np.diagonal(covariances[:, 0], axis1=1, axis2=2))
+    np.testing.assert_allclose(deviations, std, rtol=1e-4)
+
+
+def smoothed(system: System, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """States and covariances of all samples."""
+    parts = [part.states for part in smooth(system, count)][::-1]
+    return tuple(np.concatenate(values) for values in zip(*parts, strict=True))
 
 
 def least_squares(system: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
@@ -203,17 +220,18 @@ def least_squares(system: LinearSystem) -> tuple[np.ndarray, np.ndarray]:
 
     The unknowns are what drives the states, in units of its deviation: states = G unknowns.
     """
-    roots = [driving(covariance) for covariance in system.Q]
+    F, Q, H, z, R = (values[:, 0] for values in vars(system).values())
+    roots = [driving(covariance) for covariance in Q]
     ends = np.cumsum([root.shape[1] for root in roots])
-    G = np.zeros((*system.z.shape[:1], system.F.shape[1], ends[-1]))
+    G = np.zeros((len(z), F.shape[1], ends[-1]))
     equations, values = [np.eye(ends[-1])], [np.zeros(ends[-1])]
     for k, root in enumerate(roots):
-        G[k] = system.F[k] @ G[k - 1]
+        G[k] = F[k] @ G[k - 1]
         G[k, :, ends[k] - root.shape[1] : ends[k]] = root
-        seen = np.isfinite(system.z[k])
-        deviation = np.sqrt(system.R[k, seen])
-        equations.append(system.H[k, seen] @ G[k] / deviation[:, None])
-        values.append(system.z[k, seen] / deviation)
+        seen = np.isfinite(z[k])
+        deviation = np.sqrt(R[k, seen])
+        equations.append(H[k, seen] @ G[k] / deviation[:, None])
+        values.append(z[k, seen] / deviation)
     orthogonal, triangle = np.linalg.qr(np.vstack(equations))
     G = G @ np.linalg.inv(triangle)
     return G @ (orthogonal.T @ np.concatenate(values)), np.linalg.norm(G, axis=2)
@@ -318,10 +336,11 @@ def test_a_new_segment_starts_afresh(measured: tuple[np.ndarray, np.ndarray]) ->
     time, segment = clock(400)
     segment[200:] = 1
     noise = encoder_noise(time, segment, q, qd)
-    system = encoder_system(time, segment, q, qd, noise)
-    states, _, _ = smooth(system)
-    system.z[:200] += 1
-    np.testing.assert_allclose(smooth(system)[0][200:], states[200:], atol=1e-7)
+    states, _ = smoothed(encoder_system(time, segment, q, qd, noise), 400)
+    shifted = np.where(segment[:, None] == 0, q + 1, q)
+    others, _ = smoothed(encoder_system(time, segment, shifted, qd, noise), 400)
+    np.testing.assert_allclose(others[200:], states[200:], atol=1e-7)
+    assert (np.abs(others[:200, :, 0] - states[:200, :, 0]) > 0.1).all()
 
 
 def test_what_is_missing_is_bridged_and_less_sure(
@@ -411,10 +430,12 @@ def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
         velocity=random.uniform(3, 4, 6),
         lag=random.uniform(0, 0.01, 6),
     )
-    joints = encoder_system(time, segment, q, qd, noise)
     model, eye = model_at(ur5, q, qd), np.eye(6)
     readings = true_readings(ur5, motion)
-    system = add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (count, 1)))
+    joints = encoder_system(time, segment, q, qd, noise)
+    imu = readings, partial(model_of, ur5, q, qd), np.tile(IMU_NOISE, (count, 1))
+    system = add_imu(joints, time, *imu)
+    F, Q, H, z, R = (values[:, 0] for values in vars(system(slice(None))).values())
     unknown = np.diag(np.repeat([10.0, 10, 100], 6) ** 2)
     for k in range(count):
         step = time[k] - time[k - 1] if k else 0.0
@@ -422,26 +443,64 @@ def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
         gained = np.array([step**3 / 6, step**2 / 2, step])
         driven = np.kron(np.outer(gained, gained) / max(step, 1e-9), np.diag(noise.jerk[k] ** 2))
         fresh = k in (0, 3)
-        np.testing.assert_allclose(joints.F[k], 0 * held if fresh else held, atol=1e-12)
-        np.testing.assert_allclose(joints.Q[k], unknown if fresh else driven, atol=1e-12)
+        np.testing.assert_allclose(F[k, :18, :18], 0 * held if fresh else held, atol=1e-12)
+        np.testing.assert_allclose(Q[k, :18, :18], unknown if fresh else driven, atol=1e-12)
         walk = step * np.repeat([1e-6, 1e-8], 3) if k else np.repeat([0.25, 0.01], 3)
-        np.testing.assert_allclose(system.Q[k, 18:, 18:], np.diag(walk))
-        np.testing.assert_allclose(system.F[k, 18:, 18:], eye * bool(k))
-        np.testing.assert_array_equal(system.F[k, :18, :18], joints.F[k])
-        np.testing.assert_array_equal(system.Q[k, :18, :18], joints.Q[k])
-        assert not system.F[k, :18, 18:].any()
-        assert not system.Q[k, :18, 18:].any()
+        np.testing.assert_allclose(Q[k, 18:, 18:], np.diag(walk))
+        np.testing.assert_allclose(F[k, 18:, 18:], eye * bool(k))
+        assert not F[k, :18, 18:].any()
+        assert not Q[k, :18, 18:].any()
     nothing = 0 * eye
     measured = np.block([[eye, nothing, nothing], [nothing, eye, -np.diag(noise.lag)]])
-    np.testing.assert_allclose(joints.H, np.tile(measured, (count, 1, 1)))
-    deviations = np.concatenate([noise.position, noise.velocity])
-    np.testing.assert_allclose(joints.R, np.tile(deviations**2, (count, 1)))
-    np.testing.assert_array_equal(joints.z, np.hstack([q, qd]))
-    np.testing.assert_array_equal(system.H[:, 12:], model.H)
-    np.testing.assert_array_equal(system.H[:, :12, :18], joints.H)
-    assert not system.H[:, :12, 18:].any()
-    np.testing.assert_allclose(system.z, np.hstack([q, qd, readings - model.offset]))
-    np.testing.assert_allclose(system.R[:, 12:], np.tile(IMU_NOISE**2, (count, 1)))
+    np.testing.assert_allclose(H[:, :12, :18], np.tile(measured, (count, 1, 1)))
+    assert not H[:, :12, 18:].any()
+    np.testing.assert_array_equal(H[:, 12:], model.H)
+    np.testing.assert_allclose(z, np.hstack([q, qd, readings - model.offset]))
+    deviations = np.concatenate([noise.position, noise.velocity, IMU_NOISE])
+    np.testing.assert_allclose(R, np.tile(deviations**2, (count, 1)))
+    for of in (joints, system):
+        part, whole = of(slice(2, 5)), of(slice(None))
+        for name, values in vars(part).items():
+            np.testing.assert_array_equal(values, getattr(whole, name)[2:5])
+
+
+@pytest.fixture(scope="module")
+def broken_system(ur5: Robot, measured: tuple[np.ndarray, np.ndarray]) -> System:
+    """Joints and an IMU, with values missing and a second segment."""
+    q, qd = (values.copy() for values in measured)
+    model = partial(model_of, ur5, *measured)
+    readings = np.random.default_rng(12).normal(size=q.shape)
+    q[190:200], qd[300], readings[395:420] = np.nan, np.nan, np.nan
+    time, segment = clock(SAMPLES)
+    segment[450:] = 1
+    noise = EncoderNoise(np.ones_like(q), POSITION, VELOCITY, LAG)
+    joints = encoder_system(time, segment, q, qd, noise)
+    return add_imu(joints, time, readings, model, np.tile(IMU_NOISE, (SAMPLES, 1)))
+
+
+def test_chunks_make_no_difference(broken_system: System, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = smoothed(broken_system, 600)
+    for size in (7, 100, 599):
+        monkeypatch.setattr(kalman, "CHUNK", size)
+        for part, expected in zip(smoothed(broken_system, 600), whole, strict=True):
+            np.testing.assert_array_equal(part, expected)
+
+
+def test_memory_of_the_smoother_does_not_grow(
+    broken_system: System, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kalman, "CHUNK", 100)
+    peaks = [peak_memory(partial(deque, smooth(broken_system, n), 0)) for n in (300, 1200)]
+    assert peaks[1] < 1.1 * peaks[0]
+
+
+def peak_memory(function: Callable[[], object]) -> int:
+    """The most that a call holds at once [bytes]."""
+    tracemalloc.start()
+    function()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
 
 
 def test_a_moving_mean_is_of_what_is_known_in_its_segment() -> None:

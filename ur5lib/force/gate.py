@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.force import hidden_markov
-from ur5lib.force.background import Smoothed, smooth
+from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.rts import Gaussians
 
 # Factor on the background's covariance in each round: small at first, so that possible contacts do
 # not become part of the background.
@@ -32,7 +33,7 @@ class Gate(NamedTuple):
 
     probability: Array
     causal: Array
-    background: Smoothed
+    background: Gaussians
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def find_contacts(
     filled = np.where(known[:, None], torque, 0.0)
     free = _free_covariances(jacobian, noise, model, prior)
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
-    slow = held = Smoothed(np.zeros_like(filled), noise.spread)
+    slow = held = Gaussians(np.zeros_like(filled), noise.spread)
     for share in ROUNDS:
         # log p(τ | state), and 0 where τ is unknown
         without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
@@ -110,7 +111,7 @@ def _contact_densities(
     torque: Array,
     jacobian: Array,
     noise: Noise,
-    background: Smoothed,
+    background: Gaussians,
     share: float,
     prior: ContactPrior,
 ) -> list[Array]:

@@ -8,6 +8,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import STATES, state_parts
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.signals.imu_fusion import Model
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.smoothing import SmoothedMotion
 from ur5lib.timeseries.arrays import Array
@@ -17,20 +18,19 @@ BIASES = {"accelerometer_bias": slice(18, 21), "gyroscope_bias": slice(21, 24)}
 
 def imu_model(
     robot: Robot, kinematics: Kinematics, calibration: ImuCalibration, qd: Array
-) -> LinearImu:
+) -> Model:
     """Return the IMU's equation about a motion, as other recordings calibrated it.
 
     robot: under the recording's gravity; qd: (N, 6) [rad/s].
     """
-    gravity = np.array(robot.gravity)
-    return linearise_imu(
-        kinematics.rotation,
-        kinematics.jacobian,
-        qd,
-        np.array(robot.mounting.imu),
-        calibration.axes(),
-        calibration.up(gravity),
-    )
+    point, axes = np.array(robot.mounting.imu), calibration.axes()
+    up = calibration.up(np.array(robot.gravity))
+
+    def at(rows: slice) -> LinearImu:
+        motion = kinematics.rotation[rows], kinematics.jacobian[rows], qd[rows]
+        return linearise_imu(*motion, point, axes, up)
+
+    return at
 
 
 def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:

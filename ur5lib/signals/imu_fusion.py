@@ -1,17 +1,22 @@
 """Joint motion from encoders and an IMU by a Kalman smoother."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ur5lib.signals.imu_model import BIASES, LinearImu
 from ur5lib.signals.noise import innovation_test, moving_mean
-from ur5lib.signals.smoothing import MOTION, SmoothedMotion, encoder_system
+from ur5lib.signals.smoothing import MOTION, SmoothedJoints, SmoothedMotion, encoder_system
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.kalman import LinearSystem, smooth
+from ur5lib.timeseries.kalman import LinearSystem, System, chunks, smooth
 
 BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the biases
 BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
 IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
 QUIET = 0.05  # share of windows, the quietest
+
+Model = Callable[[slice], LinearImu]
+"""Returns an IMU's equation at some samples, of which each takes a kilobyte."""
 
 
 def smooth_with_imu(
@@ -20,8 +25,8 @@ def smooth_with_imu(
     q: Array,
     qd: Array,
     readings: Array,
-    model: LinearImu,
-    encoders: SmoothedMotion,
+    model: Model,
+    encoders: SmoothedJoints,
 ) -> SmoothedMotion:
     """Estimate the motion from joints and an IMU, whose biases continue across segments.
 
@@ -29,33 +34,57 @@ def smooth_with_imu(
     [rad/s], NaN where missing; model: the IMU's equation; encoders: result of smooth_encoders.
     """
     # local noise of the IMU from its residuals under the encoders' motion
-    predicted, explained = model.predict(encoders.state, encoders.covariance)
-    noise = imu_noise(time, segment, readings - predicted, explained)
+    residual, explained = np.empty_like(readings), np.empty_like(readings)
+    for rows in chunks(len(time)):
+        known = encoders.state[rows], encoders.std[rows], encoders.shared[rows]
+        predicted, explained[rows] = model(rows).predict(*known)
+        residual[rows] = readings[rows] - predicted
+    noise = imu_noise(time, segment, residual, explained)
     # smoother of q, q̇, q̈ and both biases
     joints = encoder_system(time, segment, q, qd, encoders.encoders)
     system = add_imu(joints, time, readings, model, noise)
-    state, covariance, innovations = smooth(system)
+    state, std = np.empty((2, len(time), MOTION + BIASES))
+    innovations = np.empty((len(time), 12 + BIASES))
+    for rows, (mean, covariance), off in smooth(system, len(time)):
+        state[rows], innovations[rows] = mean[:, 0], off[:, 0]
+        std[rows] = np.sqrt(np.diagonal(covariance[:, 0], axis1=1, axis2=2))
     test = innovation_test(innovations, segment)
-    return SmoothedMotion(state, covariance, innovations, test, encoders.encoders, noise)
+    return SmoothedMotion(state, std, innovations, test, encoders.encoders, noise)
 
 
-def add_imu(
-    joints: LinearSystem, time: Array, readings: Array, model: LinearImu, noise: Array
-) -> LinearSystem:
-    """Add an IMU's biases and readings to the joints' system; noise: (N, 6), their std."""
-    states, rows = MOTION + BIASES, joints.z.shape[1]
-    # motion as for the joints alone
-    F, Q = (np.zeros((len(time), states, states)) for _ in range(2))  # (N, 24, 24)
-    F[:, :MOTION, :MOTION], Q[:, :MOTION, :MOTION] = joints.F, joints.Q
-    # biases: random walk, unknown at the first sample
-    F[1:, MOTION:, MOTION:] = np.eye(BIASES)
-    Q[1:, MOTION:, MOTION:] = np.diff(time)[:, None, None] * np.diag(BIAS_WALK**2)
-    Q[0, MOTION:, MOTION:] = np.diag(BIAS**2)
-    # z = [encoders, readings - offset]
-    H = np.zeros((len(time), rows + BIASES, states))  # (N, 18, 24)
-    H[:, :rows, :MOTION], H[:, rows:] = joints.H, np.nan_to_num(model.H)
-    z = np.concatenate([joints.z, readings - model.offset], axis=1)
-    return LinearSystem(F, Q, H, z, np.concatenate([joints.R, noise**2], axis=1))
+def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: Array) -> System:
+    """Add an IMU's biases and readings to the joints, in one part; noise: (N, 6), their std."""
+    step = np.diff(time, prepend=time[0])
+
+    def part(rows: slice) -> LinearSystem:
+        own, imu = joints(rows), model(rows)
+        count, (begin, *_) = len(own.z), rows.indices(len(time))
+        # motion as for the joints alone
+        F, Q = np.zeros((2, count, MOTION + BIASES, MOTION + BIASES))
+        F[:, :MOTION, :MOTION], Q[:, :MOTION, :MOTION] = joined(own.F), joined(own.Q)
+        # biases: random walk, unknown at the first sample
+        F[:, MOTION:, MOTION:] = np.eye(BIASES)
+        Q[:, MOTION:, MOTION:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
+        if begin == 0:
+            F[0, MOTION:, MOTION:], Q[0, MOTION:, MOTION:] = 0, np.diag(BIAS**2)
+        # z = [encoders, readings - offset]
+        H = np.zeros((count, 12 + BIASES, MOTION + BIASES))
+        H[:, :12, :MOTION], H[:, 12:] = joined(own.H), np.nan_to_num(imu.H)
+        z, R = (values.mT.reshape(count, 12) for values in (own.z, own.R))
+        z = np.concatenate([z, readings[rows] - imu.offset], axis=1)
+        R = np.concatenate([R, noise[rows] ** 2], axis=1)
+        return LinearSystem(F[:, None], Q[:, None], H[:, None], z[:, None], R[:, None])
+
+    return part
+
+
+def joined(parts: Array) -> Array:
+    """Return block matrices (N, 6 A, 6 B) of six joints (N, 6, A, B), the joints innermost."""
+    count, joints, *size = parts.shape
+    whole = np.zeros((count, size[0], joints, size[1], joints))
+    each = np.arange(joints)
+    whole[:, :, each, :, each] = parts.swapaxes(0, 1)
+    return whole.reshape(count, joints * size[0], joints * size[1])
 
 
 def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -> Array:

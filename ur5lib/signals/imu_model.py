@@ -20,14 +20,16 @@ class LinearImu:
     offset: Array
     H: Array
 
-    def predict(self, motion: Array, covariance: Array) -> tuple[Array, Array]:
+    def predict(self, motion: Array, std: Array, shared: Array) -> tuple[Array, Array]:
         """Predict readings (N, 6) without biases, and their variances (N, 6).
 
-        motion: (N, 18), q, q̇ and q̈ side by side; covariance: of the motion, (N, 18, 18).
+        motion, std: (N, 18), q, q̇ and q̈ side by side, and their standard deviations; shared:
+        (N, 6), covariance of q̇ and q̈.
         """
         H = self.H[..., :MOTION]
-        variance = np.sum((H @ covariance) * H, axis=2)
-        return self.offset + (H @ motion[..., None])[..., 0], variance
+        by_qd, by_qdd = H[..., 6:12], H[..., 12:]  # nothing depends on q
+        variance = np.matvec(H**2, std**2) + 2 * np.matvec(by_qd * by_qdd, shared)
+        return self.offset + np.matvec(H, motion), variance
 
 
 def linearise_imu(

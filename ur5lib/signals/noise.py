@@ -172,13 +172,14 @@ class _Record:
 
     def local_jerk(self, position: float, precision: float, lag: float) -> Array:
         """Return the jerk intensity around each sample (N,)."""
-        # log |S| + eᵀ S⁻¹ e under each jerk of the bank
-        ratios = JERKS * self.period**2.5 / position
-        deviances = [self.deviance(ratio, precision, lag) for ratio in ratios]
-        surprise = np.stack([logdet + square / position**2 for logdet, square in deviances], axis=1)
-        # posterior p(jerk) ∝ exp(-½ Σ) over the window, and the mean of log jerk
         count = round(JERK_WINDOW / self.period)
-        surprise = moving_mean(np.where(self.valid[:, None], surprise, 0), self.segment, count)
+        # log |S| + eᵀ S⁻¹ e under each jerk of the bank, its mean over the window
+        surprise = np.empty((len(self.valid), len(JERKS)))
+        for jerk, mean in zip(JERKS, surprise.T, strict=True):
+            logdet, square = self.deviance(jerk * self.period**2.5 / position, precision, lag)
+            own = np.where(self.valid, logdet + square / position**2, 0)
+            mean[:] = moving_mean(own, self.segment, count)
+        # posterior p(jerk) ∝ exp(-½ Σ) over the window, and the mean of log jerk
         weight = softmax(-count * surprise / 2, axis=1)
         return np.exp(weight @ np.log(JERKS))
 

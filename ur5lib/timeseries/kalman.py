@@ -1,20 +1,23 @@
-"""Kalman smoother of a linear time-varying system."""
+"""Kalman smoother of linear time-varying systems, in chunks: its memory stays the same."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
-from filterpy.kalman import ExtendedKalmanFilter
 
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.rts import rts_pass
+from ur5lib.timeseries.rts import Gaussians, rts_pass
+
+CHUNK = 4096  # samples
 
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v, of all samples at once.
+    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v, of all samples, and of B parts without a coupling.
 
-    F, Q: (N, X, X), into each sample from the one before; H: (N, M, X); z: (N, M), NaN where
-    nothing was measured; R: (N, M), variances.
+    F, Q: (N, B, X, X), into each sample from the one before; H: (N, B, M, X); z: (N, B, M), NaN
+    where nothing was measured; R: (N, B, M), variances.
     """
 
     F: Array
@@ -24,39 +27,72 @@ class LinearSystem:
     R: Array
 
 
-def smooth(system: LinearSystem) -> tuple[Array, Array, Array]:
-    """Return states (N, X), covariances (N, X, X) and normalised innovations (N, M).
+class Smoothed(NamedTuple):
+    """The states of some samples, given all measurements, and normalised innovations (N, B, M)."""
 
-    States and covariances are those given all measurements. Raises numpy.linalg.LinAlgError if a
-    state has no uncertainty.
+    rows: slice
+    states: Gaussians
+    innovations: Array
+
+
+System = Callable[[slice], LinearSystem]
+"""Returns the system of some samples."""
+
+
+def smooth(system: System, count: int) -> Iterator[Smoothed]:
+    """Yield the smoothed states of `count` samples, chunk by chunk, from the last to the first.
+
+    On the way forward only the state before each chunk is kept; on the way back, each chunk is
+    filtered again. Raises numpy.linalg.LinAlgError if a state has no uncertainty.
     """
-    prior, posterior, innovations = _filter(system)
-    # cov(x_k, x_k-1) = F_k P_k-1
-    cross = system.F[1:] @ posterior[1][:-1]
-    return *rts_pass(cross, prior, posterior), innovations
+    parts = chunks(count)
+    before: list[Gaussians | None] = [None]
+    for rows in parts[:-1]:
+        before.append(_filter(system(rows), before[-1])[1].at(-1).copy())
+    after: tuple[Array, Gaussians, Gaussians] | None = None  # F, prior, result of the next sample
+    for rows, begin in zip(reversed(parts), reversed(before), strict=True):
+        own = system(rows)
+        F, (prior, posterior) = own.F[1:], _filter(own, begin)
+        later, earlier, end = prior.at(slice(1, None)), posterior.at(slice(-1)), posterior.at(-1)
+        if after is not None:
+            F, later = np.concatenate([F, after[0][None]]), later.followed_by(after[1])
+            earlier, end = posterior, after[2]
+        # cov(x_k+1, x_k) = F_k+1 P_k
+        states = rts_pass(F @ earlier.covariance, later, earlier, end).at(slice(len(own.z)))
+        yield Smoothed(rows, states, _innovations(own, prior))
+        after = own.F[0], prior.at(0), states.at(0)
 
 
-def _filter(
-    system: LinearSystem,
-) -> tuple[tuple[Array, Array], tuple[Array, Array], Array]:
-    """Run filterpy's EKF through all samples: return priors, posteriors and innovations.
+def chunks(count: int) -> list[slice]:
+    """Return samples as successive chunks."""
+    return [slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
 
-    Priors and posteriors are each a mean (N, X) and a covariance (N, X, X).
-    """
-    size = system.F.shape[2]
-    ekf = ExtendedKalmanFilter(size, system.z.shape[1])
-    ekf.x, ekf.P = np.zeros(size), np.zeros((size, size))
-    prior, posterior = ((np.empty(system.F.shape[:2]), np.empty(system.F.shape)) for _ in range(2))
-    innovations = np.full_like(system.z, np.nan)
-    measured = np.isfinite(system.z)
-    for k, seen in enumerate(measured):
-        ekf.F, ekf.Q = system.F[k], system.Q[k]
-        ekf.predict()  # x = F x, P = F P Fᵀ + Q
-        prior[0][k], prior[1][k] = ekf.x, ekf.P
-        if seen.any():
-            H = system.H[k, seen]
-            ekf.update(system.z[k, seen], lambda _, H=H: H, H.dot, R=np.diag(system.R[k, seen]))
-            # (z - H x) / sqrt diag(S)
-            innovations[k, seen] = ekf.y / np.sqrt(np.diagonal(ekf.S))
-        posterior[0][k], posterior[1][k] = ekf.x, ekf.P
-    return prior, posterior, innovations
+
+def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, Gaussians]:
+    """Return the states before and after each measurement; before: that of the sample before."""
+    seen = np.isfinite(system.z)
+    H, z = np.where(seen[..., None], system.H, 0.0), np.where(seen, system.z, 0.0)
+    R = system.R[..., None] * np.eye(z.shape[-1])
+    eye = np.eye(system.F.shape[-1])
+    prior, posterior = (
+        Gaussians(np.empty(system.F.shape[:-1]), np.empty(system.F.shape)) for _ in range(2)
+    )
+    x, P = before or (np.zeros(system.F.shape[1:-1]), np.zeros(system.F.shape[1:]))
+    for k, F in enumerate(system.F):
+        # prediction: x = F x, P = F P Fᵀ + Q
+        x, P = np.matvec(F, x), F @ P @ F.mT + system.Q[k]
+        prior.mean[k], prior.covariance[k] = x, P
+        # correction: K = P Hᵀ (H P Hᵀ + R)⁻¹, x += K (z - H x), P = (I - K H) P (I - K H)ᵀ + K R Kᵀ
+        seen_by = H[k] @ P
+        K = np.linalg.solve(seen_by @ H[k].mT + R[k], seen_by).mT
+        x = x + np.matvec(K, z[k] - np.matvec(H[k], x))
+        left = eye - K @ H[k]
+        P = left @ P @ left.mT + K @ R[k] @ K.mT
+        posterior.mean[k], posterior.covariance[k] = x, P
+    return prior, posterior
+
+
+def _innovations(system: LinearSystem, prior: Gaussians) -> Array:
+    """Return (z - H x⁻) / sqrt diag(H P⁻ Hᵀ + R), NaN where nothing was measured."""
+    variance = np.sum((system.H @ prior.covariance) * system.H, axis=-1) + system.R
+    return (system.z - np.matvec(system.H, prior.mean)) / np.sqrt(variance)

@@ -1,24 +1,46 @@
 """The backward pass of a Kalman smoother."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
 
-def rts_pass(
-    cross: Array, prior: tuple[Array, Array], posterior: tuple[Array, Array]
-) -> tuple[Array, Array]:
-    """Return means (N, X) and covariances (N, X, X) given all measurements.
+class Gaussians(NamedTuple):
+    """Means (N, ..., X) and covariances (N, ..., X, X) of the states at N samples."""
 
-    Rauch, Tung and Striebel's recursion from the last sample to the first. cross: (N - 1, X, X),
-    F_k P_{k-1}, the covariance of each state with its predecessor; prior, posterior: means and
-    covariances of a filter before and after each measurement.
+    mean: Array
+    covariance: Array
+
+    def at(self, rows: slice | int) -> "Gaussians":
+        """Return those of some samples."""
+        return Gaussians(self.mean[rows], self.covariance[rows])
+
+    def copy(self) -> "Gaussians":
+        """Return them in memory of their own, which holds no others."""
+        return Gaussians(self.mean.copy(), self.covariance.copy())
+
+    def followed_by(self, last: "Gaussians") -> "Gaussians":
+        """Return these and those of one sample more."""
+        return Gaussians(
+            *(np.concatenate([own, more[None]]) for own, more in zip(self, last, strict=True))
+        )
+
+
+def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussians) -> Gaussians:
+    """Return the states at samples 0 to N given all measurements.
+
+    Rauch, Tung and Striebel's recursion from the last sample to the first. cross: (N, ..., X, X),
+    F_k+1 P_k, the covariance of each state with its predecessor; prior: of a filter before the
+    measurements of samples 1 to N; posterior: after those of samples 0 to N - 1; end: of sample N,
+    given all measurements.
     """
-    mean, covariance = posterior[0].copy(), posterior[1].copy()
+    mean, covariance = posterior.followed_by(end)
     # G_k = P_k F_k+1ᵀ (P⁻_k+1)⁻¹
-    gain = np.linalg.solve(prior[1][1:], cross).swapaxes(1, 2)
+    gain = np.linalg.solve(prior.covariance, cross).mT
     # x̂_k = x_k + G_k (x̂_k+1 - x⁻_k+1), P̂_k = P_k + G_k (P̂_k+1 - P⁻_k+1) G_kᵀ
-    for k in range(len(mean) - 2, -1, -1):
-        mean[k] += gain[k] @ (mean[k + 1] - prior[0][k + 1])
-        covariance[k] += gain[k] @ (covariance[k + 1] - prior[1][k + 1]) @ gain[k].T
-    return mean, covariance
+    for k in range(len(gain) - 1, -1, -1):
+        mean[k] += np.matvec(gain[k], mean[k + 1] - prior.mean[k])
+        covariance[k] += gain[k] @ (covariance[k + 1] - prior.covariance[k]) @ gain[k].mT
+    return Gaussians(mean, covariance)
