@@ -1,8 +1,8 @@
 """How time and memory grow with the length of one recording, from its CSV at 500 Hz to the report.
 
 It simulates a minute of a UR5e in motion, which a hand pushes, and repeats it: the motion is
-periodic, so that it goes on smoothly from each repetition to the next. The study's recordings to fit
-on are built before, and not counted. Processor time hardly depends on what else runs.
+periodic, so that it goes on smoothly from each repetition to the next. The recordings to fit on
+are computed before, and not counted. Processor time hardly depends on what else runs.
 """
 
 import argparse
@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import yaml
 from study import snakemake
 
 from ur5lib.robots.description import load_robot, robot_path

@@ -18,9 +18,13 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
+
+ROWS = 1 << 16  # that are read or written at once
+Column = NDArray[Any]
 
 UNITS = {  # of a channel, by its name without suffix
     "time": "s",
@@ -99,23 +103,36 @@ def _known_names(column: str) -> list[str]:
 
 
 def write_table(
-    table: pd.DataFrame, path: str | Path, units: Mapping[str, str] | None = None
+    table: pd.DataFrame | Mapping[str, Column],
+    path: str | Path,
+    units: Mapping[str, str] | None = None,
 ) -> None:
     """Write signals as Parquet, with the unit of each column: as given, else that of its channel.
 
     Raises ValueError for a column whose unit is neither given nor known.
     """
     known = units or {}
-    arrow = pa.Table.from_pandas(table, preserve_index=False)
+    arrays = {str(name): np.asarray(values) for name, values in table.items()}
     fields = [
-        field.with_metadata({"unit": known.get(field.name) or unit(field.name)})
-        for field in arrow.schema
+        pa.field(
+            name,
+            pa.from_numpy_dtype(values.dtype),
+            metadata={"unit": known.get(name) or unit(name)},
+        )
+        for name, values in arrays.items()
     ]
-    schema = pa.schema(fields, metadata=arrow.schema.metadata)
+    _write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
+
+
+def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) -> None:
+    """Write columns part by part, so that they are not copied at once."""
+    count = len(next(iter(arrays.values())))
     # A dictionary of measured values takes three quarters of the time, and makes files larger.
-    _write_aside(
-        path, lambda aside: pq.write_table(arrow.cast(schema), aside, use_dictionary=False)
-    )
+    with pq.ParquetWriter(path, schema, use_dictionary=False) as writer:
+        for start in range(0, count, ROWS):
+            rows = slice(start, start + ROWS)
+            part = [pa.array(values[rows], from_pandas=True) for values in arrays.values()]
+            writer.write_table(pa.Table.from_arrays(part, schema=schema))
 
 
 def read_table(path: str | Path) -> pd.DataFrame:
@@ -127,6 +144,23 @@ def read_units(path: str | Path) -> dict[str, str]:
     """Return the unit of each column of a table of signals."""
     fields = pq.read_schema(path)
     return {field.name: (field.metadata or {}).get(b"unit", b"").decode() for field in fields}
+
+
+def column_names(path: str | Path) -> list[str]:
+    """Return the names of a table's columns."""
+    return list(pq.read_schema(path).names)
+
+
+def read_columns(path: str | Path, names: list[str], dtype: type = np.float64) -> Column:
+    """Return columns of a table as an array (N, len(names)), and read nothing else."""
+    with pq.ParquetFile(path) as file:
+        result = np.empty((file.metadata.num_rows, len(names)), dtype)
+        start = 0
+        for batch in file.iter_batches(ROWS, columns=names):
+            for name, values in zip(names, result[start : start + len(batch)].T, strict=True):
+                values[:] = batch.column(name).to_numpy(zero_copy_only=False)
+            start += len(batch)
+    return result
 
 
 def columns(name: str, count: int = 6) -> list[str]:

@@ -10,10 +10,12 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from ur5lib import tables
 from ur5lib.errors import InputError
 from ur5lib.tables import (
     channel,
     named,
+    read_columns,
     read_json,
     read_table,
     unit,
@@ -36,6 +38,19 @@ def test_a_table_comes_back_with_its_units(table: pd.DataFrame, tmp_path: Path) 
     pd.testing.assert_frame_equal(read_table(path), table)
     units = {field.name: field.metadata[b"unit"] for field in pq.read_schema(path)}
     assert units == {"time": b"s"} | {f"actual_q_{j}": b"rad" for j in range(6)}
+
+
+def test_a_long_table_is_written_and_read_in_parts(
+    table: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table.loc[3, "actual_q_2"] = np.nan
+    monkeypatch.setattr(tables, "ROWS", 2)
+    write_table(table, tmp_path / "parts.parquet")
+    pd.testing.assert_frame_equal(read_table(tmp_path / "parts.parquet"), table)
+    names = ["actual_q_2", "time"]
+    found = read_columns(tmp_path / "parts.parquet", names)
+    np.testing.assert_array_equal(found, table[names].to_numpy())
+    assert pq.ParquetFile(tmp_path / "parts.parquet").num_row_groups == 3
 
 
 def test_the_same_table_is_the_same_file(table: pd.DataFrame, tmp_path: Path) -> None:

@@ -6,15 +6,16 @@ from and written to a table by these declarations alone.
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.tables import read_table, write_table
+from ur5lib.tables import column_names, read_columns, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
@@ -27,8 +28,9 @@ XYZ = tuple("012")
 class Channel:
     """The columns of one quantity, <name>_<label> for each label, or <name> where it has none.
 
-    shape: of one sample, whose flat elements the labels name in order; several: whether `{}` in
-    the name stands for a key, which is one of `keys` where these are given.
+    shape: of one sample, whose flat elements the labels name in order; optional: whether it may be
+    absent; several: whether `{}` in the name stands for a key, which is one of `keys` where these
+    are given.
     """
 
     name: str
@@ -36,19 +38,26 @@ class Channel:
     labels: tuple[str, ...]
     shape: tuple[int, ...]
     dtype: type
-    several: bool
-    keys: tuple[str, ...]
+    optional: bool = False
+    several: bool = False
+    keys: tuple[str, ...] = ()
 
     def columns(self, name: str) -> list[str]:
         """Return the columns' names; name: the channel's, its key filled in."""
         return [f"{name}_{label}" for label in self.labels] or [name]
 
-    def read(self, table: pd.DataFrame) -> Any:
+    def read(self, source: "Source") -> Any:
         """Return the samples (N, *shape), None where absent; by key where there are several."""
-        if self.several:
-            found = {key: self._array(table, self.name.format(key)) for key in self._found(table)}
-            return {key: values for key, values in found.items() if values is not None}
-        return self._array(table, self.name)
+        if not self.several:
+            return self._array(source, self.name) if self.is_in(source, self.name) else None
+        names = {key: self.name.format(key) for key in self._found(source)}
+        return {
+            k: self._array(source, name) for k, name in names.items() if self.is_in(source, name)
+        }
+
+    def is_in(self, source: "Source", name: str) -> bool:
+        """Return whether a table has all columns; name: the channel's, its key filled in."""
+        return {*self.columns(name)} <= {*source.names}
 
     def named_arrays(self, value: Any) -> Iterator[tuple[str, Array]]:
         """Yield each column's name and samples (N,) of a field's value."""
@@ -57,18 +66,22 @@ class Channel:
             flat = np.reshape(array, (len(array), math.prod(self.shape))).T
             yield from zip(self.columns(self.name.format(key)), flat, strict=True)
 
-    def _array(self, table: pd.DataFrame, name: str) -> Array | None:
-        columns = self.columns(name)
-        if not set(columns) <= set(table):
-            return None
-        flat = table[columns].to_numpy(self.dtype, copy=True)
-        return flat.reshape(len(table), *self.shape)
+    def _array(self, source: "Source", name: str) -> Array:
+        flat = source.load(self.columns(name), self.dtype)
+        return flat.reshape(len(flat), *self.shape)
 
-    def _found(self, table: pd.DataFrame) -> list[str]:
-        """Return the keys of which the table has the columns, in their declared order."""
+    def _found(self, source: "Source") -> list[str]:
+        """Return the keys of which the table has columns, in their declared order."""
         pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
-        found = [match[1] for name in table if (match := pattern.fullmatch(str(name)))]
+        found = [match[1] for name in source.names if (match := pattern.fullmatch(name))]
         return [key for key in self.keys if key in found] if self.keys else found
+
+
+class Source(NamedTuple):
+    """A table's columns: their names, and a function that loads some of them, (N, len(names))."""
+
+    names: list[str]
+    load: Callable[[list[str], type], Array]
 
 
 def channel(
@@ -81,14 +94,20 @@ def channel(
 ) -> Any:
     """Declare a field of samples (N, *shape); an optional one is None where it is absent."""
     own = (len(labels),) if labels else ()
-    declared = Channel(name, unit, labels, own if shape is None else shape, dtype, False, ())
+    declared = Channel(name, unit, labels, own if shape is None else shape, dtype, optional)
     metadata = {"channel": declared}
-    return field(default=None, metadata=metadata) if optional else field(metadata=metadata)
+    # a factory, not a default: it leaves no attribute of the class that would hide the file's
+    return (
+        field(default_factory=type(None), metadata=metadata)
+        if optional
+        else field(metadata=metadata)
+    )
 
 
 def channels(name: str, unit: str, labels: tuple[str, ...], keys: tuple[str, ...] = ()) -> Any:
     """Declare a field of samples (N, len(labels)) by the key that stands for `{}` in the name."""
-    declared = Channel(name, unit, labels, (len(labels),) if labels else (), np.float64, True, keys)
+    shape = (len(labels),) if labels else ()
+    declared = Channel(name, unit, labels, shape, np.float64, several=True, keys=keys)
     return field(default_factory=dict, metadata={"channel": declared})
 
 
@@ -105,29 +124,57 @@ class Table:
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """Read a table. Raises KeyError where a column that is not optional is missing."""
-        return cls.from_table(read_table(path))
+        """Read a table, each channel when it is first used: a long recording fits no memory whole.
+
+        Raises KeyError where a column that is not optional is missing.
+        """
+        return cls._of(Source(column_names(path), partial(read_columns, path)))
 
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:
         """Return the record of a table in memory; raises as `read`."""
-        found = {own.name: own.metadata["channel"].read(table) for own in fields(cls)}
-        for own in fields(cls):
-            if found[own.name] is None and own.default is not None:
-                raise KeyError(own.metadata["channel"].name)
-        return cls(**found)
+
+        def load(names: list[str], dtype: type) -> Array:
+            return table[names].to_numpy(dtype, copy=True)
+
+        return cls._of(Source([*map(str, table)], load))
+
+    @classmethod
+    def _of(cls, source: Source) -> Self:
+        for declared in _channels(cls).values():
+            needed = not (declared.optional or declared.several)
+            if needed and not declared.is_in(source, declared.name):
+                raise KeyError(declared.name)
+        made = object.__new__(cls)
+        made.__dict__["_source"] = source
+        return made
+
+    if not TYPE_CHECKING:  # a type checker knows the fields by their declarations
+
+        def __getattr__(self, name: str) -> Any:
+            """Load a field."""
+            declared = _channels(type(self)).get(name)
+            if declared is None or "_source" not in self.__dict__:
+                raise AttributeError(name)
+            self.__dict__[name] = declared.read(self._source)
+            return self.__dict__[name]
 
     def write(self, path: str | Path) -> None:
         """Write the table, each column with its unit; absent channels are left out."""
         columns: dict[str, Array] = {}
         units: dict[str, str] = {}
-        for own in fields(self):
-            value, declared = getattr(self, own.name), own.metadata["channel"]
+        for name, declared in _channels(type(self)).items():
+            value = getattr(self, name)
             if value is not None:
                 named = dict(declared.named_arrays(value))
                 columns |= named
                 units |= dict.fromkeys(named, declared.unit)
-        write_table(pd.DataFrame(columns), path, units)
+        write_table(columns, path, units)
+
+
+def _channels(record: type[Table]) -> dict[str, Channel]:
+    """Return the channels of a record by the names of its fields."""
+    return {own.name: own.metadata["channel"] for own in fields(record)}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,6 @@
 """The simulated truth."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
@@ -31,6 +31,8 @@ class Truth(Table):
             return np.stack([*columns], axis=1)
 
         arrays = {
-            name: interpolated(values) for name, values in vars(self).items() if name != "time"
+            own.name: interpolated(getattr(self, own.name))
+            for own in fields(self)
+            if own.name != "time"
         }
         return type(self)(time=time, **arrays)
