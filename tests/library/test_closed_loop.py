@@ -11,6 +11,7 @@ from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
 from tests.real_arms import RealRecording, RealStudy
+from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import (
     JointGains,
     Tracking,
@@ -65,6 +66,27 @@ def tracking(leap: float, seed: int, memory: float = 0.0) -> Tracking:
     noise = np.sqrt(1 - memory**2) * lfilter([1.0], [1.0, -memory], white, axis=1)
     segment = np.zeros(len(q), dtype=np.int64)
     return Tracking(*targets, q + 1e-4 * noise[0], qd + 3e-3 * noise[1], segment, PERIOD)
+
+
+def test_of_a_long_recording_the_part_that_moves_is_enough(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Here 6.4 s that leap, after 12.8 s and before 3.2 s in which the target hardly moves."""
+    moving = tracking(leap=0.3, seed=3)
+    count, arrays = (
+        len(moving.segment),
+        ("target_q", "target_qd", "target_qdd", "actual_q", "actual_qd"),
+    )
+    resting = {name: np.repeat(getattr(moving, name)[:1], count, axis=0) for name in arrays}
+    resting["target_qdd"] = 0 * resting["target_qdd"]
+    parts = [resting, resting, vars(moving), {k: v[: count // 2] for k, v in resting.items()}]
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in arrays}
+    long = Tracking(**whole, segment=np.zeros(count * 7 // 2, np.int64), period=PERIOD)
+    monkeypatch.setattr(closed_loop, "ENOUGH", count * PERIOD)
+    found, expected = estimate_gains(long), estimate_gains(moving)
+    for own, alone in zip(found, expected, strict=True):
+        assert (own.position.best, own.velocity.best) == (alone.position.best, alone.velocity.best)
+        assert own.cost == alone.cost
 
 
 # Simulation

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tests.real_arms import Fitted, RealRecording, RealStudy
-from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.currents import (
     CurrentFit,
     band,
@@ -19,7 +18,7 @@ from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
-from ur5lib.pipeline.payload_estimate import load_regressor
+from ur5lib.pipeline.load_regressor import load_regressor
 from ur5lib.timeseries.arrays import Array
 
 # Coulomb, viscous friction and an offset, fitted on the same recordings: RMSE at 2 Hz [A].
@@ -145,8 +144,7 @@ def test_one_recording_suffices_for_the_currents_of_the_ur10e(
 
 def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> Load:
     """What a recording's flange carries; the runs to fit on differ by next to nothing."""
-    motion, model = one.motion, LinkModel(one.robot, one.robot.fullest_model())
-    columns = load_regressor(model.regressor(motion.q, motion.qd, motion.qdd), one.robot)
+    columns = load_regressor(one.robot, one.robot.fullest_model(), one.motion)
     return judge(estimate_payload(fit, one.record, columns, smooth), spread=0.0)
 
 

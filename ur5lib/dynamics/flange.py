@@ -1,19 +1,27 @@
 """Poses and motion of the links and the flange: arrays in, arrays out."""
 
+import numpy as np
 import torch
 
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.chunks import in_chunks
 
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
     """Return R_6 (N, 3, 3), o_6 (N, 3) [m] and J_g (N, 6, 6), base frame. q: (N, 6) [rad]."""
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
-    positions = torch.from_numpy(q)
-    rotation, origin = kinematics.link_frames(arm, positions)
-    return rotation[:, 6].numpy(), origin[:, 6].numpy(), kinematics.jacobian(arm, positions).numpy()
+
+    def side_by_side(q: Array) -> Array:
+        positions = torch.from_numpy(q)
+        rotation, origin = (part[:, 6] for part in kinematics.link_frames(arm, positions))
+        parts = rotation, origin, kinematics.jacobian(arm, positions)
+        return torch.cat([part.flatten(1) for part in parts], dim=1).numpy()
+
+    rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
+    return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(-1, 6, 6)
 
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ from ur5lib.dynamics import regressor, rigid_body
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.chunks import in_chunks
 
 
 class LinkModel:
@@ -34,13 +35,21 @@ class LinkModel:
 
     def momentum(self, q: Array, qd: Array) -> Array:
         """Return the generalised momentum p = D(q) q̇ (N, 6) [Nm s]."""
-        inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
-        return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+        def of(q: Array, qd: Array) -> Array:
+            inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
+            return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+        return in_chunks(of, q, qd)
 
     def coriolis_torque(self, q: Array, qd: Array) -> Array:
         """Return Cᵀ(q, q̇) q̇, a term of the momentum's rate: ṗ = τ + Cᵀ q̇ - g."""
-        matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
-        return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+        def of(q: Array, qd: Array) -> Array:
+            matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
+            return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
+
+        return in_chunks(of, q, qd)
 
     def gravity_torque(self, q: Array) -> Array:
         """Return g(q)."""

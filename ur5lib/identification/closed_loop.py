@@ -22,6 +22,7 @@ from ur5lib.timeseries.segments import unbroken
 NODES = 31  # of the grid of gains, on each axis
 STARTS = 5  # local minima of the grid from which least squares start
 LEVEL = 0.95  # of the confidence region
+ENOUGH = 120.0  # s, of motion: more would make gains surer than the loop is known
 KNOWN = 10.0  # factor between the ends of a range, above which a gain is undetermined
 
 
@@ -127,7 +128,9 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     local minima of a grid in the logarithm of both gains; the noise is first that of a stiff joint,
     then that of the gains found. The 95 % range is
     J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
-    number of independent samples. Raises ValueError if no two successive samples are complete.
+    number of independent samples. Of a recording of more than ENOUGH seconds, the gains come from
+    those parts in which a joint's target accelerates most. Raises ValueError if no two successive
+    samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -216,10 +219,10 @@ class _Joint:
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
-    """Split the recording by joint and into its complete stretches."""
+    """Split the recording by joint and into its complete stretches, those that tell most."""
     t = tracking
-    signals = np.stack([t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd], axis=2)
-    finite = np.asarray(np.isfinite(signals).all(axis=(1, 2)))
+    kinds = t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd
+    finite = np.all([np.isfinite(kind).all(axis=1) for kind in kinds], axis=0)
     complete = [
         rows
         for rows in unbroken(t.segment, finite)
@@ -227,7 +230,32 @@ def _joints(tracking: Tracking) -> list[_Joint]:
     ]
     if not complete:
         raise ValueError("no two successive samples have both targets and measured motion")
-    return [_Joint([signals[rows, joint] for rows in complete], t.period) for joint in range(6)]
+    return [
+        _Joint(
+            [np.stack([kind[rows, joint] for kind in kinds], axis=1) for rows in chosen], t.period
+        )
+        for joint in range(6)
+        for chosen in [_telling(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))]
+    ]
+
+
+def _telling(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
+    """Return all stretches, or if they are more than enough, parts with the most acceleration.
+
+    acceleration: (N,), of the target; enough: number of samples, also the longest part.
+    """
+    if sum(rows.stop - rows.start for rows in stretches) <= enough:
+        return stretches
+    parts = [
+        slice(start, min(start + enough, rows.stop))
+        for rows in stretches
+        for start in range(rows.start, rows.stop - 1, enough)
+    ]
+    squares = np.array([np.sum(acceleration[rows] ** 2) for rows in parts])
+    order = np.argsort(-squares, kind="stable")
+    count = np.cumsum([parts[k].stop - parts[k].start for k in order])
+    needed = 1 + int(np.searchsorted(count, enough))
+    return [parts[k] for k in sorted(order[:needed])]
 
 
 def _noise(errors: list[Array]) -> float:

@@ -97,7 +97,8 @@ def estimate_payload(
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
     rows[np.arange(len(rows)) % max(1, round(STEP / record.period)) > 0] = False
     block = np.repeat(blocks(record)[:, None], 6, axis=1)[rows]
-    columns = (explained / scale[:, None])[rows]
+    columns = explained[rows] / np.broadcast_to(scale, rows.shape)[rows][:, None]
+    del explained
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
         carried = replace(record, torque=record.torque + regressor @ start)

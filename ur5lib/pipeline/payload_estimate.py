@@ -7,22 +7,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.identification.payload import Load, Payload, judge, run_to_run
-from ur5lib.robots.description import Robot
-from ur5lib.robots.urdf import link_tail
 from ur5lib.timeseries.arrays import Array
-
-LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of link 6
-
-
-def load_regressor(columns: Array, robot: Robot) -> Array:
-    """Return the torque (N, 6, 4) per mass [kg] and first moments [kg m] of a load in frame 6.
-
-    columns: Y of τ = Y π, (N, 6, 66), whose moments of link 6 are about its joint: h = m t + R h₆,
-    with the constant transform R, t from there to frame 6.
-    """
-    rotation, tail = link_tail(robot.link_poses()[5])
-    mass, moments = np.split(columns[:, :, LINK_6], [1], axis=2)
-    return np.concatenate([mass + moments @ tail[:, None], moments @ rotation], axis=2)
 
 
 def judged_load(

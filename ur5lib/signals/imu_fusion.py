@@ -8,7 +8,8 @@ from ur5lib.signals.imu_model import BIASES, LinearImu
 from ur5lib.signals.noise import innovation_test, moving_mean
 from ur5lib.signals.smoothing import MOTION, SmoothedJoints, SmoothedMotion, encoder_system
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.kalman import LinearSystem, System, chunks, smooth
+from ur5lib.timeseries.chunks import chunks
+from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 
 BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the biases
 BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk

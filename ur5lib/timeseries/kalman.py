@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.chunks import chunks
 from ur5lib.timeseries.rts import Gaussians, rts_pass
 
-CHUNK = 4096  # samples
+CHUNK = 2048  # samples
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
     On the way forward only the state before each chunk is kept; on the way back, each chunk is
     filtered again. Raises numpy.linalg.LinAlgError if a state has no uncertainty.
     """
-    parts = chunks(count)
+    parts = chunks(count, CHUNK)
     before: list[Gaussians | None] = [None]
     for rows in parts[:-1]:
         before.append(_filter(system(rows), before[-1])[1].at(-1).copy())
@@ -61,11 +62,6 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
         states = rts_pass(F @ earlier.covariance, later, earlier, end).at(slice(len(own.z)))
         yield Smoothed(rows, states, _innovations(own, prior))
         after = own.F[0], prior.at(0), states.at(0)
-
-
-def chunks(count: int) -> list[slice]:
-    """Return samples as successive chunks."""
-    return [slice(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
 
 
 def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, Gaussians]:

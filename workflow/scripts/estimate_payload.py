@@ -3,12 +3,11 @@
 from dataclasses import asdict
 from typing import Any
 
-from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import payload
 from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import smoothed_moving
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.payload_estimate import load_regressor
+from ur5lib.pipeline.load_regressor import load_regressor
 from ur5lib.pipeline.records.currents import LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -24,8 +23,7 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, torques, model)
     per_load, summary = None, dict[str, Any]()
     if record is not None and friction["from"]:
-        columns = LinkModel(robot, model).regressor(motion.q, motion.qd, motion.qdd)
-        per_load = load_regressor(columns, robot)
+        per_load = load_regressor(robot, model, motion)
         smooth = smoother(params.order, params.cutoff_hz)
         if smoothed_moving(record, smooth).any():  # at rest, friction hides a load
             fit = fit_for(params.recording, friction)

@@ -1,0 +1,27 @@
+"""Long recordings in chunks: what is computed on the way to a result takes the same memory."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array
+
+SIZE = 1 << 14  # samples
+
+
+def chunks(count: int, size: int = SIZE) -> list[slice]:
+    """Return successive chunks of so many samples."""
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+
+def in_chunks(function: Callable[..., Array], *arrays: Array) -> Array:
+    """Return function(*arrays), of samples (N, ...) that do not depend on one another."""
+    first, *others = chunks(len(arrays[0])) or [slice(0)]
+    part = function(*(array[first] for array in arrays))
+    if not others:
+        return part
+    result = np.empty((len(arrays[0]), *part.shape[1:]), part.dtype)
+    result[first] = part
+    for rows in others:
+        result[rows] = function(*(array[rows] for array in arrays))
+    return result
