@@ -135,9 +135,10 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) 
             writer.write_table(pa.Table.from_arrays(part, schema=schema))
 
 
-def read_table(path: str | Path) -> pd.DataFrame:
-    """Read a table of signals."""
-    return pd.read_parquet(path)
+def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame:
+    """Read a table of signals, or some of its columns."""
+    # column by column, so that there are never two copies of the whole
+    return pq.read_table(path, columns=names).to_pandas(split_blocks=True, self_destruct=True)
 
 
 def read_units(path: str | Path) -> dict[str, str]:

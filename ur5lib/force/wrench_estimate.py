@@ -18,6 +18,7 @@ from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.chunks import in_chunks
 from ur5lib.timeseries.segments import marked, unbroken
 
 STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
@@ -79,34 +80,37 @@ def estimate_wrench(
     of an estimated load's torque. Rows without a Jacobian, where the arm's pose is unknown, are
     NaN.
     """
-    load_std = np.zeros_like(torque) if doubt is None else np.nan_to_num(doubt)
     # without a Jacobian, the torque is unknown too
-    posed = finite_rows(jacobian.reshape(-1, 36))
-    torque = np.where(posed[:, None], torque, np.nan)
-    jacobian = np.where(posed[:, None, None], jacobian, 0.0)
+    posed = in_chunks(finite_rows, jacobian.reshape(-1, 36))
     # every stretch on its own, thinned to STEP
     every = max(1, round(STEP / period))
-    parts = []
+    whole = {
+        own.name: np.empty(len(torque) if "log_odds" in own.name else torque.shape)
+        for own in fields(WrenchEstimate)
+    }
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
-        noise = Noise.of(states[thin], model, prior, load_std[thin])
-        problem = torque[thin], jacobian[thin], states[thin], every * period, noise
+        at = posed[thin]
+        load_std = np.zeros((len(at), 6)) if doubt is None else np.nan_to_num(doubt[thin])
+        noise = Noise.of(states[thin], model, prior, load_std)
+        known = np.where(at[:, None], torque[thin], np.nan)
+        lever = np.where(at[:, None, None], jacobian[thin], 0.0)
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
+        problem = known, lever, states[thin], every * period, noise
         own = _estimate(*problem, model, prior, replace(ablation, contacts=sensed))
-        parts.append([_at_all(own, column.name, every, rows) for column in fields(own)])
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    for column in columns:
+        for name, column in whole.items():
+            column[rows] = _at_all(getattr(own, name), every, rows.stop - rows.start)
+    for column in whole.values():
         column[~posed] = np.nan
-    return WrenchEstimate(*columns)
+    return WrenchEstimate(**whole)
 
 
-def _at_all(thin: WrenchEstimate, name: str, every: int, rows: slice) -> Array:
+def _at_all(thinned: Array, every: int, count: int) -> Array:
     """Interpolate a quantity of the thinned estimate linearly at all samples of a stretch."""
-    values = getattr(thin, name)
-    at, known = np.arange(rows.stop - rows.start), every * np.arange(len(values))
-    if values.ndim == 1:
-        return np.interp(at, known, values)
-    return np.column_stack([np.interp(at, known, column) for column in values.T])
+    at, known = np.arange(count), every * np.arange(len(thinned))
+    if thinned.ndim == 1:
+        return np.interp(at, known, thinned)
+    return np.column_stack([np.interp(at, known, column) for column in thinned.T])
 
 
 def _estimate(

@@ -10,6 +10,7 @@ from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.chunks import in_chunks
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ def coefficients_of_constants(
 
 def least_squares_coefficients(records: Sequence[Record]) -> Array:
     """Fit coefficients (6, 4) by plain least squares to all samples, as a baseline."""
-    columns = np.concatenate([_baseline_columns(record) for record in records])
+    columns = np.concatenate([_baseline_columns(record.torque, record.qd) for record in records])
     current = np.concatenate([record.current for record in records])
     known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
     return np.stack(
@@ -52,7 +53,11 @@ def baseline_current(record: Record, coefficients: Array) -> Array:
 
     coefficients: (6, 4) of torque [A/Nm], offset [A], direction [A] and velocity [A s/rad].
     """
-    return (_baseline_columns(record) * coefficients).sum(axis=2)
+    return in_chunks(
+        lambda torque, qd: (_baseline_columns(torque, qd) * coefficients).sum(axis=2),
+        record.torque,
+        record.qd,
+    )
 
 
 def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) -> Scores:
@@ -94,10 +99,10 @@ def fitted_on_tested_on(
     return table
 
 
-def _baseline_columns(record: Record) -> Array:
+def _baseline_columns(torque: Array, qd: Array) -> Array:
     """Return the baseline's columns (N, 6, 4): torque, one, direction, velocity."""
-    direction = np.where(np.abs(record.qd) > MOVING, np.sign(record.qd), 0.0)
-    return np.stack([record.torque, np.ones_like(record.qd), direction, record.qd], axis=2)
+    direction = np.where(np.abs(qd) > MOVING, np.sign(qd), 0.0)
+    return np.stack([torque, np.ones_like(qd), direction, qd], axis=2)
 
 
 def _root_mean_square(error: Array) -> Array:

@@ -1,6 +1,7 @@
 """Contact wrenches from the external torque: each estimate's problem, and its solution."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -76,21 +77,19 @@ def estimated_forces(
     motion: Motion, jacobian: Array, found: Mapping[str, Problem], prior: ContactPrior
 ) -> Forces:
     """Return the estimates of all problems, and least squares in the contacts of Fmap."""
-    solved = {name: problem.solve(jacobian, prior) for name, problem in found.items()}
-    wrench = {name: estimate.wrench for name, estimate in solved.items()}
-    std = {name: estimate.std for name, estimate in solved.items()}
-    whole = solved.get("Fmap")
-    if whole is not None:
-        wrench["least_squares"], std["least_squares"] = whole.least_squares, whole.least_squares_std
-    return Forces(
-        time=motion.time,
-        segment=motion.segment,
-        wrench=wrench,
-        std=std,
-        log_odds={name: estimate.log_odds for name, estimate in solved.items()},
-        causal_log_odds={name: estimate.causal_log_odds for name, estimate in solved.items()},
-        background=None if whole is None else whole.background,
-    )
+    forces, background = Forces(time=motion.time, segment=motion.segment), None
+    least_squares: dict[str, Array] = {}
+    for name, problem in found.items():  # what is not kept of one is gone before the next
+        estimate = problem.solve(jacobian, prior)
+        forces.wrench[name], forces.std[name] = estimate.wrench, estimate.std
+        forces.log_odds[name] = estimate.log_odds
+        forces.causal_log_odds[name] = estimate.causal_log_odds
+        if name == "Fmap":
+            background = estimate.background
+            least_squares = {"wrench": estimate.least_squares, "std": estimate.least_squares_std}
+    for kind, values in least_squares.items():
+        getattr(forces, kind)["least_squares"] = values
+    return replace(forces, background=background)
 
 
 def repeated_runs(

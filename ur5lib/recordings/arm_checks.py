@@ -10,7 +10,7 @@ import pandas as pd
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
-from ur5lib.tables import channel
+from ur5lib.tables import channel, columns
 from ur5lib.timeseries.arrays import Array
 
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
@@ -26,7 +26,8 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[str]:
     """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
     if "actual_TCP_pose_0" not in robot:
         return
-    frames = robot[~robot["interpolated"]].dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
+    frames = robot.loc[~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q")]
+    frames = frames.dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
     frames = frames.iloc[:: max(1, len(frames) // 1000)]
     rotation, origin = link_frames(arm, channel(frames, "actual_q"))
     away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, 6]

@@ -89,5 +89,6 @@ def _blocks(robot: pd.DataFrame, channels: list[Array], length: int) -> Labels:
     length = max(3, length)
     rows = np.arange(len(robot) // length * length).reshape(-1, length)
     segment, filled = (robot[name].to_numpy()[rows] for name in ("segment", "interpolated"))
-    known = np.asarray(np.isfinite(np.hstack(channels)).all(axis=1))[rows].all(axis=1)
+    finite = np.all([np.isfinite(values).all(axis=1) for values in channels], axis=0)
+    known = finite[rows].all(axis=1)
     return rows[known & (np.ptp(segment, axis=1) == 0) & (filled.mean(axis=1) <= FILLED)]

@@ -25,47 +25,51 @@ EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targ
 
 def exchanged_channels(robot: pd.DataFrame) -> Iterator[str]:
     """Find targets and measurements of a repaired robot table that are exchanged."""
-    frames = robot[~robot["interpolated"]]
-    for name in [*_motion(frames), *_current(frames)]:
+    for name in [*_motion(robot), *_current(robot)]:
         yield (
             f"actual_{name} and target_{name} are exchanged: actual_{name} is as smooth as only a "
             "target is; correct the columns"
         )
 
 
-def _motion(frames: pd.DataFrame) -> tuple[str, ...]:
+def _received(robot: pd.DataFrame, name: str) -> Array:
+    """Return a channel of the frames that were received."""
+    return channel(robot, name)[~robot["interpolated"].to_numpy()]
+
+
+def _motion(robot: pd.DataFrame) -> tuple[str, ...]:
     """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
     names = [f"{kind}_{name}_0" for kind in ("actual", "target") for name in ("q", "qd")]
-    if not {*names} <= {*frames}:
+    if not {*names} <= {*robot}:
         return ()
-    measured, target = (np.abs(channel(frames, f"{kind}_qd")) for kind in ("actual", "target"))
+    measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
     moves = (measured > MOVES) & (target > MOVES)
     moving = moves.sum(axis=0) >= FEWEST
     if not moving.any():
         return ()
-    own = _apart(frames, moves, "target_q", "target_qd")[moving]
-    others = {pair: _apart(frames, moves, *pair)[moving] for pair in EXCHANGED}
+    own = _apart(robot, moves, "target_q", "target_qd")[moving]
+    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED}
     best = min(others, key=lambda pair: float(np.median(others[pair])))
     return EXCHANGED[best] if np.mean(others[best] < CLOSER * own) > 0.5 else ()
 
 
-def _apart(frames: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
+def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
     """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
 
     moves: (N, 6), the frames that count; NaN for joints without any.
     """
-    step = np.diff(frames["time"].to_numpy())[:, None]
-    rate = channel(frames, velocity)
-    slope = np.diff(channel(frames, position), axis=0) / step
+    step = np.diff(robot["time"].to_numpy()[~robot["interpolated"].to_numpy()])[:, None]
+    rate = _received(robot, velocity)
+    slope = np.diff(_received(robot, position), axis=0) / step
     apart = np.where(moves[1:], np.abs(slope - (rate[1:] + rate[:-1]) / 2), np.nan)
     apart[:, ~moves[1:].any(axis=0)] = 0.0
     return np.asarray(np.nanmedian(apart, axis=0))
 
 
-def _current(frames: pd.DataFrame) -> Iterator[str]:
-    if {"actual_current_0", "target_current_0"} <= {*frames}:
+def _current(robot: pd.DataFrame) -> Iterator[str]:
+    if {"actual_current_0", "target_current_0"} <= {*robot}:
         kinds = ("actual", "target")
-        measured, target = (roughness(channel(frames, f"{kind}_current")) for kind in kinds)
+        measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
         known = (measured > 0) | (target > 0)
         if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
             yield "current"

@@ -11,8 +11,13 @@ from ur5lib.recordings.checks import misread_velocities
 from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
 from ur5lib.recordings.exchanged import exchanged_channels
 from ur5lib.robots.description import Payload, Robot
+from ur5lib.tables import columns
 from ur5lib.timeseries.segments import period
 
+CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
+    *map(columns, ("actual_q", "actual_qd", "actual_current", "actual_TCP_pose")),
+    *map(columns, ("target_q", "target_qd", "target_current", "target_moment")),
+)
 FEWEST = 30  # blocks of a recording that can contradict an arm
 
 
@@ -21,9 +26,9 @@ def stop_signs(
 ) -> list[str]:
     """Return the stop signs of a recording, a sentence each.
 
-    robot: a repaired table; arm: under the recording's gravity; told: the payload that the
-    controller was given; declared: the one that the study gives; fitted: whether the recording has
-    the role `fit`.
+    robot: a repaired table, of which CHECKED is enough; arm: under the recording's gravity; told:
+    the payload that the controller was given; declared: the one that the study gives; fitted:
+    whether the recording has the role `fit`.
     """
     exchanged = [*exchanged_channels(robot)]
     contradictions = _contradictions(robot, arm, told, declared, fitted)

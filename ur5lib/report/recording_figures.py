@@ -158,4 +158,6 @@ def errors(series: Series, reference: Array | None) -> Series | None:
 def with_breaks(values: Array | Mask, segment: Labels) -> Array:
     """Return values with NaN between segments, so that no line is drawn across a gap."""
     breaks = np.flatnonzero(starts(segment)[1:]) + 1
+    if not len(breaks):
+        return np.asarray(values, dtype=float)
     return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)

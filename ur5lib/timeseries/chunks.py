@@ -1,11 +1,14 @@
 """Long recordings in chunks: what is computed on the way to a result takes the same memory."""
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ur5lib.timeseries.arrays import Array
 
+T = TypeVar("T", bound=np.generic)
 SIZE = 1 << 14  # samples
 
 
@@ -14,7 +17,7 @@ def chunks(count: int, size: int = SIZE) -> list[slice]:
     return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
-def in_chunks(function: Callable[..., Array], *arrays: Array) -> Array:
+def in_chunks(function: Callable[..., NDArray[T]], *arrays: Array) -> NDArray[T]:
     """Return function(*arrays), of samples (N, ...) that do not depend on one another."""
     first, *others = chunks(len(arrays[0])) or [slice(0)]
     part = function(*(array[first] for array in arrays))

@@ -1,5 +1,6 @@
 """Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4."""
 
+from functools import partial
 from typing import Any
 
 from ur5lib.pipeline.records.accelerations import Accelerations
@@ -14,19 +15,19 @@ from ur5lib.robots.description import load_robot
 
 
 def draw_figures(input: Any, output: Any, params: Any) -> None:
-    signals, robot = Signals.read(input.signals), load_robot(input.arm)
-    closed_loop = ClosedLoop.read(input.closed_loop)
-    save(figures.tracking_figure(signals, closed_loop, robot, "q"), output.positions)
-    save(figures.tracking_figure(signals, closed_loop, robot, "qd"), output.velocities)
-    torques = Torques.read(input.torques)
-    save(figures.torque_figure(signals, torques, robot.chosen_model), output.torques)
+    # each figure reads its tables anew, so that none holds those of another
+    signals, robot = partial(Signals.read, input.signals), load_robot(input.arm)
+    for state, file in (("q", output.positions), ("qd", output.velocities)):
+        closed_loop = ClosedLoop.read(input.closed_loop)
+        save(figures.tracking_figure(signals(), closed_loop, robot, state), file)
+    torques = figures.torque_figure(signals(), Torques.read(input.torques), robot.chosen_model)
+    save(torques, output.torques)
+    save(figures.current_figure(signals(), Currents.read(input.currents)), output.currents)
     accelerations = Accelerations.read(input.accelerations)
     save(figures.acceleration_figure(accelerations), output.accelerations)
     published = figures.published_acceleration_figure(accelerations)
     save(published, output.accelerations_published)
-    sensor, forces = SensorWrenches.read(input.sensor), Forces.read(input.forces)
     singular = Kinematics.read(input.kinematics).smallest_singular_value
     hidden = singular < params.min_singular_value
-    save(figures.estimate_figure(forces, sensor, hidden), output.forces_estimated)
-    currents = Currents.read(input.currents)
-    save(figures.current_figure(signals, currents), output.currents)
+    forces = Forces.read(input.forces), SensorWrenches.read(input.sensor)
+    save(figures.estimate_figure(*forces, hidden), output.forces_estimated)

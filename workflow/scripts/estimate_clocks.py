@@ -12,5 +12,8 @@ def estimate_clocks(input: Any, output: Any, params: Any) -> None:
     robot, kinematics = Signals.read(input.robot), Kinematics.read(input.kinematics)
     devices = {"force": read_table(input.force), "imu": read_table(input.imu)}
     starts = read_json(input.quality)["starts"]
-    frames = kinematics.rotation, kinematics.jacobian
-    write_json(own_clocks(starts, devices, robot, *frames), output.clocks)
+    clocks = {}
+    if starts:  # without a device, nothing of a long recording need be read
+        frames = kinematics.rotation, kinematics.jacobian
+        clocks = own_clocks(starts, devices, robot, *frames)
+    write_json(clocks, output.clocks)
