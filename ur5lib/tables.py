@@ -137,8 +137,11 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) 
 
 def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame:
     """Read a table of signals, or some of its columns."""
-    # column by column, so that there are never two copies of the whole
-    return pq.read_table(path, columns=names).to_pandas(split_blocks=True, self_destruct=True)
+    # one column after the other, so that there are never two copies of the whole
+    with pq.ParquetFile(path) as file:
+        wanted = file.schema_arrow.names if names is None else names
+        arrays = {name: file.read([name]).column(0).to_numpy() for name in wanted}
+    return pd.DataFrame(arrays, copy=False)
 
 
 def read_units(path: str | Path) -> dict[str, str]:

@@ -91,6 +91,25 @@ def fit(rows: Array, torque: Array, prior: Array, size: int = 50) -> Estimate:
     return identify(stack(blocks(rows, torque, size)), prior, prior_width(rows.shape[2]))
 
 
+def test_intervals_of_a_noise_free_study_hold_the_truth(ur5: Robot) -> None:
+    """Its digits are its errors: on a path that repeats itself, blocks agree on them."""
+    model, base = LinkModel(ur5, "C"), ur5_base()
+    inside, by_jackknife = [], []
+    for seed in range(4):
+        motion = [np.tile(values, (3, 1)) for values in sines(20, seed=seed)]
+        torque = model.inverse_dynamics(*motion)
+        *logged, logged_torque = (np.round(values, 6) for values in (*motion, torque))
+        found = fit(model.regressor(*logged), logged_torque, 0.9 * model.parameters)
+        known = found.determined(base.groups)
+        error = np.abs(base.groups @ (found.parameters - model.parameters))[known]
+        inside += [*(error < 1.96 * found.standard_errors(base.groups)[known])]
+        scattered = np.linalg.norm(base.groups @ found.scatter.T, axis=1)[known]
+        by_jackknife += [*(error < 1.96 * scattered)]
+    assert len(inside) > 120
+    assert np.mean(inside) > 0.95, np.mean(inside)
+    assert np.mean(by_jackknife) < 0.85, np.mean(by_jackknife)
+
+
 # Base parameters
 
 

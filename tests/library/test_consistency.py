@@ -71,6 +71,7 @@ def test_torques_of_no_bodies_are_refused() -> None:
         parameters=np.full(66, -5.0),
         scatter=np.zeros((1, 66)),
         spread=1e-6 * np.eye(66),
+        rounding=1e-9 * np.eye(66),
         width=np.ones(66),
         noise=np.ones(6),
     )

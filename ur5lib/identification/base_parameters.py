@@ -59,19 +59,26 @@ class Estimate:
     """The estimate of π from data and prior.
 
     parameters: (P,); scatter: (K, P), V of the covariance Vᵀ V from the jackknife over blocks;
-    spread: (P, P), S of the covariance S Sᵀ for independent errors of all rows; width: (P,),
-    standard deviations of the prior; noise: (6,) [Nm], of each joint's torque.
+    spread: (P, P), S of the covariance S Sᵀ for independent errors of all rows; rounding: (P, P),
+    the same for what the last digit of torques leaves; width: (P,), standard deviations of the
+    prior; noise: (6,) [Nm], of each joint's torque.
     """
 
     parameters: Array
     scatter: Array
     spread: Array
+    rounding: Array
     width: Array
     noise: Array
 
     def standard_errors(self, groups: Array) -> Array:
-        """Return the standard errors (B,) of groups π; groups: (B, P)."""
-        return np.asarray(np.linalg.norm(groups @ self.scatter.T, axis=1), dtype=np.float64)
+        """Return the standard errors (B,) of groups π, at least those of rounding; groups: (B, P).
+
+        Rounding repeats itself where an arm rests or passes again: the blocks of the jackknife
+        agree on it, and more samples do not average it.
+        """
+        scattered = np.linalg.norm(groups @ self.scatter.T, axis=1)
+        return np.maximum(scattered, np.linalg.norm(groups @ self.rounding, axis=1))
 
     def determined(self, groups: Array) -> Mask:
         """Return which of groups π the data determine, (B,): a small error, not from the prior."""
@@ -180,7 +187,10 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
         noise = _noise(rows, parameters, count - spent)
     parameters, spread = solve(rows, noise, prior, width)
     scatter = _scatter(data.factors / noise[:, None, None], parameters, spread, width)
-    return Estimate(parameters, scatter, spread, width, noise)
+    # of n samples rounded by up to half a digit, |Σ g_k ε_k| <= √n |g| FINEST / 2; this is the
+    # standard deviation of an error that is anywhere between these bounds
+    _, rounding = solve(rows, np.full(6, np.sqrt(count / 12) * FINEST), prior, width)
+    return Estimate(parameters, scatter, spread, rounding, width, noise)
 
 
 def torque_error(blocks: Blocks, parameters: Array) -> Array:

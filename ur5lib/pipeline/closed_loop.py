@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -61,16 +60,7 @@ def simulated(
     signals: Signals, robot: Robot, tracking: Tracking, sets: Mapping[str, Gains]
 ) -> ClosedLoop:
     """Return q̂, q̂̇ and q̂̈ under each set of gains, and each link model's torque at its own."""
-    targets = np.hstack([tracking.target_q, tracking.target_qd, tracking.target_qdd])
-
-    def simulate(states: Array, gains: Gains) -> Array:
-        q, qd, qdd = np.hsplit(states, 3)
-        return np.hstack(closed_loop.simulate_closed_loop(q, qd, qdd, tracking.period, *gains))
-
-    states = {
-        name: np.hsplit(by_segment(partial(simulate, gains=gains), targets, tracking.segment), 3)
-        for name, gains in sets.items()
-    }
+    states = {name: simulated_states(tracking, gains) for name, gains in sets.items()}
     given = robot.carrying(told_payload(signals))
     return ClosedLoop(
         time=signals.time,
@@ -84,3 +74,14 @@ def simulated(
             if name in robot.models
         },
     )
+
+
+def simulated_states(tracking: Tracking, gains: Gains) -> list[Array]:
+    """Return q̂, q̂̇ and q̂̈ (N, 6) of the closed loop, NaN where targets are unknown."""
+
+    def simulate(targets: Array) -> Array:
+        q, qd, qdd = np.hsplit(targets, 3)
+        return np.hstack(closed_loop.simulate_closed_loop(q, qd, qdd, tracking.period, *gains))
+
+    targets = np.hstack([tracking.target_q, tracking.target_qd, tracking.target_qdd])
+    return np.hsplit(by_segment(simulate, targets, tracking.segment), 3)
