@@ -90,19 +90,19 @@ def estimate_payload(
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
     mass comes first. Only joints in motion count: at rest, friction hides a load.
     """
-    # regressor in units of each joint's band, low-passed, samples in motion only
-    moving = smoothed_moving(record, smooth)
+    # regressor in units of each joint's band, low-passed and thinned, samples in motion only
+    every = max(1, round(STEP / record.period))
     scale = np.array([joint.band_moving / joint.estimate.coefficients[0] for joint in fit.joints])
-    explained = smooth(regressor.reshape(len(regressor), -1), record).reshape(regressor.shape)
+    parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
+    explained = np.stack(parts, axis=2)
+    moving = smoothed_moving(record, smooth)[::every]
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
-    rows[np.arange(len(rows)) % max(1, round(STEP / record.period)) > 0] = False
-    block = np.repeat(blocks(record)[:, None], 6, axis=1)[rows]
-    columns = explained[rows] / np.broadcast_to(scale, rows.shape)[rows][:, None]
-    del explained
+    block = np.repeat(blocks(record)[::every, None], 6, axis=1)[rows]
+    columns = (explained / scale[:, None])[rows]
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
         carried = replace(record, torque=record.torque + regressor @ start)
-        unexplained = smooth(record.current - predict(drawn, carried), record)
+        unexplained = smooth(record.current - predict(drawn, carried), record)[::every]
         constant = 1 / np.array([joint.estimate.coefficients[0] for joint in drawn.joints])
         torque = (unexplained * constant / scale)[rows] + columns @ start
         return _solution(columns, torque, block, count, known)

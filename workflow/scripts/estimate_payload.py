@@ -19,8 +19,8 @@ from ur5lib.tables import read_json, write_json
 def estimate_payload(input: Any, output: Any, params: Any) -> None:
     robot, friction = load_robot(input.arm).mounted(params.gravity), read_json(input.friction)
     signals, motion = Signals.read(input.signals), Motion.read(input.motion)
-    torques, model = Torques.read(input.torques), robot.fullest_model()
-    record = current_record(params.recording, signals, motion, torques, model)
+    model = robot.fullest_model()
+    record = current_record(params.recording, signals, motion, Torques.read(input.torques), model)
     per_load, summary = None, dict[str, Any]()
     if record is not None and friction["from"]:
         per_load = load_regressor(robot, model, motion)

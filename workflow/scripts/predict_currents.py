@@ -21,8 +21,9 @@ from ur5lib.tables import read_json, write_json
 def predict_currents(input: Any, output: Any, params: Any) -> None:
     robot, friction = load_robot(input.arm), read_json(input.friction)
     signals, motion = Signals.read(input.signals), Motion.read(input.motion)
-    torques, model = Torques.read(input.torques), robot.fullest_model()
-    record = current_record(params.recording, signals, motion, torques, model)
+    model = robot.fullest_model()
+    # read anew where it is used, so that a long recording's torques are not held throughout
+    record = current_record(params.recording, signals, motion, Torques.read(input.torques), model)
     currents = Currents(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
     known = read_json(input.load)
@@ -36,7 +37,9 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
             if load["taken"]:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
         record, load_torque = with_load(record, load_torque, fit, smooth, cutoff)
-        currents = predicted_currents(record, fit, load_torque, signals, torques, smooth, cutoff)
+        currents = predicted_currents(
+            record, fit, load_torque, signals, Torques.read(input.torques), smooth, cutoff
+        )
         others = baselines(record, robot, np.array(friction["least_squares"]), signals)
         judged = scores(record, currents, others, smooth)
         summary |= {"load": load, "extent": passed(motion, currents), "scores": judged}
