@@ -76,12 +76,20 @@ def simulated(
     )
 
 
-def simulated_states(tracking: Tracking, gains: Gains) -> list[Array]:
-    """Return q̂, q̂̇ and q̂̈ (N, 6) of the closed loop, NaN where targets are unknown."""
+def simulated_states(tracking: Tracking, gains: Gains) -> Array:
+    """Return q̂, q̂̇ and q̂̈ (3, N, 6) of the closed loop, NaN where targets are unknown.
 
-    def simulate(targets: Array) -> Array:
-        q, qd, qdd = np.hsplit(targets, 3)
-        return np.hstack(closed_loop.simulate_closed_loop(q, qd, qdd, tracking.period, *gains))
+    Joint by joint, which takes less memory: the loop does not couple them.
+    """
+    targets = tracking.target_q, tracking.target_qd, tracking.target_qdd
+    states = np.empty((3, *tracking.target_q.shape))
+    for joint in range(6):
+        own = [gain[joint : joint + 1] for gain in gains]
 
-    targets = np.hstack([tracking.target_q, tracking.target_qd, tracking.target_qdd])
-    return np.hsplit(by_segment(simulate, targets, tracking.segment), 3)
+        def simulate(rows: Array, own: list[Array] = own) -> Array:
+            q, qd, qdd = np.hsplit(rows, 3)
+            return np.hstack(closed_loop.simulate_closed_loop(q, qd, qdd, tracking.period, *own))
+
+        rows = np.stack([target[:, joint] for target in targets], axis=1)
+        states[:, :, joint] = by_segment(simulate, rows, tracking.segment).T
+    return states
