@@ -1,5 +1,6 @@
 """The current that motion without contact needs, and the external torque beside it."""
 
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -85,11 +86,11 @@ def with_load(
 
 def baselines(
     record: Record, robot: Robot, least_squares: Array, signals: Signals
-) -> dict[str, Array]:
-    """Return currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
+) -> Iterator[tuple[str, Array]]:
+    """Yield currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
     as the controller expected them.
     """
-    currents = {"least_squares": baseline_current(record, least_squares)}
+    yield "least_squares", baseline_current(record, least_squares)
     constants, friction = robot.current_to_torque, robot.friction
     if constants is not None and friction is not None:
         nothing = np.zeros(6)
@@ -101,22 +102,21 @@ def baselines(
         )
         preliminary = np.array(constants.preliminary_torque_constant)
         without = coefficients_of_constants(preliminary, nothing, nothing, nothing)
-        currents["thesis"] = baseline_current(record, coefficients)
-        currents["thesis_without_friction"] = baseline_current(record, without)
+        yield "thesis", baseline_current(record, coefficients)
+        yield "thesis_without_friction", baseline_current(record, without)
     if signals.target_current is not None:
-        currents["i_target"] = signals.target_current
-    return currents
+        yield "i_target", signals.target_current
 
 
 def scores(
-    record: Record, currents: Currents, others: dict[str, Array], smooth: Smooth
+    record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smooth
 ) -> dict[str, Any]:
     """Return how well each current is predicted; a band is stated for ours alone."""
     assert currents.predicted_current is not None
     assert currents.current_band is not None
     half = currents.current_band
     figures = {"fitted": asdict(score(record, currents.predicted_current, smooth, half))}
-    for name, current in others.items():
+    for name, current in others:
         figures[name] = asdict(score(record, current, smooth, half))
         figures[name]["coverage"] = np.full(6, np.nan)
     return figures
