@@ -76,7 +76,7 @@ def import_(
     write_study(imported, write)
     for one in imported:
         typer.echo("\n".join([f"{one.entry['name']}:", *one.comments]))
-    typer.echo(f"{write}: {len(imported)} recordings; next: ur5 check {write}")
+    typer.echo(f"{write} written; next: ur5 check {write}")
 
 
 @app.command()

@@ -57,6 +57,7 @@ SETTINGS: dict[str, Any] = {
     "cutoff_hz": 2.0,
     "max_gap_s": 0.1,
     "bias_window_s": 1.0,
+    "mounting": (None, None),
     "min_singular_value": 0.01,
 }
 

@@ -27,7 +27,12 @@ START = 0.5  # s, by which the sensor starts later by its stamps
 BIAS = np.array([-5.0, 2.0, -1.0, 0.1, 0.4, -0.1])
 FORCE = np.array([10.0, -5.0, 8.0])
 SETTINGS = SimpleNamespace(
-    order=5, cutoff_hz=1.454, bias_window_s=1.0, min_singular_value=0.01, gravity=None
+    order=5,
+    cutoff_hz=1.454,
+    bias_window_s=1.0,
+    min_singular_value=0.01,
+    gravity=None,
+    mounting=(None, None),
 )
 
 
