@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from filterpy.kalman import KalmanFilter
 from scipy import signal
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
@@ -207,6 +208,32 @@ def test_smoother_is_weighted_least_squares(ur5: Robot) -> None:
     np.testing.assert_allclose((states[:, 0] - expected) / std, 0, atol=1e-4)
     deviations = np.sqrt(np.diagonal(covariances[:, 0], axis1=1, axis2=2))
     np.testing.assert_allclose(deviations, std, rtol=1e-4)
+
+
+def test_joints_are_smoothed_as_filterpy_does(measured: tuple[np.ndarray, np.ndarray]) -> None:
+    """Joint by joint, in a plain loop, forwards and backwards."""
+    count = 200
+    q, qd = (values[:count].copy() for values in measured)
+    q[50:60], qd[120] = np.nan, np.nan
+    noise = encoder_noise(*clock(count), q, qd)
+    system = encoder_system(*clock(count), q, qd, noise)
+    states, covariances = smoothed(system, count)
+    whole = system(slice(None))
+    for joint in (0, 4):
+        F, Q, H, z, R = (values[:, joint] for values in vars(whole).values())
+        theirs = KalmanFilter(dim_x=3, dim_z=2)
+        theirs.x, theirs.P = np.zeros(3), np.zeros((3, 3))
+        kept = []
+        for k in range(count):
+            theirs.predict(F=F[k], Q=Q[k])
+            if (seen := np.isfinite(z[k])).any():
+                theirs.update(z[k, seen], R=np.diag(R[k, seen]), H=H[k, seen])
+            kept.append((theirs.x.copy(), theirs.P.copy()))
+        means, spreads = (np.array(values) for values in zip(*kept, strict=True))
+        # filterpy leads from sample k to k + 1 by entry k + 1
+        mean, spread, _, _ = theirs.rts_smoother(means, spreads, Fs=list(F), Qs=list(Q))
+        np.testing.assert_allclose(states[:, joint], mean, rtol=1e-6, atol=1e-9)
+        np.testing.assert_allclose(covariances[:, joint], spread, rtol=2e-3, atol=1e-12)
 
 
 def smoothed(system: System, count: int) -> tuple[np.ndarray, np.ndarray]:
