@@ -158,15 +158,14 @@ class Taken:
         return imu_samples(self.robot, self.signals, self.kinematics, ACCELERATIONS)
 
 
-def taken(plan: dict[str, Any]) -> Taken:
-    """Simulated, and read as a real recording is."""
+def taken(plan: dict[str, Any], folder: Path) -> Taken:
+    """Simulated in a folder, and read as a real recording is."""
     robot = load_robot(robot_path("ur5"))
     wanted = SimulatedRecording.model_validate(plan | {"imu": {}})
-    with tempfile.TemporaryDirectory() as folder:
-        truth, entry = f"{folder}/truth", {"format": "thesis-csv", "folder": folder}
-        simulate(robot, wanted, "thesis-csv", Path(folder), Path(truth))
-        intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
-        return Taken(robot, intake, read_json(f"{truth}.json"), Truth.read(f"{truth}.parquet"))
+    truth, entry = folder / "truth", {"format": "thesis-csv", "folder": str(folder)}
+    simulate(robot, wanted, "thesis-csv", folder, truth)
+    intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
+    return Taken(robot, intake, read_json(f"{truth}.json"), Truth.read(f"{truth}.parquet"))
 
 
 def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
@@ -181,10 +180,12 @@ def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
 
 def recovered(seed: int, seconds: float = SECONDS) -> Iterator[Row]:
     """Rows of all estimates beside the truth, from the recordings of one seed."""
-    *fitted, pushed = (taken(plan) for plan in plans(seed, seconds))
-    yield from device_rows(fitted)
-    yield from map_rows(friction := fitted_map(fitted), fitted[0].summary)
-    yield from pushed_rows(friction, fitted, pushed)
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = enumerate(plans(seed, seconds))
+        *fitted, pushed = (taken(plan, Path(folder, str(k))) for k, plan in drawn)
+        yield from device_rows(fitted)
+        yield from map_rows(friction := fitted_map(fitted), fitted[0].summary)
+        yield from pushed_rows(friction, fitted, pushed)
 
 
 def device_rows(fitted: list[Taken]) -> Iterator[Row]:

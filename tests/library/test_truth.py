@@ -34,6 +34,7 @@ TRUTH: dict[str, Any] = {
     "friction": {
         "coulomb": [8.0] * 6, "viscous": [9.0] * 6, "load": [0.05] * 6,
         "periodic": [0.4] * 6, "phase": [0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0],
+        "coulomb_warming": [-0.003] * 6, "viscous_warming": [-0.009] * 6,
     },
 }  # fmt: skip
 
