@@ -49,9 +49,10 @@ def truth() -> tuple[np.ndarray, ...]:
 
 @dataclass(frozen=True)
 class Results:
-    """What the steps make of it."""
+    """What the steps make of it; withheld: where the fit contradicts the arm."""
 
     published: PublishedForces
+    withheld: PublishedForces
     sensor: SensorWrenches
     summary: dict[str, Any]
 
@@ -106,15 +107,20 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
     write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
     write_json({"stop_signs": []}, folder / "torques.json")
+    write_json({"from": []}, folder / "friction.json")
     inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}
-    inputs |= {"quality": str(folder / "quality.json")}
+    inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "friction")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
+    withheld = SimpleNamespace(forces=folder / "withheld.parquet")
+    write_json({"from": [], "stopped": "torque constants contradict"}, folder / "friction.json")
+    script("rebuild_forces").rebuild_forces(given, withheld, SETTINGS)
     compared = SimpleNamespace(sensor=folder / "sensor.parquet", summary=folder / "forces.json")
     script("compare_forces").compare_forces(given, compared, SETTINGS)
     return Results(
         PublishedForces.read(published.forces),
+        PublishedForces.read(withheld.forces),
         SensorWrenches.read(compared.sensor),
         read_json(compared.summary),
     )
@@ -125,6 +131,10 @@ def test_the_corrected_estimate_finds_the_force(results: Results) -> None:
     settled = (TIME > 5) & (TIME < 7)
     estimate = results.published.corrected["F*"][settled]
     np.testing.assert_allclose(estimate, truth()[3][settled], atol=0.1)
+
+
+def test_no_force_is_stated_where_the_fit_contradicts_the_arm(results: Results) -> None:
+    assert results.withheld.corrected == results.withheld.printed == {}
 
 
 def test_without_friction_the_estimate_is_off(results: Results) -> None:

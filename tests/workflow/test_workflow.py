@@ -15,7 +15,8 @@ from tests.conftest import PROJECT, STUDY, Workflow
 RECORDINGS = 2
 FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures", "ablate_forces"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
-FROM_TORQUES = ["compute_torques", "rebuild_forces", *FROM_CURRENTS]
+FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
+FROM_TORQUES = ["compute_torques", *FROM_FRICTION]
 FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
 FROM_SIGNALS = ["fuse_imu", "estimate_gains", *FROM_MOTION]
 FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures"]
@@ -137,7 +138,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_gains", "draw_figures") | REPORT),
         ("ur5lib/identification/rotor_inertia.py",
          jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
-        ("ur5lib/identification/friction.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
+        ("ur5lib/identification/friction.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
          jobs("estimate_gains", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
@@ -147,7 +148,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/contact_prior.py",
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
-        ("ur5lib/timeseries/trajectories.py", jobs(*FROM_CURRENTS) | FRICTION | REPORT),
+        ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | REPORT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),

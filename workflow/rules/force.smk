@@ -5,6 +5,7 @@ rule rebuild_forces:
         torques=result("torques.parquet"),
         kinematics=result("kinematics.parquet"),
         load=result("torques.json"),
+        friction=parameter_of("friction.json"),
         arm=arm_file,
     output:
         forces=result("published_forces.parquet"),
