@@ -54,6 +54,23 @@ def test_every_format_of_a_study_has_a_reader() -> None:
     assert set(READERS) == set(formats)
 
 
+# A part of a recording
+
+
+def test_parts_of_a_recording_are_the_whole(recording: Path) -> None:
+    entry = {"format": "thesis-csv", "folder": str(recording)}
+    whole = read_recording(entry)
+    parts = [read_recording(entry | part) for part in ({"to_s": 0.5}, {"from_s": 0.5})]
+    joined = pd.concat([part.robot.table for part in parts], ignore_index=True)
+    pd.testing.assert_frame_equal(joined, whole.robot.table)
+    assert [part.robot.start for part in parts] == [whole.robot.start] * 2
+
+
+def test_a_part_after_the_end_is_refused(recording: Path) -> None:
+    with pytest.raises(InputError, match="no frame between `from_s` and `to_s`; it lasts 0.99"):
+        read_recording({"format": "thesis-csv", "folder": str(recording), "from_s": 9.0})
+
+
 # The thesis's format
 
 

@@ -90,7 +90,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "
-         "mounting, tool, payload, format, simulate"),
+         "mounting, tool, payload, from_s, to_s, format, simulate"),
         (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
          "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
          "9 to 10.5"),
@@ -112,7 +112,10 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
          "recordings: 'run' is used twice as a name; give each recording its own"),
         (lambda raw: raw.update(recordings=[{**raw["recordings"][0], "name": n, "folder": "/"}
                                             for n in "ab"]),
-         "recordings: a and b use the same /; give each its own file"),
+         "recordings: a and b use the same /; give each its own file, or its own part of it by "
+         "`from_s` and `to_s`"),
+        (lambda raw: raw["recordings"][0].update(from_s=5, to_s=2.5),
+         "`recordings[0].to_s` is 2.5, not after `from_s`, 5; correct one"),
         (lambda raw: raw.update(settings=3), "`settings` is 3; give a mapping"),
         (lambda raw: raw.update(hosts={"pc": ["force_senser"]}),
          "`hosts.pc[0]` is 'force_senser' (did you mean `force_sensor`?); "
@@ -130,6 +133,13 @@ def test_an_error_names_key_value_range_and_near_name(
 ) -> None:
     change(raw)
     assert complaints(raw) == [f"config.yaml: {sentence}"]
+
+
+def test_two_recordings_may_be_parts_of_one_file(raw: dict[str, Any]) -> None:
+    whole = raw["recordings"][0]
+    first, second = whole | {"to_s": 5}, whole | {"name": "second", "from_s": 5}
+    assert len(parse_study(raw | {"recordings": [first, second]}, "config.yaml").recordings) == 2
+    assert "use the same" in complaints(raw | {"recordings": [first, second | {"from_s": 4.9}]})[0]
 
 
 FOURIER = {"kind": "fourier"}

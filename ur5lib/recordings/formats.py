@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+from ur5lib.recordings.excerpt import excerpt
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
@@ -17,11 +18,12 @@ RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving
 
 
 def read_recording(recording: Mapping[str, Any]) -> RawRecording:
-    """Read the files of a recording. recording: an entry of a study, as plain data.
+    """Read the files of a recording, or the part that is wanted of them.
 
-    Raises InputError when they cannot be read.
+    recording: an entry of a study, as plain data. Raises InputError when they cannot be read.
     """
-    return READERS[recording["format"]](recording)
+    raw = READERS[recording["format"]](recording)
+    return excerpt(raw, recording.get("from_s"), recording.get("to_s"))
 
 
 def read_realtime_stream(recording: Mapping[str, Any]) -> RawRecording:

@@ -51,6 +51,12 @@ class Part(Strict):
         "controller knows it or not; default: the recorded `payload` channels of RTDE, otherwise "
         "none",
     )
+    from_s: float | None = Field(
+        None, ge=0, description="use the recording from this time on, counted from its first frame"
+    )
+    to_s: float | None = Field(
+        None, gt=0, description="use the recording until this time, counted from its first frame"
+    )
     format: str = Field(description="format of the files")
 
     @cached_property

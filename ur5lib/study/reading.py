@@ -1,6 +1,8 @@
 """Reading of a study: all of its errors are reported at once."""
 
+import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +56,7 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
         *_two_gravities(raw),
         *_repeated_names(raw),
         *_repeated_files(raw),
+        *_empty_parts(raw),
         *_devices_on_two_hosts(raw),
         *_renamed_settings(raw),
     ]
@@ -177,14 +180,39 @@ def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
-    """Find recordings of the same file: validating on data of the fit proves nothing."""
-    real = [entry for _, entry in _entries(raw) if isinstance(entry.get("folder"), str)]
-    paths = [str(Path(entry["folder"], str(entry.get("file", "")))) for entry in real]
-    for path in sorted({path for path in paths if paths.count(path) > 1}):
-        names = [
-            str(entry.get("name")) for entry, its in zip(real, paths, strict=True) if its == path
-        ]
-        yield f"recordings: {' and '.join(names)} use the same {path}; give each its own file"
+    """Find recordings of the same frames: validating on data of the fit proves nothing."""
+    files: dict[str, list[dict[str, Any]]] = {}
+    for _, entry in _entries(raw):
+        if isinstance(entry.get("folder"), str):
+            files.setdefault(str(Path(entry["folder"], str(entry.get("file", "")))), []).append(entry)
+    for path, entries in sorted(files.items()):
+        if _overlap([_extent(entry) for entry in entries]):
+            names = " and ".join(str(entry.get("name")) for entry in entries)
+            yield (
+                f"recordings: {names} use the same {path}; give each its own file, or its own part "
+                "of it by `from_s` and `to_s`"
+            )
+
+
+def _extent(entry: Mapping[str, Any]) -> tuple[float, float]:
+    """Return from when to when [s] an entry uses its file."""
+    start, end = entry.get("from_s"), entry.get("to_s")
+    return (
+        float(start) if isinstance(start, int | float) else 0.0,
+        float(end) if isinstance(end, int | float) else math.inf,
+    )
+
+
+def _overlap(extents: list[tuple[float, float]]) -> bool:
+    ordered = sorted(extents)
+    return any(end > start for (_, end), (start, _) in pairwise(ordered))
+
+
+def _empty_parts(raw: Mapping[str, Any]) -> Iterator[str]:
+    for place, entry in _entries(raw):
+        start, end = _extent(entry)
+        if end <= start:
+            yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
 def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
