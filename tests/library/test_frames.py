@@ -32,7 +32,7 @@ def frames(slots: list[int] | range = range(COUNT), cycle: float = CYCLE) -> pd.
 def repair(
     table: pd.DataFrame, max_gap: float = 0.1, cycle: float | None = CYCLE
 ) -> tuple[pd.DataFrame, dict[str, Finding]]:
-    repaired, _, findings = repair_frames(table, cycle, max_gap, "run.csv")
+    repaired, _, findings = repair_frames(table.copy(), cycle, max_gap, "run.csv")
     return repaired, {finding.finding: finding for finding in findings}
 
 

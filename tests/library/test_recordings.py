@@ -1,6 +1,7 @@
 """Reading recordings: nothing invented, nothing silently dropped."""
 
 import gzip
+import tracemalloc
 from contextlib import nullcontext
 from pathlib import Path
 
@@ -12,8 +13,9 @@ from pydantic import TypeAdapter
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.errors import InputError
+from ur5lib.recordings import text_blocks
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
-from ur5lib.recordings.columns import FACTORS, expand
+from ur5lib.recordings.columns import FACTORS, SIX, SUFFIXES, expand
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.formats import READERS, read_recording
 from ur5lib.recordings.intake import Intake, read_and_repair
@@ -28,6 +30,8 @@ from ur5lib.stand.faults import SPLIT
 from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
 from ur5lib.tables import named
+
+LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
 
 
 @pytest.fixture
@@ -67,8 +71,31 @@ def test_parts_of_a_recording_are_the_whole(recording: Path) -> None:
 
 
 def test_a_part_after_the_end_is_refused(recording: Path) -> None:
-    with pytest.raises(InputError, match="no frame between `from_s` and `to_s`; it lasts 0.99"):
+    with pytest.raises(InputError, match=r"no frame between `from_s` and `to_s`; it lasts 0\.99"):
         read_recording({"format": "thesis-csv", "folder": str(recording), "from_s": 9.0})
+
+
+# Long recordings
+
+
+def test_a_long_recording_is_in_memory_about_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ur5: Robot
+) -> None:
+    """Not as text, and not once more for each step of the repair; pyarrow's memory is not seen."""
+    monkeypatch.setattr(text_blocks, "SIZE", 1 << 18)
+    monkeypatch.setattr(text_blocks, "SHORT", 1 << 12)
+    time = 0.008 * np.arange(20_000)
+    columns = {f"{name}_{k}": 0.1 * np.sin(time + k) for name in LONG_CHANNELS for k in range(6)}
+    pd.DataFrame({"timestamp": time, **columns}).to_csv(tmp_path / "long.csv", index=False)
+    entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "long.csv"}
+    tracemalloc.start()
+    try:
+        robot = read_and_repair(entry, ur5, 0.1).robot
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    np.testing.assert_allclose(robot["target_moment_5"], columns["target_moment_5"], atol=1e-15)
+    assert peak < 1.5 * robot.memory_usage().sum()
 
 
 # The thesis's format

@@ -1,10 +1,11 @@
 """Reader of delimited tables of numbers (pyarrow) that counts, locates and skips damaged lines."""
 
-import gzip
 import math
 import re
-import zlib
+from collections.abc import Iterable, Iterator
+from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Device, Finding
-from ur5lib.strict import expect_file
+from ur5lib.recordings.text_blocks import text_blocks
 
 NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"]
 PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment, Excel's "sep=;"
@@ -21,6 +22,21 @@ PREAMBLE = re.compile(rb"(?:[ \t]*(?:[#%][^\n]*|sep=.)?\n)*")  # blank, comment,
 SPREADSHEET = re.compile(r"###|\d:\d|\d[./-]\d+[./-]\d|\d[. -]+[A-Z][a-z]{2}|[A-Z][a-z]{2}[. -]+\d")
 BLOCK = 1 << 16  # bytes; a block of this size with a damaged line is read line by line
 TAIL = 20  # lines that show what a complete last line looks like
+SHOWN = 5  # damaged lines that are named
+
+
+class Form(NamedTuple):
+    """The names of a table's columns, and what separates them."""
+
+    names: list[str]
+    delimiter: bytes
+
+
+class Damage(NamedTuple):
+    """The number of a damaged line, from 1, and what is wrong with it."""
+
+    line: int
+    fault: str
 
 
 def read_numbers(
@@ -33,27 +49,38 @@ def read_numbers(
     float64, with NaN for empty cells and cells that say NaN. Raises InputError when the file cannot
     be read, is not text, lacks a required header, or most of its lines are not complete rows.
     """
-    data = _read_text(path, device, findings)
-    top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
-    first = data[top : _end_of_line(data, top)].strip()
-    delimiter = _delimiter(first)
-    if delimiter == b";" and b"," in data:
-        findings.append(
-            Finding(device, "decimal commas", "note", 1, f"{path.name}: read as decimal points")
-        )
-        data = data.replace(b",", b".")
-    if names is None or _is_header(first, delimiter, len(names)):
-        names = names or _header_names(path, first, delimiter)
-        top = _end_of_line(data, top)
-    end = _end_of_rows(path, data, top, delimiter, device, findings)
-    tables, damaged = _parse(data, top, end, names, delimiter)
-    table = pa.concat_tables(tables).to_pandas()
+    blocks = text_blocks(path, device, findings)
+    first = next(blocks)
+    top, form = _form_of(first, path, names)
+    damaged: list[Damage] = []
+    tables = _parse_blocks(chain([first], blocks), top, form, path, device, findings, damaged)
+    table = _joined(pa.concat_tables(tables))
     if damaged:
-        first = data[damaged[0] : _end_of_line(data, damaged[0])].rstrip(b"\n")
-        fault = _fault(first.split(delimiter), len(names))
-        lines = [_line(data, place) for place in damaged[:5]]
-        _report_damaged(path, lines, len(damaged), fault, table, device, findings)
+        _report_damaged(path, damaged, table, device, findings)
     return table
+
+
+def _parse_blocks(
+    blocks: Iterable[bytes],
+    top: int,
+    form: Form,
+    path: Path,
+    device: Device,
+    findings: list[Finding],
+    damaged: list[Damage],
+) -> Iterator[pa.Table]:
+    """Yield the rows of all blocks; add the lines that are none to `damaged`.
+
+    top: offset of the first row in the first block.
+    """
+    line = 1
+    for block in blocks:
+        data = _with_points(block, form, path, device, findings)
+        end = _end_of_rows(path, data, top, line, form, device, findings)
+        tables, places = _parse(data, top, end, form)
+        yield from tables
+        damaged += [_damage(data, place, line, form) for place in places]
+        top, line = 0, line + data.count(b"\n")
 
 
 def drop_untimed(
@@ -76,45 +103,40 @@ def first_line(path: Path) -> str:
 
 def first_cells(path: Path) -> list[str]:
     """Return the cells of a table's first line, below comments. Raises InputError as reading it."""
-    data = _read_text(path, "robot", [])
+    _top, first = _first_row(next(text_blocks(path, "robot", [])))
+    return [cell.decode(errors="replace").strip() for cell in first.split(_delimiter(first))]
+
+
+def _first_row(data: bytes) -> tuple[int, bytes]:
+    """Return where the first line begins that is neither blank nor a comment, and that line."""
     top = PREAMBLE.match(data).end()  # type: ignore[union-attr]
-    first = data[top : _end_of_line(data, top)].strip()
+    return top, data[top : _end_of_line(data, top)].strip()
+
+
+def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, Form]:
+    """Return where the rows of a table begin, and their form. data: the beginning of the file."""
+    top, first = _first_row(data)
     delimiter = _delimiter(first)
-    return [cell.decode(errors="replace").strip() for cell in first.split(delimiter)]
+    if names is None or _is_header(first, delimiter, len(names)):
+        names = names or _header_names(path, first, delimiter)
+        top = _end_of_line(data, top)
+    return top, Form(names, delimiter)
+
+
+def _with_points(
+    block: bytes, form: Form, path: Path, device: Device, findings: list[Finding]
+) -> bytes:
+    """Return a block of lines with points for decimal commas."""
+    if form.delimiter != b";" or b"," not in block:
+        return block
+    note = Finding(device, "decimal commas", "note", 1, f"{path.name}: read as decimal points")
+    if note not in findings:
+        findings.append(note)
+    return block.replace(b",", b".")
 
 
 def _delimiter(line: bytes) -> bytes:
     return next((mark for mark in (b";", b",", b"\t") if mark in line), b" ")
-
-
-def _read_text(path: Path, device: Device, findings: list[Finding]) -> bytes:
-    expect_file(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(
-            f"{path} is missing or cannot be read ({error.strerror}); "
-            "add the file, or remove the recording from the study"
-        ) from error
-    if data.startswith(b"\x1f\x8b"):
-        findings.append(Finding(device, "compressed file", "note", 1, f"{path.name}: decompressed"))
-        data = _unpack(path, data)
-    if data.startswith(b"\xef\xbb\xbf"):
-        findings.append(Finding(device, "byte-order mark", "note", 1, f"{path.name}: ignored"))
-        data = data[3:]
-    # Zeros further down may be a lost disk block: that is a damaged line.
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in data[:1000]:
-        raise InputError(f"{path}, line 1: not a text file; save it as plain CSV (UTF-8)")
-    if b"\r" in data:
-        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return data.replace(b'"', b"") if b'"' in data else data
-
-
-def _unpack(path: Path, data: bytes) -> bytes:
-    try:
-        return gzip.decompress(data)
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(f"{path} is a damaged gzip file; copy it again from its source") from error
 
 
 def _end_of_line(data: bytes, start: int) -> int:
@@ -123,13 +145,20 @@ def _end_of_line(data: bytes, start: int) -> int:
 
 
 def _end_of_rows(
-    path: Path, data: bytes, top: int, delimiter: bytes, device: Device, findings: list[Finding]
+    path: Path,
+    data: bytes,
+    top: int,
+    line: int,
+    form: Form,
+    device: Device,
+    findings: list[Finding],
 ) -> int:
-    """Return the offset at which the last complete line ends."""
+    """Return the offset at which the last complete line ends. line: number of the first."""
     last = max(top, data.rfind(b"\n") + 1)
-    if last == len(data) or _ends_whole(data[top:last], data[last:], delimiter):
+    if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
-    detail = f"{path.name}, line {_line(data, last)}: last line is cut off, skipped"
+    number = line + data.count(b"\n", 0, last)
+    detail = f"{path.name}, line {number}: last line is cut off, skipped"
     findings.append(Finding(device, "torn last line", "note", 1, detail))
     return last
 
@@ -137,19 +166,14 @@ def _end_of_rows(
 def _ends_whole(before: bytes, last: bytes, delimiter: bytes) -> bool:
     """Return whether a last line without a newline has the same form as the lines before it."""
     models = before.rsplit(b"\n", TAIL + 1)[-TAIL - 1 : -1]
-    forms = {_form(model, delimiter) for model in models}
-    return forms == {_form(last, delimiter)} and _form(last, delimiter)[1] > 0
+    forms = {_cells(model, delimiter) for model in models}
+    return forms == {_cells(last, delimiter)} and _cells(last, delimiter)[1] > 0
 
 
-def _form(line: bytes, delimiter: bytes) -> tuple[int, int]:
+def _cells(line: bytes, delimiter: bytes) -> tuple[int, int]:
     """Return how many cells a line has, and how many decimals its last cell has."""
     cells = line.split(delimiter)
     return len(cells), len(cells[-1].strip().partition(b".")[2])
-
-
-def _line(data: bytes, place: int) -> int:
-    """Return the number of the line that begins at an offset."""
-    return data.count(b"\n", 0, place) + 1
 
 
 def _number(cell: bytes) -> float:
@@ -194,55 +218,68 @@ def _header_names(path: Path, line: bytes, delimiter: bytes) -> list[str]:
     return names
 
 
-def _parse(
-    data: bytes, start: int, end: int, names: list[str], delimiter: bytes
-) -> tuple[list[pa.Table], list[int]]:
+def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], list[int]]:
     """Parse the rows between two offsets; return them and the offsets of damaged lines.
 
     The range is bisected, so that a few damaged lines do not slow down a long file.
     """
     try:
-        return [_parse_fast(memoryview(data)[start:end], names, delimiter)], []
+        return [_parse_fast(memoryview(data)[start:end], form)], []
     except pa.ArrowInvalid:
         middle = data.find(b"\n", (start + end) // 2, end) + 1
         if end - start <= BLOCK or not start < middle < end:
-            return _parse_lines(data, start, end, names, delimiter)
-    halves = [_parse(data, *half, names, delimiter) for half in ((start, middle), (middle, end))]
+            return _parse_lines(data, start, end, form)
+    halves = [_parse(data, *half, form) for half in ((start, middle), (middle, end))]
     return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
 
 
-def _parse_fast(text: memoryview, names: list[str], delimiter: bytes) -> pa.Table:
+def _joined(table: pa.Table) -> pd.DataFrame:
+    """Return a table column by column, each freed in turn: a long one is in memory only once."""
+    columns = {}
+    for name in table.column_names:
+        chunks = table.column(name).chunks
+        columns[name] = np.concatenate([chunk.to_numpy(zero_copy_only=False) for chunk in chunks])
+        table, chunks = table.remove_column(0), []
+        pa.default_memory_pool().release_unused()
+    return pd.DataFrame(columns, copy=False)
+
+
+def _parse_fast(text: memoryview, form: Form) -> pa.Table:
     if not text.nbytes:
-        return _table(np.empty((0, len(names))), names)
+        return _table(np.empty((0, len(form.names))), form.names)
     return pacsv.read_csv(
         pa.BufferReader(text),
-        read_options=pacsv.ReadOptions(column_names=names),
-        parse_options=pacsv.ParseOptions(delimiter=delimiter.decode(), quote_char=False),
+        read_options=pacsv.ReadOptions(column_names=form.names, block_size=text.nbytes),
+        parse_options=pacsv.ParseOptions(delimiter=form.delimiter.decode(), quote_char=False),
         convert_options=pacsv.ConvertOptions(
-            column_types=dict.fromkeys(names, pa.float64()), null_values=NOT_A_NUMBER
+            column_types=dict.fromkeys(form.names, pa.float64()), null_values=NOT_A_NUMBER
         ),
     )
 
 
-def _parse_lines(
-    data: bytes, start: int, end: int, names: list[str], delimiter: bytes
-) -> tuple[list[pa.Table], list[int]]:
+def _parse_lines(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table], list[int]]:
     rows, damaged, place = [], [], start
     for line in data[start:end].split(b"\n"):
         try:
-            row = [_number(cell) for cell in line.split(delimiter)]
+            row = [_number(cell) for cell in line.split(form.delimiter)]
         except ValueError:
             row = []
-        if len(row) == len(names):
+        if len(row) == len(form.names):
             rows.append(row)
         elif line.strip():
             damaged.append(place)
         place += len(line) + 1
-    return [_table(np.array(rows).reshape(-1, len(names)), names)], damaged
+    return [_table(np.array(rows).reshape(-1, len(form.names)), form.names)], damaged
 
 
 def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
     return pa.table([pa.array(column, pa.float64()) for column in rows.T], names=names)
+
+
+def _damage(data: bytes, place: int, line: int, form: Form) -> Damage:
+    """Return the damage of the line at an offset. line: number of the first line."""
+    cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
+    return Damage(line + data.count(b"\n", 0, place), _fault(cells, len(form.names)))
 
 
 def _fault(cells: list[bytes], width: int) -> str:
@@ -256,29 +293,27 @@ def _fault(cells: list[bytes], width: int) -> str:
 
 def _report_damaged(
     path: Path,
-    lines: list[int],
-    count: int,
-    fault: str,
+    damaged: list[Damage],
     table: pd.DataFrame,
     device: Device,
     findings: list[Finding],
 ) -> None:
-    """Report which lines are damaged and what is wrong with the first. lines: the first five.
+    """Report which lines are damaged and what is wrong with the first.
 
     Raises InputError when most lines are damaged: then the columns differ from those declared.
     """
-    width = len(table.columns)
+    width, count, (first, fault) = len(table.columns), len(damaged), damaged[0]
     if table.empty:
         raise InputError(
-            f"{path}, line {lines[0]}: expected {width} numbers ({fault}), and no other line "
+            f"{path}, line {first}: expected {width} numbers ({fault}), and no other line "
             "fits either; correct `columns` in the study, or record it again"
         )
     if len(table) < count:
         raise InputError(
-            f"{path}, line {lines[0]}: expected {width} numbers ({fault}); {count} of "
+            f"{path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    more = f" and {count - 5} more" if count > 5 else ""
-    where = f"{path.name}, line {', '.join(map(str, lines))}{more} ({fault})"
-    detail = f"{where}: expected {width} numbers, skipped"
+    more = f" and {count - SHOWN} more" if count > SHOWN else ""
+    lines = ", ".join(str(damage.line) for damage in damaged[:SHOWN])
+    detail = f"{path.name}, line {lines}{more} ({fault}): expected {width} numbers, skipped"
     findings.append(Finding(device, "damaged lines", "warning", count, detail))

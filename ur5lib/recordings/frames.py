@@ -1,6 +1,7 @@
 """Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -33,14 +34,17 @@ class Timing:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A run of frames without a split.
+    """A run of frames without a split, on the grid.
 
-    lost: frames discarded in long gaps of a channel; crowded: frames discarded because another one
-    occupies their slot.
+    rows: the frames (n,) that are used, one per slot; place: where these are on the grid (n,), in
+    periods from the first; slots: all slots (m,); start: time of the first frame [s]; crowded:
+    frames discarded because another one occupies their slot.
     """
 
-    table: pd.DataFrame
-    lost: int
+    rows: Labels
+    place: Array
+    slots: Labels
+    start: float
     crowded: int
 
 
@@ -52,23 +56,27 @@ def repair_frames(
     frames: `time` [s] and channels as read; cycle: the controller's [s], None to determine it;
     max_gap: [s]; source: the file, for messages. Returns `time`, `segment`, `interpolated`, the
     channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
-    are interpolated; longer ones split the recording: `segment` counts its parts from 0.
+    are interpolated; longer ones split the recording: `segment` counts its parts from 0. `frames`
+    loses its columns on the way, so that a long recording is in memory only once.
     Raises InputError when fewer than two frames are usable or the units must be wrong.
     """
     findings: list[Finding] = []
     _expect_frames(frames, source)
-    frames = _whole_channels(frames, findings, source)
+    given, frames = frames, _whole_channels(frames, findings, source)
     frames = in_order(drop_implausible(frames, source, "robot", findings), findings)
+    for name in [*given]:
+        del given[name]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)
     timing = _timing(frames, cycle, source)
     _report_steps(timing, findings)
-    stretches = [
-        _repair_stretch(stretch, timing, max_gap) for stretch in _stretches(frames, timing, max_gap)
-    ]
-    table = _number_segments(pd.concat([stretch.table for stretch in stretches], ignore_index=True))
+    steps, holes, channels = _steps(frames), _holes(frames), len(_vectors(frames))
+    stretches = _stretches(frames, timing, max_gap)
+    table, lost = _on_grid(frames, stretches, timing, max_gap)
     _expect_frames(table, source)
-    _report_lost(frames, table, timing, findings)
-    _report_discarded(stretches, findings)
+    _report_lost(steps, table, timing, channels, findings)
+    _report_holes(holes, findings)
+    _report_splits(int(table["segment"].max()), findings)
+    _report_discarded(lost, stretches, findings)
     return table, timing, findings
 
 
@@ -97,11 +105,11 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
         findings.append(Finding("robot", "incomplete channels", "warning", len(absent), detail))
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
-    return frames.drop(columns=dropped).copy()  # in one block of memory, to which columns are added
+    return frames.drop(columns=dropped)
 
 
 def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
-    steps = frames["time"].diff()[frames["epoch"].diff() == 0].to_numpy()
+    steps = _steps(frames)
     period = cycle or round(max(float(np.quantile(steps, 0.1)), SHORTEST_STEP), 4)
     off = np.abs(steps - period * np.rint(steps / period))
     regular = bool(cycle or np.mean(off <= OFF_GRID * period) >= REGULAR)
@@ -118,52 +126,94 @@ def _timing(frames: pd.DataFrame, cycle: float | None, source: str) -> Timing:
     return Timing(period, regular, float(steps.max()), float(median), float(high))
 
 
-def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[pd.DataFrame]:
-    """Split the frames at clock resets and at gaps that are too long."""
+def _steps(frames: pd.DataFrame) -> Array:
+    """Return the steps between timestamps [s], those over clock resets excluded."""
+    return frames["time"].diff()[frames["epoch"].diff() == 0].to_numpy()
+
+
+def _holes(frames: pd.DataFrame) -> int:
+    """Return how many frames lack a cell."""
+    missing = np.zeros(len(frames), dtype=bool)
+    for name in frames.columns.drop("time"):
+        missing |= ~np.isfinite(frames[name].to_numpy(float))
+    return int(missing.sum())
+
+
+def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Stretch]:
+    """Split the frames at clock resets and at gaps that are too long, and put them on the grid."""
     longest = max_gap + 1.5 * timing.period
     breaks = (frames["time"].diff() > longest) | (frames["epoch"].diff() > 0)
-    return [stretch for _, stretch in frames.groupby(breaks.cumsum())]
+    bounds = [0, *np.flatnonzero(breaks), len(frames)]
+    time = frames["time"].to_numpy()
+    return [_stretch(np.arange(*ends), time, timing) for ends in pairwise(bounds)]
 
 
-def _repair_stretch(stretch: pd.DataFrame, timing: Timing, max_gap: float) -> Stretch:
-    """Put one stretch on the grid and fill each channel over its own gaps."""
-    time = stretch["time"].to_numpy()
-    place = _places(time, timing)
+def _stretch(rows: Labels, time: Array, timing: Timing) -> Stretch:
+    """Return the stretch of some frames. rows: their indices; time: of all frames [s]."""
+    place = _places(time[rows], timing)
     first = np.unique(np.rint(place) if timing.regular else place, return_index=True)[1]
+    slots = np.arange(int(np.floor(place[first[-1]] + 1e-6)) + 1)
     crowded = len(place) - len(first)
-    place, stretch = place[first], stretch.iloc[first]
-    slots = np.arange(int(np.floor(place[-1] + 1e-6)) + 1)
-    channels, flags, lost = _fill_channels(stretch, place, slots, timing, max_gap)
-    table = pd.DataFrame({"time": time[0] + slots * timing.period, **channels})
-    table.insert(1, "interpolated", np.logical_or.reduce([*flags.values()]) if flags else lost)
-    for name, flag in flags.items():
-        if flag.any():
-            table[f"filled_{name}"] = flag
-    return Stretch(table[~lost].assign(slot=slots[~lost]), int(lost.sum()), crowded)
+    return Stretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
 
 
-def _fill_channels(
-    stretch: pd.DataFrame, place: Array, slots: Labels, timing: Timing, max_gap: float
-) -> tuple[dict[str, Array], dict[str, Mask], Mask]:
-    """Return the columns at the slots, which slots each channel had filled, and the lost slots.
+def _on_grid(
+    frames: pd.DataFrame, stretches: list[Stretch], timing: Timing, max_gap: float
+) -> tuple[pd.DataFrame, int]:
+    """Return the table on the grid, and how many of its slots were lost.
 
-    A slot is lost if any channel has a long gap there, or is missing altogether.
+    A slot is lost if any channel has a long gap there, or is missing altogether. `frames` loses
+    each channel when it is on the grid.
     """
-    columns_at: dict[str, Array] = {}
-    flags: dict[str, Mask] = {}
-    lost = np.zeros(len(slots), dtype=bool)
-    for name, columns in _vectors(stretch).items():
-        values = stretch[columns].to_numpy(float)
-        known = np.isfinite(values).all(axis=1)
-        if not known.any():
-            lost[:] = True
-            continue
-        filled, flags[name], beyond = _fill(
-            place[known], values[known], slots, timing, max_gap, name
-        )
+    columns_at, flags = dict[str, Array](), dict[str, Mask]()
+    lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
+    for name, columns in _vectors(frames).items():
+        values = np.stack([frames.pop(column) for column in columns], axis=1).astype(float)
+        filled, flag, beyond = _fill_stretches(values, stretches, timing, max_gap, name)
+        columns_at |= {column: filled[:, k].copy() for k, column in enumerate(columns)}
         lost |= beyond
-        columns_at |= dict(zip(columns, filled.T, strict=True))
-    return columns_at, flags, lost
+        flags[name] = flag
+    time = [stretch.start + stretch.slots * timing.period for stretch in stretches]
+    on_grid = {
+        "time": np.concatenate(time),
+        "interpolated": np.logical_or.reduce([*flags.values()]),
+        **columns_at,
+        **{f"filled_{name}": flag for name, flag in flags.items() if flag.any()},
+    }
+    if lost.any():
+        on_grid = {name: values[~lost] for name, values in on_grid.items()}
+    table = pd.DataFrame(on_grid, copy=False)
+    table.insert(1, "segment", _segments(stretches, lost))
+    return table, int(lost.sum())
+
+
+def _fill_stretches(
+    values: Array, stretches: list[Stretch], timing: Timing, max_gap: float, name: str
+) -> tuple[Array, Mask, Mask]:
+    """Return a channel at all slots (m, k), which slots were filled, and which are lost.
+
+    values: (n, k), of all frames.
+    """
+    parts = []
+    for stretch in stretches:
+        received = values[stretch.rows]
+        known = np.isfinite(received).all(axis=1)
+        if known.any():
+            at = stretch.place[known], received[known]
+            parts.append(_fill(*at, stretch.slots, timing, max_gap, name))
+        else:
+            nothing = np.full((len(stretch.slots), values.shape[1]), np.nan)
+            no_slot = np.zeros(len(nothing), dtype=bool)
+            parts.append((nothing, no_slot, ~no_slot))
+    filled, flag, lost = map(np.concatenate, zip(*parts, strict=True))
+    return filled, flag, lost
+
+
+def _segments(stretches: list[Stretch], lost: Mask) -> Labels:
+    """Return the number of the gapless part, from 0, of each slot that is not lost."""
+    begins = np.concatenate([stretch.slots == 0 for stretch in stretches])
+    parts = np.cumsum(begins | np.append(False, lost[:-1]))
+    return np.unique(parts[~lost], return_inverse=True)[1]
 
 
 def _places(time: Array, timing: Timing) -> Array:
@@ -208,14 +258,6 @@ def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
     return vectors
 
 
-def _number_segments(table: pd.DataFrame) -> pd.DataFrame:
-    """Add `segment`, which counts the gapless parts from 0, and set empty flags to False."""
-    flags = table.filter(like="filled_").columns
-    table[flags] = table[flags].fillna(False).astype(bool)
-    table.insert(1, "segment", (table["slot"].diff().fillna(1) != 1).cumsum())
-    return table.drop(columns="slot")
-
-
 def _report_steps(timing: Timing, findings: list[Finding]) -> None:
     spread = f"{1000 * timing.jitter_99:.2g} ms (99 %)"
     grid = f"{1000 * timing.period:g} ms"
@@ -234,25 +276,28 @@ def _report_steps(timing: Timing, findings: list[Finding]) -> None:
 
 
 def _report_lost(
-    frames: pd.DataFrame, table: pd.DataFrame, timing: Timing, findings: list[Finding]
+    steps: Array, table: pd.DataFrame, timing: Timing, channels: int, findings: list[Finding]
 ) -> None:
     filled = int(table["interpolated"].sum())
-    steps = frames["time"].diff()[frames["epoch"].diff() == 0]
-    lost = int((np.rint(steps / timing.period) - 1).clip(lower=0).sum())
+    lost = int((np.rint(steps / timing.period) - 1).clip(min=0).sum())
     if not timing.regular:
         flags = table.filter(like="filled_")
-        lost = int(flags.all(axis=1).sum()) if flags.shape[1] == len(_vectors(frames)) else 0
+        lost = int(flags.all(axis=1).sum()) if flags.shape[1] == channels else 0
     if lost:
-        common = (1000 * timing.period * np.rint(steps / timing.period)).value_counts().head(3)
-        pattern = ", ".join(f"{count} of {step:g} ms" for step, count in common.items())
+        common = pd.Series(1000 * timing.period * np.rint(steps / timing.period)).value_counts()
+        pattern = ", ".join(f"{count} of {step:g} ms" for step, count in common.head(3).items())
         longest = f"longest {1000 * timing.longest_step:.0f} ms"
         detail = f"most frequent steps: {pattern}; {longest}; {filled} frames interpolated"
         findings.append(Finding("robot", "lost frames", "warning", lost, detail))
-    holes = int((~np.isfinite(frames.drop(columns="time").to_numpy())).any(axis=1).sum())
+
+
+def _report_holes(holes: int, findings: list[Finding]) -> None:
     if holes:
         detail = "some channels have missing cells; they are interpolated"
         findings.append(Finding("robot", "missing cells", "warning", holes, detail))
-    splits = int(table["segment"].max())
+
+
+def _report_splits(splits: int, findings: list[Finding]) -> None:
     if splits:
         detail = (
             "gaps are too long to fill; the recording is split, nothing is computed across them"
@@ -260,8 +305,7 @@ def _report_lost(
         findings.append(Finding("robot", "split", "warning", splits, detail))
 
 
-def _report_discarded(stretches: list[Stretch], findings: list[Finding]) -> None:
-    lost = sum(stretch.lost for stretch in stretches)
+def _report_discarded(lost: int, stretches: list[Stretch], findings: list[Finding]) -> None:
     if lost:
         detail = "a channel is missing for too long, or at the start or end; frames discarded"
         findings.append(Finding("robot", "incomplete frames", "warning", lost, detail))

@@ -1,6 +1,7 @@
 """Intake of a recording: read it, repair its frames, check it, place its sensors in time."""
 
 import hashlib
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,11 @@ from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import Robot
 from ur5lib.tables import has_unit
+
+# Every column is a block of its own, so that it can be freed; pandas expects few blocks.
+warnings.filterwarnings(
+    "ignore", category=pd.errors.PerformanceWarning, module=r"ur5lib\.recordings\."
+)
 
 CHECKS = {"force": check_force_sensor, "imu": check_imu}
 
@@ -40,12 +46,16 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
-    known, findings = _known_channels(raw.robot.table)
-    known = with_currents(known, arm, findings)
-    findings += _without_velocities(known)
-    robot, timing, repairs = repair_frames(known, raw.cycle, max_gap, raw.robot.source)
-    findings += raw.findings + repairs
-    placed = place_sensors(raw, findings)
+    frames, findings = _known_channels(raw.robot.table)
+    frames = with_currents(frames, arm, findings)
+    findings += _without_velocities(frames) + raw.findings
+    remarks: list[Finding] = []
+    placed = place_sensors(raw, remarks)
+    rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
+    cycle, source = raw.cycle, raw.robot.source
+    del raw  # whose channels are freed while they are repaired
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source)
+    findings += repairs + remarks
     robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
     findings += wrist
     motors = [arm.motor(joint) for joint in range(1, 7)]
@@ -54,7 +64,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     for device, (record, _) in placed.items():
         findings += CHECKS[device](record.table)
     quality = {
-        "rows": len(raw.robot.table),
+        "rows": rows,
         "frames": len(robot),
         "duration_s": float(robot["time"].iloc[-1] - robot["time"].iloc[0]),
         "period_s": timing.period,
@@ -65,7 +75,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
             device: {"seconds": start.seconds, "std": start.std}
             for device, (_, start) in placed.items()
         },
-        "files": {device: checksum(record.source) for device, record in raw.sensors.items()},
+        "files": files,
         "findings": [finding.as_row() for finding in findings],
     }
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)

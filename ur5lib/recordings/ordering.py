@@ -72,7 +72,9 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     if currents.empty:
         return frames  # without a noisy channel, an arm at rest repeats itself legitimately
     channels = frames.columns.difference(["time", "epoch", "received"])
-    same = (frames[channels].diff() == 0).all(axis="columns")
+    same = np.ones(len(frames), dtype=bool)
+    for channel in channels:  # one after the other, for the memory of long recordings
+        same &= frames[channel].diff() == 0
     noisy = (frames[currents].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames

@@ -184,7 +184,9 @@ def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
     files: dict[str, list[dict[str, Any]]] = {}
     for _, entry in _entries(raw):
         if isinstance(entry.get("folder"), str):
-            files.setdefault(str(Path(entry["folder"], str(entry.get("file", "")))), []).append(entry)
+            files.setdefault(str(Path(entry["folder"], str(entry.get("file", "")))), []).append(
+                entry
+            )
     for path, entries in sorted(files.items()):
         if _overlap([_extent(entry) for entry in entries]):
             names = " and ".join(str(entry.get("name")) for entry in entries)

@@ -1,0 +1,78 @@
+"""Text files in blocks of whole lines: a long one is never in memory as a whole."""
+
+import gzip
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.quality import Device, Finding
+from ur5lib.strict import expect_file
+
+SIZE = 1 << 25  # bytes of a block
+SHORT = 1 << 20  # bytes; a shorter rest joins the block before it
+GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
+
+
+def text_blocks(path: Path, device: Device, findings: list[Finding]) -> Iterator[bytes]:
+    """Yield a file, unpacked if it is compressed, in blocks of whole lines.
+
+    At least one block, which may be empty; without byte-order mark, carriage returns and quotes.
+    Raises InputError when the file cannot be read or is not text.
+    """
+    expect_file(path)
+    with _open(path) as plain:
+        packed = _read(plain, path, 2).startswith(GZIP)
+    if packed:
+        findings.append(Finding(device, "compressed file", "note", 1, f"{path.name}: decompressed"))
+    with gzip.open(path) if packed else _open(path) as stream:
+        block = _lines(stream, path)
+        if block.startswith(MARK):
+            findings.append(Finding(device, "byte-order mark", "note", 1, f"{path.name}: ignored"))
+            block = block[len(MARK) :]
+        # Zeros further down may be a lost disk block: that is a damaged line.
+        if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
+            raise InputError(f"{path}, line 1: not a text file; save it as plain CSV (UTF-8)")
+        while True:
+            following = _lines(stream, path) if block else b""
+            if len(following) < SHORT:
+                yield _plain(block + following)
+                return
+            yield _plain(block)
+            block = following
+
+
+def _open(path: Path) -> BinaryIO:
+    try:
+        return path.open("rb")
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
+    """Return the next whole lines."""
+    return _read(stream, path, SIZE) + _read(stream, path, None)
+
+
+def _read(stream: BinaryIO | gzip.GzipFile, path: Path, size: int | None) -> bytes:
+    """Return so many bytes, or the rest of the line."""
+    try:
+        return stream.readline() if size is None else stream.read(size)
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise InputError(f"{path} is a damaged gzip file; copy it again from its source") from error
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    return InputError(
+        f"{path} is missing or cannot be read ({error.strerror}); "
+        "add the file, or remove the recording from the study"
+    )
+
+
+def _plain(block: bytes) -> bytes:
+    if b"\r" in block:
+        block = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return block.replace(b'"', b"") if b'"' in block else block
