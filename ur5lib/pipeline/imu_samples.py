@@ -8,15 +8,15 @@ import numpy as np
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clocks import BY_MOTION
+from ur5lib.signals.clocks import BY_HOST, BY_MOTION
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.lowpass import Butterworth
 
 
 def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
-    """Return whether the IMU's clock was estimated by motion (clocks.json)."""
-    return bool(clocks.get("imu", {}).get("method") == BY_MOTION)
+    """Return whether the IMU's clock is known by motion or its host's stamps (clocks.json)."""
+    return clocks.get("imu", {}).get("method") in (BY_MOTION, BY_HOST)
 
 
 def imu_samples(

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.recordings.excerpt import excerpt
+from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
@@ -22,7 +23,7 @@ def read_recording(recording: Mapping[str, Any]) -> RawRecording:
 
     recording: an entry of a study, as plain data. Raises InputError when they cannot be read.
     """
-    raw = READERS[recording["format"]](recording)
+    raw = on_robot_clock(READERS[recording["format"]](recording))
     return excerpt(raw, recording.get("from_s"), recording.get("to_s"))
 
 

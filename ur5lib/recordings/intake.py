@@ -3,7 +3,7 @@
 import hashlib
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +72,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
         "jitter_s": {"median": timing.jitter_median, "99 %": timing.jitter_99},
         "devices": ["robot", *placed],
         "starts": {
-            device: {"seconds": start.seconds, "std": start.std}
+            device: {name: part for name, part in asdict(start).items() if part is not None}
             for device, (_, start) in placed.items()
         },
         "files": files,

@@ -14,13 +14,15 @@ DAY = 86400.0  # s
 class Stamp:
     """The time at which a device's clock read zero.
 
-    seconds: since the epoch, since midnight UTC, or since the start of the recording;
-    std: standard uncertainty of that [s].
+    seconds: since the epoch, since midnight UTC, since the start of the recording, or by the clock
+    of the robot's host; std: standard uncertainty of that [s]; drift_std: standard uncertainty of
+    the clock's rate relative to the robot's, None if that is not known.
     """
 
     seconds: float
     std: float
-    since: Literal["epoch_s", "day_ms", "relative_s"]
+    since: Literal["epoch_s", "day_ms", "relative_s", "host_s"]
+    drift_std: float | None = None
 
     def after(self, other: "Stamp") -> float | None:
         """Return how much later this stamp is than another [s], None if not comparable."""

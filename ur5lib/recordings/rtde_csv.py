@@ -19,6 +19,7 @@ def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
     """Read a CSV with RTDE names in its header. recording: `folder`, `file`, and sensors.
 
     `timestamp` counts from the controller's start; the time returned counts from the first row.
+    `host_time`, if there is one, is when each row arrived [s].
     Raises InputError when there is no `timestamp` column or no complete row.
     """
     path = Path(recording["folder"]) / recording["file"]
@@ -35,7 +36,8 @@ def read_rtde_csv(recording: Mapping[str, Any]) -> RawRecording:
             f"{path}, line 1: no complete row of {len(table.columns)} numbers {begins}; record it "
             "again, or use format table-csv and name the columns in the study"
         )
-    table = table.drop(columns=RESERVED, errors="ignore").rename(columns={"timestamp": "time"})
+    table = table.drop(columns=RESERVED, errors="ignore")
+    table = table.rename(columns={"timestamp": "time", "host_time": "received"})
     table = drop_untimed(table, path, "robot", findings)
     table["time"] -= first_time(table["time"].to_numpy())
     robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))

@@ -13,6 +13,7 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.recordings.columns import expand, to_si
 from ur5lib.recordings.delimited import drop_untimed, read_numbers
+from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
 from ur5lib.recordings.quality import SENSORS, Device, Finding
@@ -66,7 +67,7 @@ def read_device(
         findings.append(Finding(device, "no sensor", "note", 1, absence))
         return None
     try:
-        table = to_si(read_numbers(path, names, device, findings), units)
+        table = without_delays(to_si(read_numbers(path, names, device, findings), units))
         return repair_samples(table, path, device, findings)
     except InputError as error:
         findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))

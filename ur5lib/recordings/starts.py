@@ -9,10 +9,14 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
 @dataclass(frozen=True)
 class StartOffset:
-    """How much later a device's clock started than the robot's, by the start stamps [s]."""
+    """How much later a device's clock started than the robot's, by the start stamps [s].
+
+    drift_std: as in Stamp.
+    """
 
     seconds: float
     std: float
+    drift_std: float | None
 
 
 def place_sensors(
@@ -41,7 +45,7 @@ def _offset(robot: DeviceRecord, device: DeviceRecord) -> StartOffset | None:
         return None
     seconds = device.start.after(robot.start)
     std = (robot.start.std**2 + device.start.std**2) ** 0.5
-    return None if seconds is None else StartOffset(seconds, std)
+    return None if seconds is None else StartOffset(seconds, std, device.start.drift_std)
 
 
 def _overlap(robot: DeviceRecord, device: DeviceRecord, offset: float) -> bool:

@@ -23,7 +23,7 @@ LATENCY, WANDER = 0.005, 0.004
 # Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
 # host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
 UNKNOWN_DRIFT = 0.003
-BY_STAMPS, BY_MOTION = "start stamps", "angular rate"  # methods
+BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"  # methods
 NOTHING = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
 
 
@@ -57,6 +57,11 @@ class Clock:
 def clock_from_stamps(offset: float, std: float) -> Clock:
     """Return the clock of start stamps `offset` [s] apart; its drift is unknown."""
     return Clock(offset, std, None, None, BY_STAMPS)
+
+
+def clock_from_host(offset: float, std: float, drift_std: float) -> Clock:
+    """Return the clock of a device whose samples the robot's host stamped, with its errors."""
+    return Clock(offset, std, 0.0, drift_std, BY_HOST)
 
 
 def clock_from_rotation(

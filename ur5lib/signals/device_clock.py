@@ -5,7 +5,12 @@ from functools import partial
 
 import numpy as np
 
-from ur5lib.signals.clocks import Clock, clock_from_rotation, clock_from_stamps
+from ur5lib.signals.clocks import (
+    Clock,
+    clock_from_host,
+    clock_from_rotation,
+    clock_from_stamps,
+)
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.segments import by_segment, period
@@ -21,11 +26,15 @@ def device_clock(
     """Return a device's clock, and why it is from its start stamp alone, if it is.
 
     device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], if it has one;
-    start: its stamp's `seconds` and `std`; robot: time (N,) [s], segment (N,) and q (N, 6) [rad],
-    repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the robot's samples.
-    A gyroscope is compared with the angular rate of frame 6. Other devices measure no motion that
-    could be distinguished from contact, so their start stamps are used.
+    start: its stamp's `seconds`, `std` and, where known, `drift_std`; robot: time (N,) [s],
+    segment (N,) and q (N, 6) [rad], repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the
+    robot's samples.
+    Where the robot's host stamped each sample, its stamps tell. Otherwise, a gyroscope is compared
+    with the angular rate of frame 6; other devices measure no motion that could be distinguished
+    from contact, so their start stamps are used.
     """
+    if "drift_std" in start:
+        return clock_from_host(start["seconds"], start["std"], start["drift_std"]), None
     stamps = clock_from_stamps(start["seconds"], start["std"])
     if gyroscope is None:
         return stamps, None

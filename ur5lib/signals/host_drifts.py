@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.signals.clocks import BY_MOTION, WANDER, Clock
+from ur5lib.signals.clocks import BY_MOTION, BY_STAMPS, WANDER, Clock
 from ur5lib.timeseries.arrays import Array
 
 
@@ -111,7 +111,7 @@ def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:
 
     Their errors are those of the mean, the spread between recordings, and the wander.
     """
-    if clock.method == BY_MOTION:
+    if clock.method != BY_STAMPS:
         return clock
     std = float(np.hypot(np.hypot(host.std_error, host.spread), WANDER / duration))
     start = clock.offset_std, host.start_std_error, host.start_spread

@@ -89,8 +89,11 @@ class Part(Strict):
         return [name for name in names if name is not None]
 
 
-TimeBase = Literal["relative_s", "epoch_s", "day_ms"]
-TIME_BASE = "time base: seconds since the start, seconds since 1970, milliseconds of the day"
+TimeBase = Literal["relative_s", "epoch_s", "day_ms", "host_s"]
+TIME_BASE = (
+    "time base: seconds since the start, seconds since 1970, milliseconds of the day, seconds of "
+    "the clock of the computer that recorded robot and sensors together"
+)
 UNITS = "units of the channels not in SI units: deg, deg/s, ms, mA, g, ..."
 
 

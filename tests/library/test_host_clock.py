@@ -1,0 +1,89 @@
+"""Sensors on the robot's clock by the stamps of the computer that recorded all devices."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.host_clock import least_delayed
+from ur5lib.recordings.starts import place_sensors
+from ur5lib.signals.clocks import BY_HOST
+from ur5lib.signals.device_clock import device_clock
+from ur5lib.signals.host_drifts import settle_clocks
+
+BOOT, UPTIME = 1.7e9, 5000.0  # s, of the host and of the controller when the recording begins
+ROBOT_DRIFT, SENSOR_DRIFT = 80e-6, -3e-3  # of their clocks relative to the host's
+SECONDS, RATE = 30.0, 1000.0
+LATE = 0.7  # s, after which the sensor starts
+
+
+def delayed(time: np.ndarray, seed: int) -> np.ndarray:
+    """Arrival by the host's clock: 0.2 ms after, often a ms more, and in bursts of 5 ms."""
+    random = np.random.default_rng(seed)
+    arrival = time + 0.0002 + random.exponential(0.001, len(time))
+    return np.maximum.accumulate(np.where(random.random(len(time)) < 0.05, 0.005, 0) + arrival)
+
+
+@pytest.fixture
+def entry(tmp_path: Path) -> dict[str, Any]:
+    """A recording whose force sensor reads the host's true time, counted from the start."""
+    host = np.arange(0, SECONDS, 0.002)
+    robot: dict[str, np.ndarray] = {"timestamp": UPTIME + (1 + ROBOT_DRIFT) * host}
+    robot |= {f"actual_q_{k}": 0.1 * host for k in range(6)}
+    robot["host_time"] = BOOT + delayed(host, 1)
+    pd.DataFrame(robot).to_csv(tmp_path / "robot.csv", index=False)
+    count = np.arange((SECONDS - LATE) * RATE)
+    sampled = LATE + count / RATE / (1 + SENSOR_DRIFT)
+    rows = [BOOT + delayed(sampled, 2), 77 + count, *(sampled[None] + np.arange(6)[:, None])]
+    pd.DataFrame(np.array(rows).T).to_csv(tmp_path / "force.csv", index=False, header=False)
+    sensor = {"file": "force.csv", "columns": ["time", "counter", "ft"], "time": "host_s"}
+    sensor |= {"units": {}, "start_file": None}
+    folder = {"folder": str(tmp_path), "file": "robot.csv"}
+    return {"format": "rtde-csv", "force_sensor": sensor} | folder
+
+
+def test_each_sample_is_placed_within_a_millisecond(entry: dict[str, Any]) -> None:
+    raw = read_recording(entry)
+    record, start = place_sensors(raw, [])["force"]
+    on_robot = start.seconds + record.table["time"].to_numpy()
+    true = record.table["ft_fx"].to_numpy() * (1 + ROBOT_DRIFT)
+    assert np.abs(on_robot - true).max() < 0.001
+    assert start.drift_std is not None
+    assert start.drift_std < 20e-6
+    assert list(record.table) == ["time", *(f"ft_{part}{axis}" for part in "ft" for axis in "xyz")]
+
+
+def test_stamps_alone_serve_a_sensor_that_does_not_count(entry: dict[str, Any]) -> None:
+    entry["force_sensor"]["columns"] = ["time", "-", "ft"]
+    record, start = place_sensors(read_recording(entry), [])["force"]
+    error = start.seconds + record.table["time"] - record.table["ft_fx"] * (1 + ROBOT_DRIFT)
+    assert 0 < np.median(error) < 0.002
+
+
+def test_the_clock_needs_no_motion(entry: dict[str, Any]) -> None:
+    _, start = place_sensors(read_recording(entry), [])["force"]
+    stamp = {"seconds": start.seconds, "std": start.std, "drift_std": start.drift_std or 0.0}
+    nothing = np.zeros((0, 3))
+    clock, warning = device_clock(np.zeros(0), nothing, stamp, (nothing,) * 3, (nothing,) * 2)
+    assert (clock.method, clock.drift, warning) == (BY_HOST, 0.0, None)
+    settled = settle_clocks({"force": vars(clock) | {"warning": None}}, {}, SECONDS)
+    assert settled["force"]["end_std"] < 0.002
+
+
+def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, Any]) -> None:
+    path = Path(entry["folder"], "robot.csv")
+    pd.read_csv(path).drop(columns="host_time").to_csv(path, index=False)
+    findings: list[Any] = []
+    assert place_sensors(read_recording(entry), findings) == {}
+    assert findings[0].finding == "no start stamp"
+
+
+@pytest.mark.parametrize("seconds", [1.5, 20.0])
+def test_the_line_lies_below_the_delays(seconds: float) -> None:
+    own = np.arange(0, seconds, 0.002)
+    line = least_delayed(own, delayed(BOOT + own / (1 + ROBOT_DRIFT), 3))
+    assert np.abs(line.host(own) - BOOT - own / (1 + ROBOT_DRIFT)).max() < 0.0015
+    np.testing.assert_allclose(line.own(line.host(own)), own, atol=1e-6)
