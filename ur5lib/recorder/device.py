@@ -6,7 +6,7 @@ from typing import Any, Protocol
 from ur5lib.timeseries.arrays import Array
 
 
-class DeviceLost(Exception):
+class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
     """A device that was being recorded has gone: no sample for a second, or its port is closed."""
 
 

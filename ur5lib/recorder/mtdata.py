@@ -62,10 +62,11 @@ def decode_mtdata2(data: bytes) -> Measurement | None:
     counter = items.get(PACKET_COUNTER, (0, b""))[1]
     fine = items.get(SAMPLE_TIME_FINE, (0, b""))[1]
     vectors = [_vector(*items[name]) if name in items else NOTHING for name in VECTORS]
-    if len(counter) != 2 or len(fine) not in (0, 4) or None in vectors:
+    whole = [vector for vector in vectors if vector is not None]
+    if len(counter) != 2 or len(fine) not in (0, 4) or len(whole) < len(vectors):
         return None
     time = float(int.from_bytes(fine, "big")) if fine else math.nan
-    return Measurement(int.from_bytes(counter, "big"), time, *(v for v in vectors if v))
+    return Measurement(int.from_bytes(counter, "big"), time, *whole)
 
 
 def decode_mtdata(data: bytes, mode: int, settings: int) -> Measurement | None:
@@ -110,5 +111,6 @@ def _numbers(precision: int, data: bytes) -> Vector:
     if precision == 1:
         return tuple(number / 2**20 for number in sent)
     if precision == 2:  # the 32 bits after the point come first
-        return tuple(whole + part / 2**32 for part, whole in zip(sent[::2], sent[1::2]))
+        pairs = zip(sent[::2], sent[1::2], strict=True)
+        return tuple(whole + part / 2**32 for part, whole in pairs)
     return sent

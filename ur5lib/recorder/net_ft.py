@@ -1,5 +1,6 @@
 """ATI Net F/T: a force and torque sensor with its box in the network, as a device to record."""
 
+import contextlib
 import socket
 import time
 from typing import Any
@@ -106,10 +107,8 @@ class NetFT:
         """Stop the stream."""
         if self._socket is None:
             return
-        try:
+        with contextlib.suppress(OSError):  # the box may have gone
             self._socket.send(rdt.request(rdt.STOP))
-        except OSError:
-            pass  # the box has gone
         self._socket.close()
         self._socket = None
 
