@@ -120,7 +120,7 @@ class NetFT:
                 session.trust_env = False  # no proxy knows of the box
                 reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
                 reply.raise_for_status()
-                page = reply.raw.read(LONGEST_PAGE, decode_content=True)
+                page = next(reply.iter_content(LONGEST_PAGE), b"")
         except (requests.RequestException, OSError) as error:
             raise InputError(
                 f"no Net F/T box answers at {url}; check its power, the network cable and the "

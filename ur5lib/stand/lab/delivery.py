@@ -35,7 +35,7 @@ class Delivery:
     """The packets that are on their way.
 
     is_stream: bytes in order, as on a serial line; otherwise datagrams. lost, late: the numbers of
-    the packets that were hit.
+    the samples that were hit, counted since the device was last switched on.
     """
 
     def __init__(self, faults: Faults, is_stream: bool) -> None:
@@ -44,18 +44,17 @@ class Delivery:
         self._faults, self._is_stream = faults, is_stream
         self._random = random.Random(faults.seed)
         self._queue: list[tuple[float, int, bytes]] = []
-        self._packets = self._parts = 0
+        self._parts = 0
         self._latest = 0.0
 
-    def put(self, packet: bytes, when: float) -> None:
-        """Send a packet at a time [s, monotonic]."""
-        number, self._packets = self._packets, self._packets + 1
-        fault = self._draw() if number else ""
+    def put(self, sample: int, packet: bytes, when: float) -> None:
+        """Send a sample's packet at a time [s, monotonic]."""
+        fault = self._draw() if self._parts else ""
         if fault == "lost":
-            self.lost.append(number)
+            self.lost.append(sample)
             return
         if fault == "late":
-            self.late.append(number)
+            self.late.append(sample)
         self._enqueue(packet[: len(packet) // 2] if fault == "split" else packet, when, fault)
         if fault == "repeated":
             self._enqueue(packet, when)

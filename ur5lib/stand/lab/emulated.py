@@ -93,7 +93,7 @@ class Emulated(ABC):
         for sample in range(first, end):
             packet = self.packet(sample)
             if packet is not None:
-                self.delivery.put(packet, self.clock.instant(sample))
+                self.delivery.put(sample, packet, self.clock.instant(sample))
         for part in self.delivery.take(now):
             self.send(part)
         return end

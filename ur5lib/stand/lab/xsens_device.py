@@ -86,11 +86,11 @@ class XsensDevice(Emulated):
         # The counter starts where the clock does: with the clock's offset.
         count = round(self.clock.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
-            return _message(MTDATA, struct.pack(">9fH", *true, count))
+            return encode_message(MTDATA, struct.pack(">9fH", *true, count))
         ticks = math.floor(self.clock.shown(sample) * 10_000) % 2**32
         stamps = {COUNTER: count.to_bytes(2, "big"), TIME_FINE: ticks.to_bytes(4, "big")}
-        items = [(name, stamps.get(name) or _vector(name, true)) for name in self._outputs]
-        return _message(MTDATA2, b"".join(_item(*item) for item in items))
+        items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
+        return encode_message(MTDATA2, b"".join(_item(*item) for item in items))
 
     def send(self, part: bytes) -> None:
         """Write bytes; where nobody reads them, they are gone, as on a serial line."""
@@ -100,7 +100,7 @@ class XsensDevice(Emulated):
     def restart(self) -> None:
         """Wake up, and stream with the outputs that were set last."""
         self._asked, self._is_measuring = b"", True
-        self.send(_message(WAKE_UP))
+        self.send(encode_message(WAKE_UP))
 
     def disconnect(self) -> None:
         """Close the terminal."""
@@ -111,17 +111,17 @@ class XsensDevice(Emulated):
         if request in (GO_TO_CONFIG, GO_TO_MEASUREMENT):
             self._is_measuring = request == GO_TO_MEASUREMENT
             self.delivery.forget()
-            self.send(_message(request + 1))
+            self.send(encode_message(request + 1))
         elif self._is_measuring:
             return  # other requests are for the configuration state
         elif request in ANSWERS:
-            self.send(_message(request + 1, ANSWERS[request]))
+            self.send(encode_message(request + 1, ANSWERS[request]))
         elif self._is_legacy:
             self._set_legacy(request, data)
         elif request == SET_OUTPUT_CONFIGURATION:
             self._set_outputs(data)
         else:
-            self.send(_message(ERROR, INVALID_MESSAGE))
+            self.send(encode_message(ERROR, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
         """Accept the one mode and rate that the device offers."""
@@ -129,29 +129,29 @@ class XsensDevice(Emulated):
             SET_PERIOD: round(PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }
         if request not in offered:
-            self.send(_message(ERROR, INVALID_MESSAGE))
+            self.send(encode_message(ERROR, INVALID_MESSAGE))
         elif data != offered[request]:
-            self.send(_message(ERROR, INVALID_PARAMETER))
+            self.send(encode_message(ERROR, INVALID_PARAMETER))
         else:
-            self.send(_message(request + 1))
+            self.send(encode_message(request + 1))
 
     def _set_outputs(self, data: bytes) -> None:
         """Take over the wanted items at the rate that is offered, and say so."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
         if any(name not in FACTORY and name & 0xFFF0 not in QUANTITIES for name in wanted):
-            self.send(_message(ERROR, INVALID_PARAMETER))
+            self.send(encode_message(ERROR, INVALID_PARAMETER))
             return
         rate = round(self.rate_hz)
         self._outputs = {name: rate if name & 0xFFF0 in QUANTITIES else 0xFFFF for name in wanted}
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
-        self.send(_message(SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
+        self.send(encode_message(SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
 
 
 def _item(name: int, data: bytes) -> bytes:
     return name.to_bytes(2, "big") + bytes([len(data)]) + data
 
 
-def _vector(name: int, reading: Array) -> bytes:
+def encode_vector(name: int, reading: Array) -> bytes:
     """Return three numbers in the precision that the last bits of an item's name ask for."""
     first = QUANTITIES[name & 0xFFF0]
     numbers = [float(number) for number in reading[first : first + 3]]
@@ -163,7 +163,7 @@ def _vector(name: int, reading: Array) -> bytes:
     return struct.pack(">3d" if name & 3 == 3 else ">3f", *numbers)
 
 
-def _message(identifier: int, data: bytes = b"") -> bytes:
+def encode_message(identifier: int, data: bytes = b"") -> bytes:
     """Return a message of at most 254 bytes of data."""
     packet = bytearray([0xFA, 0xFF, identifier, len(data), *data, 0])
     packet[-1] = (256 - sum(packet[1:]) % 256) % 256
