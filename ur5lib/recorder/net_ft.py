@@ -1,6 +1,7 @@
 """ATI Net F/T: a force and torque sensor with its box in the network, as a device to record."""
 
 import contextlib
+import math
 import socket
 import time
 from typing import Any
@@ -13,6 +14,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
 from ur5lib.recorder.counter import Counter
 from ur5lib.recorder.device import DeviceLost, Samples
+from ur5lib.recorder.silence import Silence
 
 CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
 FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens
@@ -36,7 +38,6 @@ PATIENCE = 3.0  # s, for the box to answer
 ATTEMPTS = 4  # to request the stream: UDP may lose a request
 LONGEST_PAGE = 1 << 20  # bytes
 GATHER = 0.05  # s, for which one call collects samples
-SILENCE = 1.0  # s without a sample, after which the device counts as lost
 BUFFER = 1 << 22  # bytes of datagrams that wait while the process does not run; Linux may give less
 
 
@@ -45,7 +46,7 @@ class NetFT:
 
     Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
     own measurement, at 7000 Hz), status (see rdt.SATURATED, rdt.ERROR), force [N] and torque [Nm]
-    of the environment on the sensor, in the axes that the box is set to.
+    on the sensor's tool side, in the axes that the box is set to.
 
     bias: whether to zero the sensor at the start, by the box's software bias.
     """
@@ -72,7 +73,7 @@ class NetFT:
         self._scale = np.repeat([1.0, force / counts[0], torque / counts[1]], 3)
         self._connect()
         self._records = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE)
-        self._heard = time.monotonic()
+        self._silence = Silence(f"the Net F/T box at {self._address}")
         return {
             "model": settings.get("prodname", "ATI Net F/T"),
             "address": self._address,
@@ -99,7 +100,7 @@ class NetFT:
                 received.append(time.monotonic())
                 records.append(record)
                 lost += before
-        self._check_alive(received)
+        self._silence.check(len(received))
         values = np.array(records, float).reshape(-1, len(self.columns)) * self._scale
         return Samples(np.array(received), values, lost)
 
@@ -170,29 +171,22 @@ class NetFT:
         except TimeoutError:
             return None
         except OSError as error:
-            raise DeviceLost(
-                f"the Net F/T box at {self._address} refuses the connection"
-            ) from error
-
-    def _check_alive(self, received: list[float]) -> None:
-        now = time.monotonic()
-        if received:
-            self._heard = now
-        elif now - self._heard > SILENCE:
-            raise DeviceLost(f"the Net F/T box at {self._address} sent nothing for {SILENCE:g} s")
+            raise DeviceLost(f"the Net F/T box at {self._address} has gone") from error
 
 
 def _number(settings: dict[str, str], name: str) -> float | None:
+    """Return a setting that is a positive number; None if it is absent or anything else."""
     try:
-        return float(settings[name])
+        number = float(settings[name])
     except (KeyError, ValueError):
         return None
+    return number if 0 < number < math.inf else None
 
 
 def _counts(settings: dict[str, str], address: str) -> tuple[float, float]:
     """Return counts per unit of force and torque."""
     force, torque = _number(settings, "cfgcpf"), _number(settings, "cfgcpt")
-    if not (force and torque and force > 0 and torque > 0):
+    if force is None or torque is None:
         raise InputError(
             f"the Net F/T box at {address} states no counts per force and torque; choose a "
             "calibration on its page “Configurations”"

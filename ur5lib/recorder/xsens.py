@@ -14,19 +14,20 @@ from ur5lib.recorder import mtdata
 from ur5lib.recorder.counter import Counter
 from ur5lib.recorder.device import DeviceLost, Samples
 from ur5lib.recorder.mtdata import Measurement
+from ur5lib.recorder.silence import Silence
 from ur5lib.recorder.xbus import Message
 from ur5lib.recorder.xbus_port import RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
 REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12
 SET_OUTPUT_CONFIGURATION = 0xC0  # identifier and rate [Hz] of each item of MTData2
-SET_PERIOD, SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0x04, 0xD0, 0xD2  # the older MTi
+SET_PERIOD, SET_SKIP_FACTOR = 0x04, 0xD4  # the older MTi
+SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0xD0, 0xD2
 WITH_EACH_SAMPLE = 0xFFFF  # rate of counter and time
 PERIOD_CLOCK = 115_200  # Hz, in whose ticks the older MTi's sampling period is given
 MODE, SETTINGS = mtdata.CALIBRATED, mtdata.SAMPLE_COUNTER
 
 GATHER = 0.05  # s, for which one call collects samples
-SILENCE = 1.0  # s without a sample, after which the device counts as lost
 CHANNELS = tuple(f"imu_{quantity}{axis}" for quantity in "agm" for axis in "xyz")
 UNITS = {"a": "m/s²", "g": "rad/s", "m": "a.u."}
 
@@ -70,7 +71,7 @@ class Xsens:
                 "a rate that it offers"
             ) from error
         self._counter = Counter(mtdata.COUNTER_BITS, entry["rate_hz"])
-        self._heard = time.monotonic()
+        self._silence = Silence(f"the motion tracker at {self._path}")
         return entry
 
     def read(self) -> Samples:
@@ -91,7 +92,7 @@ class Xsens:
                     received.append(now)
                     rows.append(measurement.row())
                     lost += before
-        self._check_alive(received)
+        self._silence.check(len(received))
         values = np.array(rows, float).reshape(-1, len(self.columns))
         return Samples(np.array(received), values, lost)
 
@@ -126,6 +127,7 @@ class Xsens:
             self._identifier = mtdata.MTDATA
             period = min(round(PERIOD_CLOCK / self._rate_hz), 0xFFFF)
             port.ask(SET_PERIOD, struct.pack(">H", period))
+            port.ask(SET_SKIP_FACTOR, struct.pack(">H", 0))
             port.ask(SET_OUTPUT_MODE, struct.pack(">H", MODE))
             port.ask(SET_OUTPUT_SETTINGS, struct.pack(">I", SETTINGS))
             return {"message": "MTData", "rate_hz": PERIOD_CLOCK / period}
@@ -147,10 +149,3 @@ class Xsens:
         if self._identifier == mtdata.MTDATA2:
             return mtdata.decode_mtdata2(message.data)
         return mtdata.decode_mtdata(message.data, MODE, SETTINGS)
-
-    def _check_alive(self, received: list[float]) -> None:
-        now = time.monotonic()
-        if received:
-            self._heard = now
-        elif now - self._heard > SILENCE:
-            raise DeviceLost(f"the motion tracker at {self._path} sent nothing for {SILENCE:g} s")
