@@ -1,0 +1,114 @@
+"""RDT: what is decoded is what was sent, and nothing else, however a stream is damaged."""
+
+import random
+import struct
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.damage import damaged
+from ur5lib.recorder import rdt
+from ur5lib.recorder.counter import Counter
+
+RATE = 1000.0
+STREAMS = 10_000
+RECORD = bytes.fromhex(
+    "00000001 00000007 80020000 000f4240 fff0bdc0 00000000 7fffffff 80000000 00000002".replace(
+        " ", ""
+    )
+)
+
+
+def test_requests_are_those_of_the_manual() -> None:
+    assert rdt.request(rdt.STREAM).hex() == "1234000200000000"
+    assert rdt.request(rdt.STREAM, 1000).hex() == "12340002000003e8"
+    assert rdt.request(rdt.STOP).hex() == "1234000000000000"
+    assert rdt.request(rdt.SET_BIAS).hex() == "1234004200000000"
+
+
+def test_a_record_is_that_of_the_manual() -> None:
+    sequence, internal, status, *counts = rdt.decode(RECORD) or ()
+    assert (sequence, internal) == (1, 7)
+    assert status == rdt.ERROR | rdt.SATURATED
+    assert counts == [1_000_000, -1_000_000, 0, 2**31 - 1, -(2**31), 2]
+
+
+@pytest.mark.parametrize("length", [0, 1, 35, 37, 72])
+def test_a_datagram_of_another_size_is_no_record(length: int) -> None:
+    assert rdt.decode((2 * RECORD)[:length]) is None
+
+
+UNSIGNED, SIGNED = st.integers(0, 2**32 - 1), st.integers(-(2**31), 2**31 - 1)
+
+
+@given(st.tuples(*[UNSIGNED] * 3, *[SIGNED] * 6))
+def test_what_is_decoded_is_what_was_encoded(numbers: tuple[int, ...]) -> None:
+    assert rdt.decode(struct.pack(">IIIiiiiii", *numbers)) == numbers
+
+
+def lost(bits: int, numbers: list[int]) -> list[int | None]:
+    counter = Counter(bits, RATE)
+    return [counter.lost_before(number) for number in numbers]
+
+
+def test_a_counter_counts_what_is_lost() -> None:
+    assert lost(32, [5, 6, 9, 10]) == [0, 0, 2, 0]
+
+
+def test_a_counter_wraps_around() -> None:
+    assert lost(32, [2**32 - 2, 2**32 - 1, 0, 3]) == [0, 0, 0, 2]
+    assert lost(16, [2**16 - 2, 1]) == [0, 2]
+
+
+def test_a_counter_discards_what_is_repeated_or_late() -> None:
+    assert lost(32, [5, 5, 8, 7, 6, 9]) == [0, None, 2, None, None, 0]
+
+
+def test_a_counter_believes_no_jump_beyond_ten_seconds() -> None:
+    assert lost(32, [5, 5 + 10_001, 6, 6 + 10_000]) == [0, None, 0, 9999]
+    assert lost(16, [5, 5 + 10_001, 6]) == [0, None, 0]
+
+
+def spoilt(records: list[bytes], draw: random.Random) -> list[bytes]:
+    """Datagrams after up to three faults: damaged, repeated, lost, or in another order."""
+    for _ in range(draw.randint(1, 3)):
+        at = draw.randrange(len(records))
+        match draw.choice(["damage", "repeat", "lose", "swap"]):
+            case "damage":
+                records[at] = damaged(records[at], draw)
+            case "repeat":
+                records.insert(draw.randint(at, len(records)), records[at])
+            case "lose" if len(records) > 1:
+                del records[at]
+            case "swap":
+                records.insert(draw.randrange(len(records)), records.pop(at))
+    return records
+
+
+def test_damaged_streams_give_records_in_order_or_nothing() -> None:
+    for seed in range(STREAMS):
+        draw = random.Random(seed)
+        first = draw.choice([1, 2**32 - 3, draw.randrange(2**32)])
+        sent = [
+            struct.pack(">III6i", (first + k) % 2**32, 7 * k, 0, *draw.sample(range(-9, 9), 6))
+            for k in range(8)
+        ]
+        arrived = spoilt(sent.copy(), draw)
+        counter, accepted, missing = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE), [], 0
+        for datagram in arrived:
+            record = rdt.decode(datagram)
+            before = counter.lost_before(record[0]) if record else None
+            if record and before is not None:
+                accepted.append((record, datagram))
+                missing += before
+        steps = [
+            (int.from_bytes(after[1][:4], "big") - int.from_bytes(before[1][:4], "big")) % 2**32
+            for before, after in pairwise(accepted)
+        ]
+        assert all(0 < step <= 10 * rdt.HIGHEST_RATE for step in steps), seed
+        assert missing == sum(step - 1 for step in steps), seed
+        for record, datagram in accepted:
+            assert len(datagram) == 36, seed
+            assert b"".join((n % 2**32).to_bytes(4, "big") for n in record) == datagram, seed

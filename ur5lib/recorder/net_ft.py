@@ -1,0 +1,205 @@
+"""ATI Net F/T: a force and torque sensor with its box in the network, as a device to record."""
+
+import contextlib
+import math
+import socket
+import time
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import requests
+
+from ur5lib.errors import InputError
+from ur5lib.recorder import rdt
+from ur5lib.recorder.counter import Counter
+from ur5lib.recorder.device import DeviceLost, Samples
+from ur5lib.recorder.silence import Silence
+
+CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
+FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens
+    "n": 1.0,
+    "kn": 1e3,
+    "lbf": 4.4482216152605,
+    "klbf": 4448.2216152605,
+    "kgf": 9.80665,
+    "gf": 9.80665e-3,
+    "g": 9.80665e-3,
+}
+TORQUE_UNITS = {  # Nm
+    "nm": 1.0,
+    "nmm": 1e-3,
+    "knm": 1e3,
+    "lbfin": 4.4482216152605 * 0.0254,
+    "lbfft": 4.4482216152605 * 0.3048,
+    "kgfcm": 9.80665e-2,
+}
+PATIENCE = 3.0  # s, for the box to answer
+ATTEMPTS = 4  # to request the stream: UDP may lose a request
+LONGEST_PAGE = 1 << 20  # bytes
+GATHER = 0.05  # s, for which one call collects samples
+BUFFER = 1 << 22  # bytes of datagrams that wait while the process does not run; Linux may give less
+
+
+class NetFT:
+    """The force sensor at an address, streamed by RDT.
+
+    Its samples: rdt_sequence (the number of the record in the stream), ft_sequence (of the box's
+    own measurement, at 7000 Hz), status (see rdt.SATURATED, rdt.ERROR), force [N] and torque [Nm]
+    on the sensor's tool side, in the axes that the box is set to.
+
+    bias: whether to zero the sensor at the start, by the box's software bias.
+    """
+
+    name = "force_sensor"
+    columns = (*rdt.FIELDS, *CHANNELS)
+
+    def __init__(
+        self, address: str, bias: bool = False, port: int = rdt.PORT, http_port: int = 80
+    ) -> None:
+        """Set up; port: of RDT, http_port: of the box's web page."""
+        self._address, self._bias = address, bias
+        self._port, self._http_port = port, http_port
+        self._socket: socket.socket | None = None
+
+    def open(self) -> dict[str, Any]:
+        """Read the box's settings, start the stream, and return the manifest's entry.
+
+        Raises InputError when the box does not answer, does not stream, or has unknown units.
+        """
+        settings = self._settings()
+        counts = _counts(settings, self._address)
+        force, torque = _units(settings, self._address)
+        self._scale = np.repeat([1.0, force / counts[0], torque / counts[1]], 3)
+        self._connect()
+        self._records = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE)
+        self._silence = Silence(f"the Net F/T box at {self._address}")
+        return {
+            "model": settings.get("prodname", "ATI Net F/T"),
+            "address": self._address,
+            "serial_number": settings.get("cfgcalsn", ""),
+            "firmware": settings.get("mfgdigver", ""),
+            "units": dict.fromkeys(CHANNELS[:3], "N") | dict.fromkeys(CHANNELS[3:], "Nm"),
+            "counts_per_unit": {"force": counts[0], "torque": counts[1]},
+            "box_units": {"force": settings["scfgfu"], "torque": settings["scfgtu"]},
+            "rate_hz": _number(settings, "comrdtrate") or _number(settings, "commrdtrate"),
+            "bias": self._bias,
+        }
+
+    def read(self) -> Samples:
+        """Return the samples that come within 0.05 s, and those that had come before.
+
+        Raises DeviceLost when the last one is 1 s ago.
+        """
+        received, records, lost = [], [], 0
+        until = time.monotonic() + GATHER
+        while datagram := self._receive(until):
+            record = rdt.decode(datagram)
+            before = self._records.lost_before(record[0]) if record else None
+            if before is not None:
+                received.append(time.monotonic())
+                records.append(record)
+                lost += before
+        self._silence.check(len(received))
+        values = np.array(records, float).reshape(-1, len(self.columns)) * self._scale
+        return Samples(np.array(received), values, lost)
+
+    def close(self) -> None:
+        """Stop the stream."""
+        if self._socket is None:
+            return
+        with contextlib.suppress(OSError):  # the box may have gone
+            self._socket.send(rdt.request(rdt.STOP))
+        self._socket.close()
+        self._socket = None
+
+    def _settings(self) -> dict[str, str]:
+        """Return the elements of the box's netftapi2.xml as text."""
+        url = f"http://{self._address}:{self._http_port}/netftapi2.xml"
+        try:
+            with requests.Session() as session:
+                session.trust_env = False  # no proxy knows of the box
+                reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
+                reply.raise_for_status()
+                page = next(reply.iter_content(LONGEST_PAGE), b"")
+        except (requests.RequestException, OSError) as error:
+            raise InputError(
+                f"no Net F/T box answers at {url}; check its power, the network cable and the "
+                "address in the study"
+            ) from error
+        try:
+            # ElementTree loads no external entities, and its expat limits how far others grow.
+            root = ElementTree.fromstring(page)
+        except ElementTree.ParseError as error:
+            raise InputError(
+                f"{url} is not the page of a Net F/T box; check the address in the study"
+            ) from error
+        return {element.tag: (element.text or "").strip() for element in root}
+
+    def _connect(self) -> None:
+        """Start the stream and wait for its first record, which stays to be read."""
+        self.close()
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+        self._socket.settimeout(PATIENCE / ATTEMPTS)
+        for _ in range(ATTEMPTS):
+            try:
+                self._socket.connect((self._address, self._port))  # nobody else is listened to
+                if self._bias:
+                    self._socket.send(rdt.request(rdt.SET_BIAS))
+                self._socket.send(rdt.request(rdt.STREAM))
+                self._socket.recv(1, socket.MSG_PEEK)
+                return
+            except OSError:
+                continue
+        self.close()
+        raise InputError(
+            f"the Net F/T box at {self._address} sends no records from UDP port {self._port}; "
+            "enable RDT on its page “Communications” and open the port in the firewall"
+        )
+
+    def _receive(self, until: float) -> bytes | None:
+        """Return the next datagram; None if none comes until then [s, monotonic]."""
+        if self._socket is None:
+            raise DeviceLost(f"the Net F/T box at {self._address} is not open")
+        left = until - time.monotonic()
+        if left <= 0:
+            return None
+        self._socket.settimeout(left)
+        try:
+            return self._socket.recv(2 * rdt.RECORD.size)
+        except TimeoutError:
+            return None
+        except OSError as error:
+            raise DeviceLost(f"the Net F/T box at {self._address} has gone") from error
+
+
+def _number(settings: dict[str, str], name: str) -> float | None:
+    """Return a setting that is a positive number; None if it is absent or anything else."""
+    try:
+        number = float(settings[name])
+    except (KeyError, ValueError):
+        return None
+    return number if 0 < number < math.inf else None
+
+
+def _counts(settings: dict[str, str], address: str) -> tuple[float, float]:
+    """Return counts per unit of force and torque."""
+    force, torque = _number(settings, "cfgcpf"), _number(settings, "cfgcpt")
+    if force is None or torque is None:
+        raise InputError(
+            f"the Net F/T box at {address} states no counts per force and torque; choose a "
+            "calibration on its page “Configurations”"
+        )
+    return force, torque
+
+
+def _units(settings: dict[str, str], address: str) -> tuple[float, float]:
+    """Return the box's units of force [N] and torque [Nm]."""
+    names = [settings.get(name, "").lower().replace("-", "") for name in ("scfgfu", "scfgtu")]
+    if names[0] not in FORCE_UNITS or names[1] not in TORQUE_UNITS:
+        raise InputError(
+            f"the Net F/T box at {address} has unknown units “{names[0]}” and “{names[1]}”; set N "
+            "and Nm on its page “Configurations”"
+        )
+    return FORCE_UNITS[names[0]], TORQUE_UNITS[names[1]]

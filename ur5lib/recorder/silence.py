@@ -1,0 +1,23 @@
+"""How long a device may be silent before it counts as lost."""
+
+import time
+
+from ur5lib.recorder.device import DeviceLost
+
+LONGEST = 1.0  # s
+
+
+class Silence:
+    """Watches that a device goes on sending; name: what a message calls it."""
+
+    def __init__(self, name: str) -> None:
+        """Begin now, as if a sample had just come."""
+        self._name, self._heard = name, time.monotonic()
+
+    def check(self, samples: int) -> None:
+        """Take note of samples that have come; raise DeviceLost if the last is 1 s ago."""
+        now = time.monotonic()
+        if samples:
+            self._heard = now
+        elif now - self._heard > LONGEST:
+            raise DeviceLost(f"{self._name} sent nothing for {LONGEST:g} s")

@@ -1,0 +1,1 @@
+"""The emulated lab: devices of the virtual test stand that speak their real protocols."""

@@ -1,0 +1,87 @@
+"""Faults of the way from an emulated device to its reader, and of the device's power."""
+
+import heapq
+import random
+from dataclasses import dataclass
+
+REST = 0.003  # s, until the second part of a split packet follows
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What goes wrong; shares are of the packets, never the first, each hit by one fault at most.
+
+    lost: never sent; late: sent late_s [s] later, datagrams after their successors, bytes of a
+    stream before them; repeated: sent twice; split: sent in two parts, in streams only.
+    dies_at, back_at: when the device loses and regains its power [s after it was switched on].
+    """
+
+    lost: float = 0.0
+    late: float = 0.0
+    repeated: float = 0.0
+    split: float = 0.0
+    late_s: float = 0.02
+    dies_at: float | None = None
+    back_at: float | None = None
+    seed: int = 1
+
+    def powered(self, age: float) -> bool:
+        """Return whether the device has power, at an age [s]."""
+        dead = self.dies_at is not None and age >= self.dies_at
+        return not dead or (self.back_at is not None and age >= self.back_at)
+
+
+class Delivery:
+    """The packets that are on their way.
+
+    is_stream: bytes in order, as on a serial line; otherwise datagrams. lost, late: the numbers of
+    the samples that were hit, counted since the device was last switched on.
+    """
+
+    def __init__(self, faults: Faults, is_stream: bool) -> None:
+        self.lost: list[int] = []
+        self.late: list[int] = []
+        self._faults, self._is_stream = faults, is_stream
+        self._random = random.Random(faults.seed)
+        self._queue: list[tuple[float, int, bytes]] = []
+        self._parts = 0
+        self._latest = 0.0
+
+    def put(self, sample: int, packet: bytes, when: float) -> None:
+        """Send a sample's packet at a time [s, monotonic]."""
+        fault = self._draw() if self._parts else ""
+        if fault == "lost":
+            self.lost.append(sample)
+            return
+        if fault == "late":
+            self.late.append(sample)
+        self._enqueue(packet[: len(packet) // 2] if fault == "split" else packet, when, fault)
+        if fault == "repeated":
+            self._enqueue(packet, when)
+        if fault == "split":
+            self._enqueue(packet[len(packet) // 2 :], when + REST)
+
+    def take(self, now: float) -> list[bytes]:
+        """Return the packets, or parts of them, that arrive until then [s, monotonic]."""
+        arrived = []
+        while self._queue and self._queue[0][0] <= now:
+            arrived.append(heapq.heappop(self._queue)[2])
+        return arrived
+
+    def forget(self) -> None:
+        """Drop what is on its way."""
+        self._queue.clear()
+
+    def _draw(self) -> str:
+        """Return the fault that hits a packet, or none."""
+        names = ["lost", "late", "repeated", *(["split"] if self._is_stream else [])]
+        shares = [getattr(self._faults, name) for name in names]
+        [name] = self._random.choices([*names, ""], [*shares, 1 - sum(shares)])
+        return name
+
+    def _enqueue(self, part: bytes, when: float, fault: str = "") -> None:
+        when += self._faults.late_s if fault == "late" else 0.0
+        if self._is_stream:  # what follows waits
+            when = self._latest = max(when, self._latest)
+        heapq.heappush(self._queue, (when, self._parts, part))
+        self._parts += 1

@@ -1,0 +1,39 @@
+"""The clock of an emulated device, which decides when it takes its samples."""
+
+import math
+import time
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How a device's own clock deviates from the host's.
+
+    offset_s: what it shows when the device is switched on [s]; drift_ppm: t_host = t_switched_on +
+    (1 + drift) (t_device - offset), so that a negative drift makes the device fast.
+    """
+
+    offset_s: float = 0.0
+    drift_ppm: float = 0.0
+
+
+class OwnClock:
+    """Counts the samples of a device that samples at a rate [Hz] by its own clock."""
+
+    def __init__(self, rate_hz: float, drift: Drift) -> None:
+        """Switch on now."""
+        self._start = time.monotonic()
+        self._rate_hz, self._offset = rate_hz, drift.offset_s
+        self._step = (1 + 1e-6 * drift.drift_ppm) / rate_hz
+
+    def count(self, now: float) -> int:
+        """Return how many samples are taken until then [s, the host's monotonic time]."""
+        return math.floor((now - self._start) / self._step) + 1
+
+    def instant(self, sample: int) -> float:
+        """Return when a sample, counted from 0, is taken [s, the host's monotonic time]."""
+        return self._start + sample * self._step
+
+    def shown(self, sample: int) -> float:
+        """Return what the device's clock shows when a sample is taken [s]."""
+        return self._offset + sample / self._rate_hz

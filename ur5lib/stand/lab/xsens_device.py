@@ -1,0 +1,175 @@
+"""An emulated Xsens MTi: a motion tracker that speaks Xbus on a pseudo-terminal.
+
+Source of the protocol: Xsens, MT Low-Level Communication Protocol Documentation. Its encoding is
+written independently of the decoder in `recorder`, so that one proves the other.
+"""
+
+import contextlib
+import math
+import os
+import struct
+import tty
+
+from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.emulated import Emulated, Reading
+from ur5lib.stand.lab.own_clock import Drift
+from ur5lib.timeseries.arrays import Array
+
+GO_TO_MEASUREMENT, GO_TO_CONFIG, WAKE_UP, ERROR = 0x10, 0x30, 0x3E, 0x42
+SET_PERIOD, SET_SKIP_FACTOR, SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0x04, 0xD4, 0xD0, 0xD2
+SET_OUTPUT_CONFIGURATION = 0xC0
+MTDATA, MTDATA2 = 0x32, 0x36
+COUNTER, TIME_FINE = 0x1020, 0x1060
+QUANTITIES = {0x4020: 0, 0x8020: 3, 0xC020: 6}  # their first of the nine numbers of a reading
+ANSWERS = {  # to requests that ask what the device is
+    0x00: bytes.fromhex("07700ABC"),
+    0x12: bytes([1, 8, 2]),
+    0x1C: b"MTi-30-2A5G4        ",
+}
+FACTORY = {COUNTER: 0xFFFF, TIME_FINE: 0xFFFF, 0x4020: 100, 0x8020: 100, 0xC020: 100}
+LEGACY_SETTINGS = {
+    SET_SKIP_FACTOR: b"\x00\x00",
+    SET_OUTPUT_MODE: b"\x00\x02",
+    SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
+}
+PERIOD_CLOCK = 115_200  # Hz
+INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
+
+
+class XsensDevice(Emulated):
+    """A tracker at the terminal `path`; as it is switched on, it streams.
+
+    reading: specific force [m/s²], angular rate [rad/s] and magnetic field (9,), axes of the
+    tracker; rate_hz: the rate at which it samples, which is the only one that it offers;
+    is_legacy: whether it is of the first generation and sends MTData.
+    """
+
+    is_stream = True
+
+    def __init__(
+        self,
+        reading: Reading,
+        rate_hz: float = 256.0,
+        drift: Drift = Drift(),
+        faults: Faults = Faults(),
+        is_legacy: bool = False,
+    ) -> None:
+        super().__init__(reading, rate_hz, drift, faults)
+        self._is_legacy = is_legacy
+        self._master, self._slave = os.openpty()
+        tty.setraw(self._slave)
+        os.set_blocking(self._master, False)
+        self.path = os.ttyname(self._slave)
+        self._outputs = dict(FACTORY)  # kept without power
+        self._asked = b""
+        self._is_measuring = True
+
+    def line(self) -> int:
+        """Return the descriptor of the terminal's other end."""
+        return self._master
+
+    def answer(self) -> None:
+        """Obey the requests that are complete."""
+        data = os.read(self._master, 4096)
+        self._asked += data if self.is_powered() else b""
+        while len(self._asked) >= 5:
+            end = 5 + self._asked[3]
+            request, whole = self._asked[:end], len(self._asked) >= end
+            if self._asked[:2] != b"\xfa\xff":
+                self._asked = self._asked[1:]
+            elif not whole:
+                return
+            else:
+                self._asked = self._asked[end:]
+                self._obey(request[2], request[4:-1])
+
+    def packet(self, sample: int) -> bytes | None:
+        """Return the message of a sample while the device measures."""
+        if not self._is_measuring:
+            return None
+        true = self.reading(self.clock.instant(sample))
+        # The counter starts where the clock does: with the clock's offset.
+        count = round(self.clock.shown(sample) * self.rate_hz) % 2**16
+        if self._is_legacy:
+            return encode_message(MTDATA, struct.pack(">9fH", *true, count))
+        ticks = math.floor(self.clock.shown(sample) * 10_000) % 2**32
+        stamps = {COUNTER: count.to_bytes(2, "big"), TIME_FINE: ticks.to_bytes(4, "big")}
+        items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
+        return encode_message(MTDATA2, b"".join(_item(*item) for item in items))
+
+    def send(self, part: bytes) -> None:
+        """Write bytes; where nobody reads them, they are gone, as on a serial line."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._master, part)
+
+    def restart(self) -> None:
+        """Wake up, and stream with the outputs that were set last."""
+        self._asked, self._is_measuring = b"", True
+        self.send(encode_message(WAKE_UP))
+
+    def disconnect(self) -> None:
+        """Close the terminal."""
+        os.close(self._master)
+        os.close(self._slave)
+
+    def _obey(self, request: int, data: bytes) -> None:
+        if request in (GO_TO_CONFIG, GO_TO_MEASUREMENT):
+            self._is_measuring = request == GO_TO_MEASUREMENT
+            self.delivery.forget()
+            self.send(encode_message(request + 1))
+        elif self._is_measuring:
+            return  # other requests are for the configuration state
+        elif request in ANSWERS:
+            self.send(encode_message(request + 1, ANSWERS[request]))
+        elif self._is_legacy:
+            self._set_legacy(request, data)
+        elif request == SET_OUTPUT_CONFIGURATION:
+            self._set_outputs(data)
+        else:
+            self.send(encode_message(ERROR, INVALID_MESSAGE))
+
+    def _set_legacy(self, request: int, data: bytes) -> None:
+        """Accept the one mode and rate that the device offers."""
+        offered = LEGACY_SETTINGS | {
+            SET_PERIOD: round(PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
+        }
+        if request not in offered:
+            self.send(encode_message(ERROR, INVALID_MESSAGE))
+        elif data != offered[request]:
+            self.send(encode_message(ERROR, INVALID_PARAMETER))
+        else:
+            self.send(encode_message(request + 1))
+
+    def _set_outputs(self, data: bytes) -> None:
+        """Take over the wanted items at the rate that is offered, and say so."""
+        wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
+        if any(name not in FACTORY and name & 0xFFF0 not in QUANTITIES for name in wanted):
+            self.send(encode_message(ERROR, INVALID_PARAMETER))
+            return
+        rate = round(self.rate_hz)
+        self._outputs = {name: rate if name & 0xFFF0 in QUANTITIES else 0xFFFF for name in wanted}
+        accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
+        self.send(encode_message(SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
+
+
+def _item(name: int, data: bytes) -> bytes:
+    return name.to_bytes(2, "big") + bytes([len(data)]) + data
+
+
+def encode_vector(name: int, reading: Array) -> bytes:
+    """Return three numbers in the precision that the last bits of an item's name ask for."""
+    first = QUANTITIES[name & 0xFFF0]
+    numbers = [float(number) for number in reading[first : first + 3]]
+    if name & 3 == 1:
+        return struct.pack(">3i", *(round(number * 2**20) for number in numbers))
+    if name & 3 == 2:
+        fixed = [round(number * 2**32) % 2**48 for number in numbers]
+        return b"".join(struct.pack(">IH", n % 2**32, n >> 32) for n in fixed)
+    return struct.pack(">3d" if name & 3 == 3 else ">3f", *numbers)
+
+
+def encode_message(identifier: int, data: bytes = b"") -> bytes:
+    """Return a message of at most 254 bytes of data."""
+    packet = bytearray([0xFA, 0xFF, identifier, len(data), *data, 0])
+    packet[-1] = (256 - sum(packet[1:]) % 256) % 256
+    return bytes(packet)
