@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -77,6 +77,49 @@ def import_(
     for one in imported:
         typer.echo("\n".join([f"{one.entry['name']}:", *one.comments]))
     typer.echo(f"{write} written; next: ur5 check {write}")
+
+
+@app.command()
+def record(
+    study: Annotated[Path, typer.Argument(help="study with `devices`, e.g. config.yaml")],
+    name: Annotated[str, typer.Argument(help="name of the recording")],
+    role: Annotated[str, typer.Option(help="fit, validate or contact")] = "contact",
+    seconds: Annotated[
+        float | None, typer.Option(help="length; default: until the motion ends or Ctrl-C", min=1)
+    ] = None,
+    without: Annotated[
+        list[str] | None, typer.Option(help="force_sensor or imu, where it is not there today")
+    ] = None,
+    move: Annotated[
+        Path | None,
+        typer.Option(help="CSV of a motion: six angles [rad], or a time [s] and six angles a line"),
+    ] = None,
+    speed: Annotated[
+        float, typer.Option(help="share of the motion's speed", min=0.01, max=1.0)
+    ] = 0.25,
+    by_hand: Annotated[bool, typer.Option("--by-hand", help="lead the arm by hand")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="move without asking")] = False,
+    add: Annotated[bool, typer.Option("--add", help="append the entry to the study")] = False,
+    emulate: Annotated[
+        bool, typer.Option("--emulate", help="record an emulated laboratory, for practice")
+    ] = False,
+) -> None:
+    """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
+    from ur5lib.study.check import text_console
+    from ur5lib.study.record import Wish, record
+
+    wish = Wish(
+        name, _role(role), seconds, tuple(without or ()), move, by_hand, speed, yes, add, emulate
+    )
+    if record(study, wish, text_console()):
+        raise SystemExit(1)
+
+
+def _role(role: str) -> Literal["fit", "validate", "contact"]:
+    for known in ("fit", "validate", "contact"):
+        if role == known:
+            return known
+    raise InputError(f"--role {role!r}: give fit, validate or contact")
 
 
 @app.command()

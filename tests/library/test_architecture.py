@@ -25,9 +25,9 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "recorder": BASE,
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"pipeline"},
-    "study": BASE | ROOMS | {"pipeline", "report"},
+    "study": BASE | ROOMS | {"pipeline", "recorder", "report"},
     "importing": BASE | {"recordings", "study"},
-    "cli": BASE | ROOMS | {"datasets", "importing", "report", "study"},
+    "cli": BASE | ROOMS | {"datasets", "importing", "recorder", "report", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",

@@ -125,7 +125,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
         (lambda raw: raw.update(host={"pc": ["imu"]}),
          "unknown key `host` (did you mean `hosts`?); "
-         "known keys: study, title, robot, recordings, reference, hosts, settings"),
+         "known keys: study, title, robot, recordings, reference, devices, hosts, settings"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(

@@ -35,9 +35,10 @@ UNITS = {"a": "m/s²", "g": "rad/s", "m": "a.u."}
 class Xsens:
     """The motion tracker at a serial port, which it sets to a rate.
 
-    Its samples: sample_counter (16 bits), sample_time_fine (its own time in ticks of 0.1 ms; NaN
-    from an MTi of the first generation), specific force [m/s²], angular rate [rad/s] and magnetic
-    field [arbitrary units, about 1 in the Earth's field], calibrated, in the tracker's axes.
+    Its samples: sample_counter (which goes on where the device's wraps around), sample_time_fine
+    (its own time in ticks of 0.1 ms; NaN from an MTi of the first generation), specific force
+    [m/s²], angular rate [rad/s] and magnetic field [arbitrary units, about 1 in the Earth's field],
+    calibrated, in the tracker's axes.
     """
 
     name = "imu"
@@ -90,7 +91,7 @@ class Xsens:
                 before = self._counter.lost_before(measurement.counter)
                 if before is not None:
                     received.append(now)
-                    rows.append(measurement.row())
+                    rows.append([self._counter.total, *measurement.row()[1:]])
                     lost += before
         self._silence.check(len(received))
         values = np.array(rows, float).reshape(-1, len(self.columns))

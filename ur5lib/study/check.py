@@ -34,7 +34,11 @@ def print_findings(path: Path) -> int:
 
     Raises InputError when the study itself is wrong.
     """
-    study = read_study(path)
+    return print_findings_of(read_study(path))
+
+
+def print_findings_of(study: Study) -> int:
+    """Print the findings of recordings; returns how many are stop signs or errors."""
     console = text_console()
     for arm in arms_without_fit(study):
         console.print(
@@ -79,7 +83,12 @@ def is_there(recording: Recording) -> bool:
 
 
 def read_study(path: Path) -> Study:
-    """Read a study from its YAML file."""
+    """Read a study from its YAML file. Raises InputError with all that is wrong in it."""
+    return parse_study(read_plain(path), str(path))
+
+
+def read_plain(path: Path) -> dict[str, Any]:
+    """Return a study as plain data. Raises InputError where the file has no YAML mapping."""
     try:
         raw = read_yaml(path)
     except OSError as error:
@@ -93,7 +102,7 @@ def read_study(path: Path) -> Study:
         raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
     if not isinstance(raw, dict):
         raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
-    return parse_study(raw, str(path))
+    return raw
 
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:

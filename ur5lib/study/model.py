@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, ConfigDict, Field
 
+from ur5lib.recorder.lab import Lab
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.stand import layout
@@ -403,6 +404,9 @@ class Study(Strict):
     recordings: list[Recording] = Field(min_length=1, description="recordings to analyse")
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file with published values and errata to compare the results with"
+    )
+    devices: Lab | None = Field(
+        None, description="devices that `ur5 record` records; the analysis does not use them"
     )
     hosts: dict[str, list[Literal["force_sensor", "imu"]]] = Field(
         {},

@@ -1,0 +1,107 @@
+"""One device, recorded into its file by a process of its own."""
+
+import os
+import signal
+import time
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
+from multiprocessing.synchronize import Event
+from pathlib import Path
+from typing import Any
+
+from ur5lib.errors import InputError
+from ur5lib.recorder.device import Device, DeviceLost
+from ur5lib.recorder.files import growing_file
+from ur5lib.recorder.lab import AnyDevice
+
+REPORT = 0.25  # s between reports to the recorder
+
+
+@dataclass
+class Status:
+    """What became of a device so far.
+
+    samples, lost: counts; seconds: since its first sample; latest: its last sample by column;
+    low, high: extent of its columns so far; ended: why it was not recorded to the end, None while
+    it is.
+    """
+
+    samples: int = 0
+    lost: int = 0
+    seconds: float = 0.0
+    latest: dict[str, float] = field(default_factory=dict)
+    low: dict[str, float] = field(default_factory=dict)
+    high: dict[str, float] = field(default_factory=dict)
+    ended: str | None = None
+
+    def rate(self) -> float:
+        """Return the samples per second so far."""
+        return self.samples / self.seconds if self.seconds > 0 else 0.0
+
+
+def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Event) -> None:
+    """Record a device into a file until `stop`: what its process runs.
+
+    zero: as in Growing.write. Reports through `line`: first what the device says of itself or why
+    it cannot be recorded, then its Status again and again, and once at the end.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the recorder's to handle
+    device = plan.device()
+    try:
+        line.send(device.open())
+    except InputError as error:
+        line.send(str(error))
+        return
+    status, parent = Status(), os.getppid()
+    try:
+        _record(device, path, zero, line, stop, status, parent)
+    except DeviceLost as error:
+        status.ended = str(error)
+    except OSError as error:
+        status.ended = f"{path} cannot be written ({error.strerror}); free some space"
+    finally:
+        device.close()
+    if os.getppid() == parent:
+        line.send(status)
+
+
+def _record(
+    device: Device,
+    path: Path,
+    zero: float,
+    line: Connection,
+    stop: Event,
+    status: Status,
+    parent: int,
+) -> None:
+    """Write samples until `stop`, or until the recorder itself is gone."""
+    file = growing_file(path, device.columns)
+    first: float | None = None
+    reported = 0.0
+    try:
+        while not stop.is_set() and os.getppid() == parent:
+            samples: Any = device.read()
+            file.write(samples, zero)
+            if len(samples.received):
+                first = samples.received[0] if first is None else first
+                _count(status, device, samples, first)
+            if time.monotonic() - reported > REPORT:
+                reported = time.monotonic()
+                line.send(status)
+    except BrokenPipeError:  # the recorder was killed; what came is in the file
+        return
+    finally:
+        file.close()
+
+
+def _count(status: Status, device: Device, samples: Any, first: float) -> None:
+    status.samples += getattr(samples, "messages", len(samples.received))
+    status.lost += samples.lost
+    status.seconds = float(samples.received[-1] - first)
+    if not hasattr(samples, "values"):  # packets, which nobody has read yet
+        return
+    low, high = samples.values.min(axis=0).tolist(), samples.values.max(axis=0).tolist()
+    for name, least, most in zip(device.columns, low, high, strict=True):
+        status.low[name] = min(least, status.low.get(name, least))
+        status.high[name] = max(most, status.high.get(name, most))
+    status.latest = dict(zip(device.columns, samples.values[-1].tolist(), strict=True))

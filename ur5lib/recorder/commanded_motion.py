@@ -1,0 +1,112 @@
+"""The motion that a recording commands, read from a file, and what forbids it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.robots.collisions import TABLE, collisions
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+DENSE = 0.02  # rad, between the samples of a path that are checked
+FEWEST = 2
+WANTED = "give six joint angles [rad], or a time [s] and six angles, in every line"
+SPEED, ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; of movej, at the full speed
+AT_START = 0.01  # rad; an arm that is nearer need not move to the start
+DOUBLING = 4 * np.pi  # rad; no joint turns further
+
+
+@dataclass(frozen=True)
+class CommandedMotion:
+    """A motion of all joints.
+
+    q: (N, 6) [rad]: way-points for movej, each of which the arm stops at; or, with time (N,) [s], a
+    trajectory for servoj; speed: share of the speed as written, above 0 and at most 1.
+    """
+
+    q: Array
+    time: Array | None
+    speed: float
+
+    def duration(self) -> float | None:
+        """Return how long a trajectory takes [s], None for way-points."""
+        return None if self.time is None else float(self.time[-1] - self.time[0]) / self.speed
+
+    def at_rate(self, rate: float) -> Array:
+        """Return a trajectory's angles (M, 6) [rad] at a rate [Hz], slowed to `speed`."""
+        assert self.time is not None
+        elapsed = (self.time - self.time[0]) / self.speed
+        at = np.arange(0, elapsed[-1], 1 / rate)
+        return np.column_stack([np.interp(at, elapsed, column) for column in self.q.T])
+
+
+def read_motion(path: Path, speed: float) -> CommandedMotion:
+    """Read a CSV: six angles [rad] a line are way-points; a time [s] before them, a trajectory.
+
+    Raises InputError with file and line for anything else.
+    """
+    try:
+        numbers = np.loadtxt(path, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: {error}; {WANTED}") from error
+    if numbers.shape[1] not in (6, 7) or not np.isfinite(numbers).all():
+        raise InputError(f"{path} has {numbers.shape[1]} columns or empty cells; {WANTED}")
+    q = numbers[:, -6:]
+    if numbers.shape[1] == 6:
+        return CommandedMotion(q, None, speed)
+    if len(q) < FEWEST or (np.diff(numbers[:, 0]) <= 0).any():
+        raise InputError(f"{path}: the times of a trajectory must increase from line to line")
+    return CommandedMotion(q, numbers[:, 0], speed)
+
+
+def refusals(
+    motion: CommandedMotion, robot: Robot, start: Array, table: float | None
+) -> Iterator[str]:
+    """Yield what forbids a motion, one sentence each. start: where the arm is (6,) [rad].
+
+    table: height of the table in the base frame [m], None for none.
+    """
+    path = dense_path(np.vstack([start, motion.q]))
+    yield from _beyond_limits(path, robot)
+    yield from _too_fast(motion, robot)
+    for sample, one, other in collisions(robot, path, table):
+        where = ", ".join(f"{angle:.2f}" for angle in path[sample])
+        hit = f"{one} hits the {other}" if other == TABLE else f"{one} hits {other}"
+        yield f"{hit} at q = ({where}) rad; change the path, or `table_m` in the study"
+
+
+def dense_path(q: Array) -> Array:
+    """Return a path (M, 6), straight between angles (N, 6) [rad], in steps of DENSE at most."""
+    parts = [
+        np.linspace(begin, end, 2 + int(np.abs(end - begin).max() / DENSE))
+        for begin, end in pairwise(q)
+    ]
+    return np.concatenate(parts)
+
+
+def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
+    limits = np.nan_to_num(robot.position_limits(), nan=DOUBLING, posinf=DOUBLING)
+    furthest = np.abs(path).max(axis=0)
+    for joint in np.flatnonzero(furthest > limits):
+        yield (
+            f"joint {joint + 1} turns to {furthest[joint]:.2f} rad, beyond its limit of "
+            f"{limits[joint]:.2f}; change the path"
+        )
+
+
+def _too_fast(motion: CommandedMotion, robot: Robot) -> Iterator[str]:
+    most = np.array([robot.motor(joint).velocity_max for joint in range(1, 7)])
+    if motion.time is None:
+        fastest = np.full(6, SPEED * motion.speed)
+    else:
+        steps = np.diff(motion.q, axis=0) / np.diff(motion.time)[:, None]
+        fastest = np.abs(steps).max(axis=0) * motion.speed
+    for joint in np.flatnonzero(fastest > most):
+        yield (
+            f"joint {joint + 1} turns at {fastest[joint]:.2f} rad/s, faster than its limit of "
+            f"{most[joint]:.2f}; lower --speed"
+        )

@@ -1,0 +1,101 @@
+"""The devices of a laboratory, as a study names them under `devices`."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ur5lib.recorder.device import Device
+from ur5lib.strict import Strict
+
+PORT = Annotated[int, Field(gt=0, lt=65536)]
+Columns = list[str]
+
+
+class ArmDevice(Strict):
+    """The arm, through its controller."""
+
+    address: str = Field(description="name or IP address of the controller")
+    interface: Literal["rtde", "realtime"] = Field(
+        "rtde",
+        description="rtde: RTDE, port 30004; realtime: port 30003, of controllers without RTDE",
+    )
+    rate_hz: float | None = Field(
+        None, gt=0, le=500, description="rate of RTDE; default: the controller's own"
+    )
+
+    def device(self) -> Device:
+        """Return the device to record."""
+        if self.interface == "realtime":
+            from ur5lib.recorder.realtime_arm import RealtimeArm
+
+            return RealtimeArm(self.address)
+        from ur5lib.recorder.rtde_arm import RtdeArm
+
+        return RtdeArm(self.address, self.rate_hz)
+
+    def entry(self, file: str) -> dict[str, object]:
+        """Return the keys of a study's entry that locate the robot's file."""
+        form = {"rtde": "rtde-csv", "realtime": "realtime-stream"}[self.interface]
+        return {"format": form, "file": file}
+
+
+class NetFTDevice(Strict):
+    """An ATI Net F/T force sensor."""
+
+    address: str = Field(description="name or IP address of its box")
+    bias: bool = Field(False, description="zero the sensor when the recording starts")
+    port: PORT = Field(49152, description="UDP port of RDT")
+    http_port: PORT = Field(80, description="port of the box's web page")
+
+    def device(self) -> Device:
+        """Return the device to record."""
+        from ur5lib.recorder.net_ft import NetFT
+
+        return NetFT(self.address, self.bias, self.port, self.http_port)
+
+    def entry(self, file: str) -> dict[str, object]:
+        """Return the entry of the sensor's file."""
+        return _stamped(file, ["time", "counter", "-", "-", "ft"])
+
+
+class XsensDevice(Strict):
+    """An Xsens MTi inertial measurement unit."""
+
+    port: str = Field(description="its serial port, e.g. /dev/ttyUSB0")
+    rate_hz: float = Field(100.0, gt=0, le=2000, description="rate that it is set to")
+    baudrate: int = Field(115_200, gt=0, description="of the port")
+
+    def device(self) -> Device:
+        """Return the device to record."""
+        from ur5lib.recorder.xsens import Xsens
+
+        return Xsens(self.port, self.rate_hz, self.baudrate)
+
+    def entry(self, file: str) -> dict[str, object]:
+        """Return the entry of the sensor's file."""
+        return _stamped(file, ["time", "counter", "-", "imu_a", "imu_g", "imu_m"])
+
+
+AnyDevice = ArmDevice | NetFTDevice | XsensDevice
+
+
+class Lab(Strict):
+    """The devices that `ur5 record` records together."""
+
+    robot: ArmDevice = Field(description="the arm")
+    force_sensor: NetFTDevice | None = Field(None, description="ATI Net F/T, if there is one")
+    imu: XsensDevice | None = Field(None, description="Xsens MTi, if there is one")
+    table_m: float | None = Field(
+        0.0,
+        description="height in the base frame of a table that the arm must not touch [m]; null for "
+        "none",
+    )
+
+    def devices(self) -> dict[str, AnyDevice]:
+        """Return the devices that there are, by name."""
+        found = {"robot": self.robot, "force_sensor": self.force_sensor, "imu": self.imu}
+        return {name: device for name, device in found.items() if device is not None}
+
+
+def _stamped(file: str, columns: Columns) -> dict[str, object]:
+    return {"file": file, "columns": columns, "time": "host_s"}

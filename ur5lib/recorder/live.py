@@ -1,0 +1,64 @@
+"""What is shown while a recording goes on, and what is wrong with it at once."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from ur5lib.recorder import rdt
+from ur5lib.recorder.capture import Status
+
+FEW = 0.001  # share of samples that may be lost
+SLOW = 0.9  # share of a device's own rate that is expected of it
+SETTLED = 2.0  # s, after which a rate can be judged
+MOVED = 0.5  # rad; a joint that turns less tells little of its friction
+NORMAL, REDUCED = 1, 2  # RTDE's `safety_mode`
+
+
+def table(statuses: Mapping[str, Status]) -> Table:
+    """Return one line per device: samples, rate, losses, what it reads."""
+    lines = Table("device", "samples", "rate [Hz]", "lost", "reads")
+    for name, status in statuses.items():
+        state = status.ended or reading(status.latest)
+        lines.add_row(name, str(status.samples), f"{status.rate():.1f}", str(status.lost), state)
+    return lines
+
+
+def reading(latest: Mapping[str, float]) -> str:
+    """Return what tells most of a sample: forces, specific force, or joints and temperature."""
+    for first, label, unit in (("ft_fx", "force", "N"), ("imu_ax", "specific force", "m/s²")):
+        if first in latest:
+            size = np.linalg.norm([latest[f"{first[:-1]}{axis}"] for axis in "xyz"])
+            return f"{label} {size:.1f} {unit}"
+    if "actual_q_0" not in latest:
+        return ""
+    joints = " ".join(f"{latest[f'actual_q_{joint}']:.2f}" for joint in range(6))
+    warm = [value for name, value in latest.items() if name.startswith("joint_temperatures")]
+    return f"q {joints} rad" + (f", {max(warm):.0f} °C" if warm else "")
+
+
+def warnings(
+    statuses: Mapping[str, Status], identities: Mapping[str, Mapping[str, Any]]
+) -> Iterator[str]:
+    """Yield what should be known at once, a sentence each, the same as long as it lasts."""
+    for name, status in statuses.items():
+        if status.ended:
+            yield f"{name} has ended: {status.ended}; the others go on"
+        elif status.lost > FEW * (status.samples + status.lost):
+            yield f"{name} loses samples: check the network and what else the computer does"
+        own = identities[name].get("rate_hz")
+        if own and status.seconds > SETTLED and status.rate() < SLOW * own:
+            yield f"{name} sends {status.rate():.0f} samples a second instead of {own:g}"
+        if int(status.latest.get("status", 0)) & rdt.SATURATED:
+            yield f"{name} is saturated: its force is beyond its range"
+        if int(status.latest.get("safety_mode", NORMAL)) not in (NORMAL, REDUCED):
+            yield "the arm is in a safety stop: look at its pendant"
+
+
+def unmoved(status: Status) -> list[int]:
+    """Return the joints, 1 to 6, that turned too little to identify their friction."""
+    names = [f"actual_q_{joint}" for joint in range(6)]
+    if not all(name in status.high for name in names):
+        return []
+    return [k for k, name in enumerate(names, 1) if status.high[name] - status.low[name] < MOVED]

@@ -1,0 +1,108 @@
+"""A session: all devices recorded together, each by a process of its own."""
+
+import multiprocessing
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from ur5lib.errors import InputError
+from ur5lib.recorder.capture import Status, capture
+from ur5lib.recorder.lab import AnyDevice
+
+PATIENCE = 30.0  # s, for a device to answer and its process to start
+CLOSING = 5.0  # s, for a process to write its last samples
+
+
+@dataclass
+class _Line:
+    process: Any
+    connection: Connection
+    identity: dict[str, Any]
+    status: Status
+
+
+class Session:
+    """Devices being recorded into a folder: `with Session(devices, folder) as session:`.
+
+    devices: by name; folder: gets `<name>.csv` of each. All have answered when the context begins.
+    """
+
+    def __init__(self, devices: Mapping[str, AnyDevice], folder: Path) -> None:
+        self._devices, self._folder = devices, folder
+        self._context = multiprocessing.get_context("spawn")
+        self._stop = self._context.Event()
+        self._lines: dict[str, _Line] = {}
+        self.zero = time.time() - time.monotonic()  # of the host's clock, for all devices
+
+    def __enter__(self) -> Self:
+        """Start all devices. Raises InputError when one does not answer; none records then."""
+        self._folder.mkdir(parents=True)
+        try:
+            for name, plan in self._devices.items():
+                self._lines[name] = self._start(name, plan)
+            for name, line in self._lines.items():
+                line.identity = self._answer(name, line)
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
+        """Stop all devices."""
+        self.close()
+
+    def file(self, name: str) -> Path:
+        """Return the file of a device."""
+        return self._folder / f"{name}.csv"
+
+    def identities(self) -> dict[str, dict[str, Any]]:
+        """Return what each device says of itself."""
+        return {name: line.identity for name, line in self._lines.items()}
+
+    def statuses(self) -> dict[str, Status]:
+        """Return what became of each device so far."""
+        for name, line in self._lines.items():
+            self._listen(name, line)
+        return {name: line.status for name, line in self._lines.items()}
+
+    def close(self) -> None:
+        """Stop all devices; returns when their files are closed."""
+        self._stop.set()
+        for name, line in self._lines.items():
+            line.process.join(CLOSING)
+            self._listen(name, line)
+            if line.process.is_alive():
+                line.process.kill()
+
+    def _start(self, name: str, plan: AnyDevice) -> _Line:
+        here, there = self._context.Pipe()
+        process = self._context.Process(
+            target=capture, args=(plan, self.file(name), self.zero, there, self._stop), daemon=True
+        )
+        process.start()
+        there.close()
+        return _Line(process, here, {}, Status())
+
+    def _answer(self, name: str, line: _Line) -> dict[str, Any]:
+        try:
+            answer = line.connection.recv() if line.connection.poll(PATIENCE) else None
+        except EOFError:
+            answer = None
+        if isinstance(answer, dict):
+            return answer
+        raise InputError(answer or f"{name} does not answer; check its cable and its address")
+
+    def _listen(self, name: str, line: _Line) -> None:
+        """Take the last report of a device; a process that died without one has ended."""
+        try:
+            while line.connection.poll():
+                line.status = line.connection.recv()
+        except (EOFError, OSError):
+            if line.status.ended is None and not self._stop.is_set():
+                line.status.ended = f"the process that records {name} was killed"

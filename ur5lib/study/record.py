@@ -1,0 +1,259 @@
+"""`ur5 record`: a session with the devices of a study, and the entry of what it recorded."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import yaml
+from pydantic import TypeAdapter, ValidationError
+from rich.console import Console
+from rich.live import Live
+
+from ur5lib.errors import InputError
+from ur5lib.recorder import live
+from ur5lib.recorder.arm_motion import MotionError
+from ur5lib.recorder.arm_state import read_state
+from ur5lib.recorder.capture import Status
+from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
+from ur5lib.recorder.lab import Lab
+from ur5lib.recorder.manifest import write_manifest
+from ur5lib.recorder.mover import Mover, move_to_start
+from ur5lib.recorder.session import Session
+from ur5lib.robots.description import Robot
+from ur5lib.study.arms import Arm, Name, NamedArm
+from ur5lib.study.check import print_findings_of, read_plain
+from ur5lib.study.emulated_lab import emulated_lab
+from ur5lib.study.explanation import explain
+from ur5lib.study.reading import parse_study
+from ur5lib.tables import write_text
+
+LOOK = 0.25  # s between looks at the devices
+EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is to be recorded.
+
+    name: of the recording; seconds: for how long, None until the motion ends or Ctrl-C; without:
+    sensors of the study that are not there today; move: file of a motion, None for none; by_hand:
+    whether the arm is led by hand; yes: whether motions are confirmed beforehand.
+    """
+
+    name: str
+    role: Literal["fit", "validate", "contact"]
+    seconds: float | None = None
+    without: tuple[str, ...] = ()
+    move: Path | None = None
+    by_hand: bool = False
+    speed: float = 0.25
+    yes: bool = False
+    add: bool = False
+    emulate: bool = False
+
+
+def record(path: Path, wish: Wish, console: Console) -> int:
+    """Record with the devices of a study; returns how many stop signs and errors the files have.
+
+    path: the study, which need not have recordings yet. Raises InputError when something is missing
+    or forbidden; nothing moves and no file is left then.
+    """
+    plain = read_plain(path)
+    robot = arm_of(plain, path).description()
+    folder = Path("raw") / str(plain.get("study")) / checked_name(wish.name)
+    if folder.exists():
+        raise InputError(f"{folder} exists; give the recording another name")
+    with emulated_lab(robot) if wish.emulate else nullcontext(lab_of(plain, path)) as lab:
+        devices = {n: d for n, d in lab.devices().items() if n not in wish.without}
+        address = lab.robot.address
+        motion = read_motion(wish.move, wish.speed) if wish.move else None
+        if motion is not None:
+            _prepare(motion, robot, address, lab.table_m, wish, console)
+        mover = Mover(address, motion) if motion or wish.by_hand else None
+        with Session(devices, folder) as session:
+            moved = f"{wish.move} at {wish.speed:g} of its speed" if motion else None
+            write_manifest(folder, session.identities(), None, moved)
+            _watch(session, mover, wish.seconds, console)
+        write_manifest(folder, session.identities(), session.statuses(), moved)
+    _say_what_is_left(session.statuses(), wish.role, mover, console)
+    entry = {"name": wish.name, "role": wish.role, "folder": str(folder)}
+    entry |= _files(lab, session.statuses())
+    return _enter(entry, path, plain, wish.add, console)
+
+
+def lab_of(plain: dict[str, Any], path: Path) -> Lab:
+    """Return the devices that a study names. Raises InputError with all that is wrong."""
+    if "devices" not in plain:
+        raise InputError(f"{path} has no `devices`; add, for example, {EXAMPLE}")
+    try:
+        return Lab.model_validate(plain["devices"])
+    except ValidationError as error:
+        wrong = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
+        raise InputError("\n".join(f"{path}: devices: {one}" for one in wrong)) from error
+
+
+def arm_of(plain: dict[str, Any], path: Path) -> Arm:
+    """Return the arm of a study. Raises InputError where it names none that is described."""
+    try:
+        robot = TypeAdapter[Any](NamedArm).validate_python(plain.get("robot"))
+    except ValidationError as error:
+        raise InputError(
+            f"{path}: `robot` names no described arm; give one, e.g. `robot: ur5e`"
+        ) from error
+    return Arm(arm=robot) if isinstance(robot, str) else robot
+
+
+def checked_name(name: str) -> str:
+    """Return the name of a recording. Raises InputError where no study may have it."""
+    try:
+        return str(TypeAdapter[str](Name).validate_python(name))
+    except ValidationError as error:
+        raise InputError(
+            f"{name!r} cannot name a recording; use letters, digits, `_`, `-` and dots"
+        ) from error
+
+
+def _prepare(
+    motion: CommandedMotion,
+    robot: Robot,
+    address: str,
+    table: float | None,
+    wish: Wish,
+    console: Console,
+) -> None:
+    """Check a motion, ask, and move to its start. Raises InputError where it must not be made."""
+    state = read_state(address)
+    if not state.ready:
+        raise InputError(
+            f"the arm is not ready (robot mode {state.robot_mode}, safety mode "
+            f"{state.safety_mode}); release its brakes or clear the stop on the pendant"
+        )
+    forbidden = [*refusals(motion, robot, state.q, table)]
+    if forbidden:
+        raise InputError("\n".join(f"{wish.move}: {reason}" for reason in forbidden))
+    console.print(f"the arm is at    {_angles(state.q)}")
+    console.print(f"it will start at {_angles(motion.q[0])}, at {wish.speed:g} of the full speed")
+    if not wish.yes and console.input("move the arm? Type yes: ").strip() != "yes":
+        raise InputError("not confirmed; the arm was not moved")
+    if np.abs(state.q - motion.q[0]).max() > AT_START:
+        try:
+            move_to_start(address, motion)
+        except MotionError as error:
+            raise InputError(f"the arm did not reach the start: {error}") from error
+
+
+def _angles(q: Any) -> str:
+    return "(" + ", ".join(f"{angle:6.2f}" for angle in q) + ") rad"
+
+
+def _watch(
+    session: Session, mover: Mover | None, seconds: float | None, console: Console
+) -> None:
+    """Show the devices until the time is over, the motion ends, all are gone, or Ctrl-C."""
+    begin, said = time.monotonic(), set[str]()
+    with _moving(mover), _shown(console) as show:
+        try:
+            while not _is_over(session.statuses(), mover, begin, seconds):
+                time.sleep(LOOK)
+                statuses = session.statuses()
+                show(statuses)
+                for warning in live.warnings(statuses, session.identities()):
+                    if warning not in said:
+                        said.add(warning)
+                        console.print(f"warning: {warning}")
+                if mover and any(status.ended for status in statuses.values()):
+                    mover.stop()
+        except KeyboardInterrupt:
+            console.print("stopped by Ctrl-C")
+
+
+@contextmanager
+def _moving(mover: Mover | None) -> Iterator[None]:
+    """Move the arm in the context; it rests when the context ends, however that ends."""
+    if mover is None:
+        yield
+        return
+    mover.start()
+    try:
+        yield
+    finally:
+        if mover.is_alive():
+            mover.stop()
+            mover.join()
+
+
+@contextmanager
+def _shown(console: Console) -> Iterator[Any]:
+    """Yield what shows the devices, in place on a terminal, not at all elsewhere."""
+    if not console.is_terminal:
+        yield lambda statuses: None
+        return
+    with Live(console=console, transient=True, auto_refresh=False) as view:
+        yield lambda statuses: view.update(live.table(statuses), refresh=True)
+
+
+def _is_over(
+    statuses: dict[str, Status], mover: Mover | None, begin: float, seconds: float | None
+) -> bool:
+    passed = seconds is not None and time.monotonic() - begin >= seconds
+    done = mover is not None and not mover.is_alive()
+    return passed or done or all(status.ended for status in statuses.values())
+
+
+def _say_what_is_left(
+    statuses: dict[str, Status], role: str, mover: Mover | None, console: Console
+) -> None:
+    console.print(live.table(statuses))
+    still = live.unmoved(statuses["robot"])
+    if role == "fit" and still:
+        joints = ", ".join(map(str, still))
+        console.print(
+            f"warning: joint {joints} turned by less than {live.MOVED} rad: its friction cannot be "
+            "identified from this recording"
+        )
+    if mover and mover.failure:
+        console.print(f"warning: the motion ended early: {mover.failure}")
+
+
+def _files(lab: Lab, statuses: dict[str, Status]) -> dict[str, Any]:
+    """Return the keys of an entry that locate the files of all devices that gave samples."""
+    keys = lab.robot.entry("robot.csv")
+    for name, device in lab.devices().items():
+        if name != "robot" and name in statuses and statuses[name].samples:
+            keys[name] = device.entry(f"{name}.csv")
+    return keys
+
+
+def _enter(
+    entry: dict[str, Any], path: Path, plain: dict[str, Any], add: bool, console: Console
+) -> int:
+    """Check an entry, then append it to the study, or print it; returns stop signs and errors."""
+    alone = {"study": plain["study"], "title": plain.get("title", "")}
+    study = parse_study(alone | {"robot": plain["robot"], "recordings": [entry]}, str(path))
+    found = print_findings_of(study)
+    text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
+    if add and _append(text, entry, path, plain):
+        console.print(f"{path}: {entry['name']} added; next: snakemake --configfile {path}")
+    else:
+        console.print(f"add to `recordings` of {path}:\n{text}", soft_wrap=True)
+    return found
+
+
+def _append(text: str, entry: dict[str, Any], path: Path, plain: dict[str, Any]) -> bool:
+    """Append an entry to the recordings of a study; return whether its file allows it as text."""
+    lines = path.read_text(encoding="utf-8").rstrip() + "\n"
+    lines += "" if "recordings" in plain else "recordings:\n"
+    for indent in ("", "  "):
+        candidate = lines + "".join(f"{indent}{line}\n" for line in text.splitlines())
+        try:
+            read = yaml.safe_load(candidate)
+        except yaml.YAMLError:
+            continue
+        if read == plain | {"recordings": [*(plain.get("recordings") or []), entry]}:
+            write_text(candidate, path)
+            return True
+    return False
