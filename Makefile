@@ -27,7 +27,7 @@ schema: .venv/ready ## write the schema and the table of a study's settings anew
 
 lock: ## pin the newest versions that pyproject.toml allows
 	rm -rf .venv && $(PYTHON) -m venv .venv
-	$(PIP) install --editable '.[dev,formats]' 'setuptools>=77'
+	$(PIP) install --editable '.[dev,formats,record]' 'setuptools>=77'
 	.venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//' > requirements.lock
 
 clean: ## remove results and the environment; recordings stay

@@ -22,6 +22,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "finished": {"errors", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
+    "recorder": BASE,
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"pipeline"},
     "study": BASE | ROOMS | {"pipeline", "report"},

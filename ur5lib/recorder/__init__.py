@@ -1,0 +1,1 @@
+"""Recording: the devices of a session, read live."""
