@@ -313,7 +313,7 @@ with ArmMotion("{HERE}") as motion:
 
 def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) -> None:
     ur5e.protective_stop()
-    assert read_state(HERE).safety_mode == "protective stop"
+    wait_for(lambda: read_state(HERE).safety_mode == "protective stop")
     assert not read_state(HERE).ready
     with pytest.raises(MotionError, match="safety mode protective stop, program stopped"):
         motion.move_through(np.array([AWAY]), 1.0, 2.0)
@@ -323,7 +323,7 @@ def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) 
     dashboard.connect()
     dashboard.unlockProtectiveStop()
     dashboard.disconnect()
-    assert read_state(HERE).ready
+    wait_for(lambda: read_state(HERE).ready)
     motion.move_through(np.array([POSTURE]), 1.0, 2.0)
 
 
@@ -333,6 +333,7 @@ def test_the_arm_stops_where_its_limits_end(ur5e: EmulatedController, motion: Ar
         motion.move_through(np.array([beyond]), 3.0, 10.0)
     assert read_state(HERE).q[0] < 6.6
     ur5e.unlock()
+    wait_for(lambda: read_state(HERE).ready)
     motion.move_through(np.array([POSTURE]), 3.0, 10.0)
 
 
