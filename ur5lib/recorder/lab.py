@@ -1,11 +1,14 @@
 """The devices of a laboratory, as a study names them under `devices`."""
 
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from ur5lib.recorder.device import Device
 from ur5lib.strict import Strict
+
+if TYPE_CHECKING:
+    from ur5lib.recorder.realtime_arm import RealtimeArm
 
 PORT = Annotated[int, Field(gt=0, lt=65536)]
 Columns = list[str]
@@ -23,7 +26,7 @@ class ArmDevice(Strict):
         None, gt=0, le=500, description="rate of RTDE; default: the controller's own"
     )
 
-    def device(self) -> Device:
+    def device(self) -> "Device | RealtimeArm":
         """Return the device to record."""
         if self.interface == "realtime":
             from ur5lib.recorder.realtime_arm import RealtimeArm

@@ -190,7 +190,7 @@ def _moving(mover: Mover | None) -> Iterator[None]:
 def _shown(console: Console) -> Iterator[Any]:
     """Yield what shows the devices, in place on a terminal, not at all elsewhere."""
     if not console.is_terminal:
-        yield lambda statuses: None
+        yield lambda _: None
         return
     with Live(console=console, transient=True, auto_refresh=False) as view:
         yield lambda statuses: view.update(live.table(statuses), refresh=True)
