@@ -127,6 +127,24 @@ def export(
 
 
 @app.command()
+def convert(
+    results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    recordings: Annotated[
+        list[str] | None, typer.Argument(help="some of its recordings; default: all")
+    ] = None,
+    to: Annotated[str, typer.Option(help="output format: mat, csv, mcap")] = "mat",
+    into: Annotated[
+        Path | None, typer.Option(help="folder to write to; default: results/<study>/exported")
+    ] = None,
+) -> None:
+    """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
+    from ur5lib.exporting.recordings import write_recordings
+
+    for path in write_recordings(results, recordings or [], to, into):
+        typer.echo(path)
+
+
+@app.command()
 def replay(
     file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
     results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],

@@ -20,6 +20,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "datasets": {"errors"},
     "tables": {"errors", "timeseries"},
     "finished": {"errors", "tables"},
+    "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
@@ -27,7 +28,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE | ROOMS | {"pipeline"},
     "study": BASE | ROOMS | {"pipeline", "report"},
     "importing": BASE | {"recordings", "study"},
-    "cli": BASE | ROOMS | {"datasets", "importing", "report", "study"},
+    "cli": BASE | ROOMS | {"datasets", "exporting", "importing", "report", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",
