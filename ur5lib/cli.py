@@ -21,7 +21,9 @@ app = typer.Typer(
 
 @app.command()
 def fetch(
-    dataset: Annotated[str, typer.Argument(help="name of a published data set: thesis")],
+    dataset: Annotated[
+        str | None, typer.Argument(help="name of a published data set; default: list them")
+    ] = None,
     source: Annotated[
         Path | None, typer.Option("--from", help="copy from this folder instead of the network")
     ] = None,
@@ -29,16 +31,13 @@ def fetch(
         Path | None, typer.Option("--to", help="folder to write to; default: raw/<dataset>")
     ] = None,
 ) -> None:
-    """Download a published data set into raw/ and verify every file."""
-    from ur5lib.datasets import DATASETS
-    from ur5lib.datasets import fetch as fetch_dataset
+    """Download a published data set into raw/ and verify every file, or list them all."""
+    from ur5lib.datasets.catalogue import listing
+    from ur5lib.datasets.fetching import fetch as fetch_dataset
 
-    if dataset not in DATASETS:
-        raise InputError(f"unknown data set {dataset!r}; available: {', '.join(DATASETS)}")
-    folder = target or Path("raw") / dataset
-    added = fetch_dataset(DATASETS[dataset], folder, source)
-    total = len(DATASETS[dataset].checksums)
-    typer.echo(f"{folder}: {total} files verified, {added} of them new")
+    lines = listing() if dataset is None else [fetch_dataset(dataset, target, source)]
+    for line in lines:
+        typer.echo(line)
 
 
 @app.command()

@@ -17,7 +17,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "errors": set(),
     "strict": {"errors"},
     "steps": {"errors"},
-    "datasets": {"errors"},
+    "datasets": {"errors", "strict"},
     "tables": {"errors", "timeseries"},
     "finished": {"errors", "tables"},
     "exporting": {"errors", "finished", "tables"},
