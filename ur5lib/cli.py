@@ -111,7 +111,7 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: urdf, mjcf")] = "urdf",
+    to: Annotated[str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json")] = "urdf",
     results: Annotated[
         Path | None, typer.Option(help="results of a study that identified it: results/<study>")
     ] = None,
@@ -119,7 +119,7 @@ def export(
         str, typer.Option(help="a recording of that study: with its payload and mounting")
     ] = "",
 ) -> None:
-    """Print an arm for other programs: URDF (which has no rotors) or MJCF."""
+    """Print an arm for other programs: as a model, or all that is known of it (json)."""
     from ur5lib.study.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))

@@ -195,8 +195,12 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 def write_json(data: object, path: str | Path) -> None:
     """Write a summary; NaN and infinity become null."""
-    text = json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
-    write_text(text, path)
+    write_text(json_text(data), path)
+
+
+def json_text(data: object) -> str:
+    """Return plain data and arrays as JSON; NaN and infinity become null."""
+    return json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
 
 
 def read_json(path: str | Path) -> Any:

@@ -1,7 +1,9 @@
 """The default study: what the workflow made of simulated recordings, beside the truth."""
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -16,6 +18,7 @@ from ur5lib.exporting.contents import TABLES
 from ur5lib.exporting.recordings import write_recordings
 from ur5lib.finished import FinishedStudy
 from ur5lib.importing.files import import_files
+from ur5lib.study.exported import exported
 from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -160,6 +163,25 @@ def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> N
         exec("".join(cell["source"]), known)
         assert cell["outputs"] == []  # what it shows is not committed
     assert len(known["errors"]) > 100  # type: ignore[arg-type]
+
+
+def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
+    known = json.loads(exported("ur5", None, "json", results, ""))
+    friction = read_csv(results / "tables" / "friction.csv")
+    rotors = read_csv(results / "tables" / "rotor_inertia.csv")
+    parameters = read_csv(results / "tables" / "parameters.csv")
+    for part, table, columns in (
+        ("currents", friction, ["joint", "value", "std_error", "low", "high", "prior_share"]),
+        ("rotor_inertia", rotors, ["joint", "value", "std_error"]),
+        ("base_parameters", parameters, ["value", "std_error"]),
+    ):
+        found = pd.DataFrame(known[part])
+        assert (found["low"] < found["value"]).all()
+        np.testing.assert_allclose(found[columns], table[columns], rtol=1e-7)
+    assert known["link_model"]["name"] == "identified"
+    assert len(known["torque_noise"]) == len(known["current_model"]) == 6
+    quality = read_json(results / "recordings" / "excitation" / "quality.json")
+    assert known["files"]["excitation"] == quality["read"]
 
 
 def test_recordings_are_exported_as_they_are(results: Path, tmp_path: Path) -> None:
