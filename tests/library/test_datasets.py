@@ -177,8 +177,9 @@ def test_an_interruption_leaves_whole_files_only(
 
 
 def test_a_record_is_downloaded_and_verified(record: str, tmp_path: Path) -> None:
-    listed = fetch_record(record, ["again.pkl"], tmp_path / "raw")
-    assert [file.name for file in listed] == ["data.zip", "README.md"]
+    files, licence = fetch_record(record, ["again.pkl"], tmp_path / "raw")
+    assert [file.name for file in files] == ["data.zip", "README.md"]
+    assert licence == "cc-by-4.0"
     assert contents(tmp_path / "raw") == {name: LISTED[name] for name in ("data.zip", "README.md")}
 
 
@@ -186,13 +187,13 @@ def test_a_record_s_files_are_kept(record: str, tmp_path: Path) -> None:
     fetch_record(record, [], tmp_path / "raw")
     for name in LISTED:
         (tmp_path / "www" / name).unlink()
-    assert len(fetch_record(record, [], tmp_path / "raw")) == 3
+    assert len(fetch_record(record, [], tmp_path / "raw").files) == 3
 
 
 def test_a_record_is_copied_from_a_folder(record: str, tmp_path: Path) -> None:
     shutil.copytree(tmp_path / "www", tmp_path / "mine")
     (tmp_path / "www" / "data.zip").unlink()
-    assert len(fetch_record(record, [], tmp_path / "raw", tmp_path / "mine")) == 3
+    assert len(fetch_record(record, [], tmp_path / "raw", tmp_path / "mine").files) == 3
     assert contents(tmp_path / "raw") == LISTED
 
 
@@ -215,7 +216,9 @@ def test_a_file_outside_the_folder_is_refused(
     assert not (tmp_path / "raw").exists()
 
 
-@pytest.mark.parametrize("text", ["<html>", "{}", '{"files": [{"key": "a"}]}', '{"files": 3}'])
+@pytest.mark.parametrize(
+    "text", ["<html>", "[]", "{}", '{"files": [{"key": "a"}]}', '{"files": 3}']
+)
 def test_what_is_no_record_is_told(record: str, text: str, tmp_path: Path) -> None:
     (tmp_path / "www" / "record.json").write_text(text)
     with pytest.raises(InputError, match=r"list of files at .* could not be read"):
@@ -265,6 +268,16 @@ def test_the_list_says_licence_and_purpose_of_each() -> None:
         found = [line for line in lines if line.startswith(f"  {field}")]
         assert len(found) == len(catalogue())
     assert lines[-1].startswith("No address could be tried")
+
+
+def test_a_record_is_fetched_by_name(
+    record: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = catalogue()["aursad"].model_copy(update={"record": record})
+    monkeypatch.setattr("ur5lib.datasets.fetching.catalogue", lambda: {"aursad": known})
+    told = fetch("aursad", tmp_path / "raw")
+    assert told.startswith(f"{tmp_path / 'raw'}: 3 files verified by the MD5 of {record}")
+    assert told.endswith("the licence cc-by-4.0")
 
 
 def test_what_no_program_can_list_is_told(tmp_path: Path) -> None:

@@ -22,8 +22,11 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
         added = fetch_archive(dataset.archive, dataset.checksums, folder, source)
         return f"{folder}: {len(dataset.checksums)} files verified, {added} of them new"
     if dataset.record:
-        listed = fetch_record(dataset.record, dataset.leave_out, folder, source)
-        return f"{folder}: {len(listed)} files verified by the MD5 of {dataset.record}"
+        files, licence = fetch_record(dataset.record, dataset.leave_out, folder, source)
+        return (
+            f"{folder}: {len(files)} files verified by the MD5 of {dataset.record}, which states "
+            f"the licence {licence or '(none)'}"
+        )
     raise InputError(
         f"{name} cannot be downloaded by a program: put the files of {dataset.address} into "
         f"{folder} by hand, and let `ur5 import` write the entries"

@@ -24,34 +24,44 @@ class Listed(NamedTuple):
     md5: str
 
 
+class Record(NamedTuple):
+    """The files of a record, and its licence in Zenodo's words, empty where it states none."""
+
+    files: list[Listed]
+    licence: str
+
+
 def fetch_record(
     record: str, leave_out: Collection[str], target: Path, source: Path | None = None
-) -> list[Listed]:
+) -> Record:
     """Copy the files of a record into a folder, from the network or from another folder.
 
     record: URL of its listing, which is read in either case; leave_out: names of files. Every file
-    is verified before it is put in place; files that exist already are kept. Returns the files.
+    is verified before it is put in place; files that exist already are kept. Returns what there is.
     Raises InputError when the network, the listing, the source, a checksum or the target is at
     fault.
     """
-    listed = [file for file in read_listing(record) if file.name not in leave_out]
-    for file in listed:
+    listed = read_listing(record)
+    wanted = [file for file in listed.files if file.name not in leave_out]
+    for file in wanted:
         if is_there(target / file.name, file.md5, "md5"):
             continue
         if source is None:
             _download(file, target)
         else:
             _copy(file, source, target)
-    return listed
+    return Record(wanted, listed.licence)
 
 
-def read_listing(record: str) -> list[Listed]:
-    """Return the files of a record. Raises InputError where its listing cannot be read."""
+def read_listing(record: str) -> Record:
+    """Return what a record holds. Raises InputError where its listing cannot be read."""
     try:
         answer = requests.get(record, timeout=TIMEOUT)
         answer.raise_for_status()
-        return [_listed(entry) for entry in answer.json()["files"]]
-    except (requests.RequestException, ValueError, KeyError, TypeError) as error:
+        known = answer.json()
+        licence = known.get("metadata", {}).get("license", {}).get("id", "")
+        return Record([_listed(entry) for entry in known["files"]], str(licence))
+    except (requests.RequestException, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"the list of files at {record} could not be read ({type(error).__name__}); check the "
             "network, or download the files by hand and use `ur5 import`"

@@ -43,10 +43,10 @@ def identified_parameters(folder: Path, friction: JointFriction | None) -> dict[
     )
     fit = currents.get("fit", {"joints": []})
     return {
-        "base_parameters": [_with_interval(row) for row in model.get("parameters", [])],
+        "base_parameters": [_base_parameter(row) for row in model.get("parameters", [])],
         "rotor_inertia": [*_rotor_rows(rotors)],
         "torque_noise": model.get("noise"),
-        "currents": [_with_own_interval(row) for row in currents.get("parameters", [])],
+        "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
         "current_model": [{name: joint[name] for name in FITTED} for joint in fit["joints"]],
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
@@ -59,13 +59,13 @@ def provenance(results: Path, recordings: list[str]) -> dict[str, Any]:
     return {name: _summary(path).get("read", {}) for name, path in qualities.items()}
 
 
-def _with_interval(row: Mapping[str, Any]) -> dict[str, Any]:
+def _base_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a base parameter with its interval, without its weights."""
     known = {key: row[key] for key in ("parameter", "value", "std_error", "determined")}
     return known | _interval(row["value"], row["std_error"])
 
 
-def _with_own_interval(row: Mapping[str, Any]) -> dict[str, Any]:
+def _current_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
     known = {key: value for key, value in row.items() if key != "interval"}
     return known | dict(zip(("low", "high"), row["interval"], strict=True))
 
