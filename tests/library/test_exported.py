@@ -68,6 +68,22 @@ def test_urdf_has_the_same_friction() -> None:
     np.testing.assert_array_equal(np.reshape(model.dof_damping, (6, -1))[:, 0], FRICTION.viscous)
 
 
+@pytest.mark.parametrize("unknown", [2, 6])
+def test_unknown_friction_is_left_out(unknown: int) -> None:
+    coulomb = np.where(np.arange(1, 7) == unknown, np.nan, FRICTION.coulomb)
+    friction, robot = JointFriction(coulomb, FRICTION.viscous), load_robot(robot_path("ur5e"))
+    bodies, others = rigid_bodies(robot, "maker"), {*JOINTS} - {f"joint_{unknown}"}
+    for text, place in (
+        (urdf(robot, bodies, friction), "dynamics"),
+        (sdf(robot, "maker", friction), "axis/dynamics"),
+    ):
+        joints = ElementTree.fromstring(text).iter("joint")
+        assert {joint.get("name") for joint in joints if joint.find(place) is not None} == others
+    assert yaml.safe_load(isaac(robot, "maker", friction))["arm"]["friction"].keys() == others
+    model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", friction))
+    assert np.flatnonzero(model.dof_frictionloss == 0).tolist() == [unknown - 1]
+
+
 # SDF, read by its specification: no engine here reads it
 
 

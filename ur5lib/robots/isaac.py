@@ -1,5 +1,6 @@
 """Export of an arm's joints as Isaac Lab's actuators have them."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import yaml
@@ -39,6 +40,12 @@ def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
 
 
 def _by_joint(fields: Mapping[str, Sequence[float] | Array]) -> dict[str, dict[str, float]]:
+    """Return the values of each field by joint, without those that are unknown."""
     return {
-        name: dict(zip(JOINTS, map(float, values), strict=True)) for name, values in fields.items()
+        name: {
+            joint: float(value)
+            for joint, value in zip(JOINTS, values, strict=True)
+            if not math.isnan(value)
+        }
+        for name, values in fields.items()
     }

@@ -31,9 +31,9 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         joint.limited = np.isfinite(limit)
         if joint.limited:
             joint.range = (-limit, limit)
-        if friction is not None:
-            joint.frictionloss = friction.coulomb[k]
-            joint.damping = (friction.viscous[k], 0, 0)  # a polynomial of the velocity
+        if friction is not None and (known := friction.of(k + 1)):
+            joint.frictionloss, viscous = known
+            joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
         most = robot.motor(k + 1).torque_max
         motor = spec.add_actuator(name=f"motor_{k + 1}", target=joint.name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT

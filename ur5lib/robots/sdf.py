@@ -65,9 +65,9 @@ def _add_axis(joint: Element, k: int, robot: Robot, friction: JointFriction | No
     bounds = {"lower": -end, "upper": end} if math.isfinite(end) else {}
     limit = bounds | {"effort": motor.torque_max, "velocity": motor.velocity_max}
     _add_numbers(SubElement(axis, "limit"), limit)
-    if friction is not None:
-        known = {"damping": friction.viscous[k - 1], "friction": friction.coulomb[k - 1]}
-        _add_numbers(SubElement(axis, "dynamics"), known)
+    if friction is not None and (known := friction.of(k)):
+        coulomb, viscous = known
+        _add_numbers(SubElement(axis, "dynamics"), {"damping": viscous, "friction": coulomb})
 
 
 def _add_numbers(parent: Element, values: Mapping[str, float]) -> None:

@@ -93,9 +93,9 @@ def _add_joint(root: Element, k: int, robot: Robot, friction: JointFriction | No
         effort=numbers([motor.torque_max]),
         velocity=numbers([motor.velocity_max]),
     )
-    if friction is not None:
-        damping, dry = numbers([friction.viscous[k - 1]]), numbers([friction.coulomb[k - 1]])
-        SubElement(joint, "dynamics", damping=damping, friction=dry)
+    if friction is not None and (known := friction.of(k)):
+        coulomb, viscous = (numbers([value]) for value in known)
+        SubElement(joint, "dynamics", damping=viscous, friction=coulomb)
 
 
 def _add_frame(root: Element, k: int, robot: Robot) -> None:

@@ -31,6 +31,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "isaac": isaac,
 }
 FORMATS = (*WRITERS, "json")
+FEWEST = 100  # samples in motion that tell a joint's friction
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
@@ -123,10 +124,15 @@ def motor_torque(fit: CurrentFit, current: Array) -> Array:
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
-    """Return Coulomb and viscous friction (2,) by least squares, in motion, not negative."""
+    """Return Coulomb and viscous friction (2,) by least squares, in motion, not negative.
+
+    NaN for a joint with too few samples in motion.
+    """
     from scipy.optimize import nnls
 
     moving = (np.abs(qd) > MOVING) & np.isfinite(torque)
+    if np.count_nonzero(moving) < FEWEST:
+        return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
     return np.asarray(nnls(columns, torque[moving])[0])
 
