@@ -57,7 +57,7 @@ def thesis_data() -> Path:
 
 @pytest.fixture(scope="session")
 def ur10e_data() -> Path:
-    return recordings("ur10e", "workflow/studies/ur10e.yaml says where they are")
+    return recordings("ur10e", "`ur5 fetch ur10e` fetches them")
 
 
 @pytest.fixture(scope="session")

@@ -21,7 +21,9 @@ app = typer.Typer(
 
 @app.command()
 def fetch(
-    dataset: Annotated[str, typer.Argument(help="name of a published data set: thesis")],
+    dataset: Annotated[
+        str | None, typer.Argument(help="name of a published data set; default: list them")
+    ] = None,
     source: Annotated[
         Path | None, typer.Option("--from", help="copy from this folder instead of the network")
     ] = None,
@@ -29,16 +31,13 @@ def fetch(
         Path | None, typer.Option("--to", help="folder to write to; default: raw/<dataset>")
     ] = None,
 ) -> None:
-    """Download a published data set into raw/ and verify every file."""
-    from ur5lib.datasets import DATASETS
-    from ur5lib.datasets import fetch as fetch_dataset
+    """Download a published data set into raw/ and verify every file, or list them all."""
+    from ur5lib.datasets.catalogue import listing
+    from ur5lib.datasets.fetching import fetch as fetch_dataset
 
-    if dataset not in DATASETS:
-        raise InputError(f"unknown data set {dataset!r}; available: {', '.join(DATASETS)}")
-    folder = target or Path("raw") / dataset
-    added = fetch_dataset(DATASETS[dataset], folder, source)
-    total = len(DATASETS[dataset].checksums)
-    typer.echo(f"{folder}: {total} files verified, {added} of them new")
+    lines = listing() if dataset is None else [fetch_dataset(dataset, target, source)]
+    for line in lines:
+        typer.echo(line)
 
 
 @app.command()
@@ -155,7 +154,7 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: urdf, mjcf")] = "urdf",
+    to: Annotated[str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json")] = "urdf",
     results: Annotated[
         Path | None, typer.Option(help="results of a study that identified it: results/<study>")
     ] = None,
@@ -163,10 +162,28 @@ def export(
         str, typer.Option(help="a recording of that study: with its payload and mounting")
     ] = "",
 ) -> None:
-    """Print an arm for other programs: URDF (which has no rotors) or MJCF."""
+    """Print an arm for other programs: as a model, or all that is known of it (json)."""
     from ur5lib.study.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))
+
+
+@app.command()
+def convert(
+    results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    recordings: Annotated[
+        list[str] | None, typer.Argument(help="some of its recordings; default: all")
+    ] = None,
+    to: Annotated[str, typer.Option(help="output format: mat, csv, mcap")] = "mat",
+    into: Annotated[
+        Path | None, typer.Option(help="folder to write to; default: results/<study>/exported")
+    ] = None,
+) -> None:
+    """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
+    from ur5lib.exporting.recordings import write_recordings
+
+    for path in write_recordings(results, recordings or [], to, into):
+        typer.echo(path)
 
 
 @app.command()

@@ -6,7 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.tables import read_csv, read_table, read_units
+from ur5lib.tables import read_csv, read_json, read_table, read_units
 
 
 class FinishedStudy:
@@ -74,6 +74,12 @@ class FinishedStudy:
         frame = read_table(path).set_index("time")
         frame.attrs["units"] = read_units(path)
         return frame
+
+    def start(self, recording: str) -> float | None:
+        """Return when a recording's `time` was zero, in seconds since 1970; None where unknown."""
+        name = _known(recording, self.recordings, "recording")
+        quality = self.folder / "recordings" / name / "quality.json"
+        return read_json(quality).get("start_epoch_s") if quality.is_file() else None
 
 
 def _known(name: str, names: list[str], kind: str) -> str:

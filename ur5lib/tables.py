@@ -121,7 +121,7 @@ def write_table(
         )
         for name, values in arrays.items()
     ]
-    _write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
+    write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
 
 
 def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) -> None:
@@ -185,7 +185,7 @@ def named(values: Array, name: str) -> dict[str, Array]:
 
 def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
     """Write a table of results: an empty cell where no value applies, numbers to some digits."""
-    _write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format=f"%.{digits}g"))
+    write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format=f"%.{digits}g"))
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
@@ -195,8 +195,12 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 def write_json(data: object, path: str | Path) -> None:
     """Write a summary; NaN and infinity become null."""
-    text = json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
-    write_text(text, path)
+    write_text(json_text(data), path)
+
+
+def json_text(data: object) -> str:
+    """Return plain data and arrays as JSON; NaN and infinity become null."""
+    return json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
 
 
 def read_json(path: str | Path) -> Any:
@@ -206,15 +210,19 @@ def read_json(path: str | Path) -> Any:
 
 def write_text(text: str, path: str | Path) -> None:
     """Write a text file."""
-    _write_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
+    write_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
 
 
 def write_bytes(data: bytes, path: str | Path) -> None:
     """Write a binary file."""
-    _write_aside(path, lambda aside: aside.write_bytes(data))
+    write_aside(path, lambda aside: aside.write_bytes(data))
 
 
-def _write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
+def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
+    """Write a file of any kind by a function that writes to the path it is given, then rename it.
+
+    Raises InputError where the file cannot be written.
+    """
     path = Path(path)
     aside = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:

@@ -1,7 +1,9 @@
 """The default study: what the workflow made of simulated recordings, beside the truth."""
 
+import json
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -10,7 +12,13 @@ from pypdf import PdfReader
 from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT, Workflow
+from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from tests.library.test_benchmarks import run_benchmark
+from ur5lib.exporting.contents import TABLES
+from ur5lib.exporting.recordings import write_recordings
+from ur5lib.finished import FinishedStudy
+from ur5lib.importing.files import import_files
+from ur5lib.study.exported import exported
 from ur5lib.tables import read_csv, read_json
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
@@ -155,3 +163,52 @@ def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> N
         exec("".join(cell["source"]), known)
         assert cell["outputs"] == []  # what it shows is not committed
     assert len(known["errors"]) > 100  # type: ignore[arg-type]
+
+
+def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
+    known = json.loads(exported("ur5", None, "json", results, ""))
+    friction = read_csv(results / "tables" / "friction.csv")
+    rotors = read_csv(results / "tables" / "rotor_inertia.csv")
+    parameters = read_csv(results / "tables" / "parameters.csv")
+    for part, table, columns in (
+        ("currents", friction, ["joint", "value", "std_error", "low", "high", "prior_share"]),
+        ("rotor_inertia", rotors, ["joint", "value", "std_error"]),
+        ("base_parameters", parameters, ["value", "std_error"]),
+    ):
+        found = pd.DataFrame(known[part])
+        assert (found["low"] < found["value"]).all()
+        np.testing.assert_allclose(found[columns], table[columns], rtol=1e-7)
+    assert known["link_model"]["name"] == "identified"
+    assert len(known["torque_noise"]) == len(known["current_model"]) == 6
+    quality = read_json(results / "recordings" / "excitation" / "quality.json")
+    assert known["files"]["excitation"] == quality["read"]
+
+
+def test_recordings_are_exported_as_they_are(results: Path, tmp_path: Path) -> None:
+    """To each format: what its library reads back is what the study has."""
+    study, name = FinishedStudy(results), "way_points_pushed"
+    mat, csv, mcap = (
+        path
+        for to in ("mat", "csv", "mcap")
+        for path in write_recordings(results, [name], to, tmp_path)
+    )
+    parts = {part: [*study.frame(name, part)] for part in TABLES}
+    start = study.start(name)
+    assert start is not None
+    assert_as_in_study(from_mat(mat, parts), study, name)
+    assert_as_in_study(from_csv(csv), study, name)
+    assert_as_in_study(from_mcap(mcap)[0], study, name, start)
+
+
+@pytest.mark.parametrize(
+    ("to", "file"), [("mat", "way_points.mat"), ("csv", "way_points/signals.csv")]
+)
+def test_an_exported_recording_is_imported(
+    results: Path, tmp_path: Path, to: str, file: str
+) -> None:
+    (_,) = write_recordings(results, ["way_points"], to, tmp_path)
+    (found,) = import_files([tmp_path / file], ["ur5"])
+    assert not found.entry.keys() & {"joints", "units"}
+    assert any(
+        "actual_current in A" in one or "actual_current_5 in A" in one for one in found.comments
+    )

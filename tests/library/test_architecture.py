@@ -17,9 +17,10 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "errors": set(),
     "strict": {"errors"},
     "steps": {"errors"},
-    "datasets": {"errors"},
+    "datasets": {"errors", "strict"},
     "tables": {"errors", "timeseries"},
     "finished": {"errors", "tables"},
+    "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
@@ -27,7 +28,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "report": BASE | ROOMS | {"pipeline"},
     "study": BASE | ROOMS | {"pipeline", "recorder", "report"},
     "importing": BASE | {"recordings", "study"},
-    "cli": BASE | ROOMS | {"datasets", "importing", "recorder", "report", "study"},
+    "cli": BASE | ROOMS | {"datasets", "exporting", "importing", "recorder", "report", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",

@@ -3,20 +3,30 @@
 import functools
 import hashlib
 import http.server
+import json
 import shutil
 import threading
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+from tests.conftest import PROJECT, shared_folder
 from ur5lib import cli
-from ur5lib.datasets import DATASETS, Dataset, fetch
+from ur5lib.datasets.archive import fetch_archive
+from ur5lib.datasets.catalogue import catalogue, listing
+from ur5lib.datasets.fetching import fetch
+from ur5lib.datasets.record import fetch_record
 from ur5lib.errors import InputError
+from ur5lib.study.check import print_findings
 
 FILES = {"a/csv_files/one.csv": b"1, 2\n", "b/csv_files/two.csv": b"3, 4\n"}
+CHECKSUMS = {name: hashlib.sha256(content).hexdigest() for name, content in FILES.items()}
+NOWHERE = "http://localhost:1/nothing"
+LISTED = {"data.zip": b"zipped", "README.md": b"read me", "again.pkl": b"the same again"}
 
 
 @pytest.fixture
@@ -29,24 +39,55 @@ def source(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def dataset() -> Dataset:
-    checksums = {name: hashlib.sha256(content).hexdigest() for name, content in FILES.items()}
-    return Dataset("http://localhost:1/nothing.zip", "repository-1/data", checksums)
-
-
-@pytest.fixture
-def server(tmp_path: Path, source: Path) -> Iterator[str]:
-    """The data set's archive on a server of this machine's own."""
+def server(tmp_path: Path) -> Iterator[str]:
+    """A server of this machine's own, of the folder www."""
     (tmp_path / "www").mkdir()
-    with zipfile.ZipFile(tmp_path / "www" / "archive.zip", "w") as archive:
-        for name in FILES:
-            archive.write(source / name, f"repository-1/data/{name}")
-        archive.writestr("repository-1/README", "not wanted")
     handler = functools.partial(http.server.SimpleHTTPRequestHandler, directory=tmp_path / "www")
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/archive.zip"
+        yield f"http://127.0.0.1:{server.server_port}"
         server.shutdown()
+
+
+Packed = Callable[[dict[str, str]], str]
+
+
+@pytest.fixture
+def packed(tmp_path: Path, source: Path, server: str) -> Packed:
+    """A function that serves the files in an archive, each by its path there; its URL."""
+
+    def pack(paths: dict[str, str]) -> str:
+        with zipfile.ZipFile(tmp_path / "www" / "archive.zip", "w") as archive:
+            for name, path in paths.items():
+                archive.write(source / name, f"repository-1/{path}")
+            archive.writestr("repository-1/README.csv", "not wanted")
+        return f"{server}/archive.zip"
+
+    return pack
+
+
+@pytest.fixture
+def record(tmp_path: Path, server: str) -> str:
+    """A record as Zenodo's interface lists it."""
+    for name, content in LISTED.items():
+        (tmp_path / "www" / name).write_bytes(content)
+    (tmp_path / "www" / "record.json").write_text(json.dumps(recorded(server)))
+    return f"{server}/record.json"
+
+
+def recorded(server: str) -> dict[str, Any]:
+    files = [
+        {
+            "id": "9a9e9e5b-0000-0000-0000-000000000000",
+            "key": name,
+            "size": len(content),
+            "checksum": f"md5:{hashlib.md5(content).hexdigest()}",
+            "links": {"self": f"{server}/{name}"},
+        }
+        for name, content in LISTED.items()
+    ]
+    metadata = {"title": "Runs of an arm", "license": {"id": "cc-by-4.0"}}
+    return {"id": 1, "doi": "10.5281/zenodo.1", "metadata": metadata, "files": files}
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -54,64 +95,71 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in files}
 
 
-def test_files_are_copied_once(dataset: Dataset, source: Path, tmp_path: Path) -> None:
-    assert fetch(dataset, tmp_path / "raw", source) == 2
+# Archives
+
+
+def test_files_are_copied_once(source: Path, tmp_path: Path) -> None:
+    assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source) == 2
     assert contents(tmp_path / "raw") == FILES
-    assert fetch(dataset, tmp_path / "raw", source) == 0
+    assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source) == 0
 
 
-def test_nothing_is_asked_of_the_network_when_all_is_there(
-    dataset: Dataset, source: Path, tmp_path: Path
-) -> None:
-    fetch(dataset, tmp_path / "raw", source)
-    assert fetch(dataset, tmp_path / "raw") == 0
+def test_nothing_is_asked_of_the_network_when_all_is_there(source: Path, tmp_path: Path) -> None:
+    fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
+    assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw") == 0
 
 
-def test_the_archive_is_downloaded(dataset: Dataset, server: str, tmp_path: Path) -> None:
-    online = Dataset(server, dataset.folder, dataset.checksums)
-    assert fetch(online, tmp_path / "raw") == 2
+@pytest.mark.parametrize(
+    "paths", [{name: name for name in FILES}, dict(zip(FILES, ["x.csv", "y/1.csv"], strict=True))]
+)
+def test_the_archive_is_downloaded(packed: Packed, paths: dict[str, str], tmp_path: Path) -> None:
+    """Files are found by their content, wherever the archive has them."""
+    assert fetch_archive(packed(paths), CHECKSUMS, tmp_path / "raw") == 2
     assert contents(tmp_path / "raw") == FILES
 
 
-def test_no_network_is_told(dataset: Dataset, tmp_path: Path) -> None:
+def test_equal_files_are_told_apart_by_name(source: Path, packed: Packed, tmp_path: Path) -> None:
+    (source / "b/csv_files/two.csv").write_bytes(b"1, 2\n")
+    same = dict.fromkeys(FILES, CHECKSUMS["a/csv_files/one.csv"])
+    assert fetch_archive(packed({name: name for name in FILES}), same, tmp_path / "raw") == 2
+
+
+def test_no_network_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"could not be downloaded .*local folder with --from"):
-        fetch(dataset, tmp_path / "raw")
+        fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw")
     assert not (tmp_path / "raw").exists()
 
 
-def test_a_wrong_archive_is_told(dataset: Dataset, server: str, tmp_path: Path) -> None:
-    elsewhere = Dataset(server, "repository-2/data", dataset.checksums)
+def test_a_wrong_archive_is_told(packed: Packed, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"archive.zip lacks 2 of 2 files"):
-        fetch(elsewhere, tmp_path / "raw")
+        fetch_archive(packed({}), CHECKSUMS, tmp_path / "raw")
 
 
-def test_a_changed_source_file_is_refused(dataset: Dataset, source: Path, tmp_path: Path) -> None:
+def test_a_changed_source_file_is_refused(source: Path, tmp_path: Path) -> None:
     (source / "b/csv_files/two.csv").write_bytes(b"3, 4")
     with pytest.raises(InputError, match=r"two.csv is not the published file"):
-        fetch(dataset, tmp_path / "raw", source)
+        fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
     assert set(contents(tmp_path / "raw")) == {"a/csv_files/one.csv"}  # verified, and kept
 
 
-def test_a_missing_source_file_is_told(dataset: Dataset, source: Path, tmp_path: Path) -> None:
+def test_a_missing_source_file_is_told(source: Path, tmp_path: Path) -> None:
     shutil.rmtree(source / "b")
     with pytest.raises(InputError, match=r"lacks 1 of 2 files, e.g. b/csv_files/two.csv"):
-        fetch(dataset, tmp_path / "raw", source)
+        fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
     assert not (tmp_path / "raw").exists()
 
 
-def test_a_changed_target_file_is_not_overwritten(
-    dataset: Dataset, source: Path, tmp_path: Path
-) -> None:
+def test_a_changed_target_file_is_not_overwritten(source: Path, tmp_path: Path) -> None:
     mine = tmp_path / "raw" / "a/csv_files/one.csv"
     mine.parent.mkdir(parents=True)
     mine.write_bytes(b"my own notes")
     with pytest.raises(InputError, match="differs from the published file; move it away"):
-        fetch(dataset, tmp_path / "raw", source)
+        fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
     assert mine.read_bytes() == b"my own notes"
 
 
 def test_an_interruption_leaves_whole_files_only(
-    dataset: Dataset, source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(_: Path, target: Path) -> None:
         target.write_bytes(b"1,")
@@ -120,13 +168,122 @@ def test_an_interruption_leaves_whole_files_only(
     with monkeypatch.context() as patch:
         patch.setattr(shutil, "copyfile", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            fetch(dataset, tmp_path / "raw", source)
+            fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
     assert contents(tmp_path / "raw") == {}
-    assert fetch(dataset, tmp_path / "raw", source) == 2
+    assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source) == 2
+
+
+# Records
+
+
+def test_a_record_is_downloaded_and_verified(record: str, tmp_path: Path) -> None:
+    files, licence = fetch_record(record, ["again.pkl"], tmp_path / "raw")
+    assert [file.name for file in files] == ["data.zip", "README.md"]
+    assert licence == "cc-by-4.0"
+    assert contents(tmp_path / "raw") == {name: LISTED[name] for name in ("data.zip", "README.md")}
+
+
+def test_a_record_s_files_are_kept(record: str, tmp_path: Path) -> None:
+    fetch_record(record, [], tmp_path / "raw")
+    for name in LISTED:
+        (tmp_path / "www" / name).unlink()
+    assert len(fetch_record(record, [], tmp_path / "raw").files) == 3
+
+
+def test_a_record_is_copied_from_a_folder(record: str, tmp_path: Path) -> None:
+    shutil.copytree(tmp_path / "www", tmp_path / "mine")
+    (tmp_path / "www" / "data.zip").unlink()
+    assert len(fetch_record(record, [], tmp_path / "raw", tmp_path / "mine").files) == 3
+    assert contents(tmp_path / "raw") == LISTED
+
+
+def test_a_download_that_differs_is_refused(record: str, tmp_path: Path) -> None:
+    (tmp_path / "www" / "data.zip").write_bytes(b"torn")
+    with pytest.raises(InputError, match=r"data.zip could not be downloaded \(ValueError\)"):
+        fetch_record(record, [], tmp_path / "raw")
+    assert contents(tmp_path / "raw") == {}
+
+
+@pytest.mark.parametrize("name", ["../outside", "/etc/passwd", ".hidden", "a\nb"])
+def test_a_file_outside_the_folder_is_refused(
+    record: str, server: str, name: str, tmp_path: Path
+) -> None:
+    known = recorded(server)
+    known["files"][0]["key"] = name
+    (tmp_path / "www" / "record.json").write_text(json.dumps(known))
+    with pytest.raises(InputError, match=r"list of files at .* could not be read"):
+        fetch_record(record, [], tmp_path / "raw")
+    assert not (tmp_path / "raw").exists()
+
+
+@pytest.mark.parametrize(
+    "text", ["<html>", "[]", "{}", '{"files": [{"key": "a"}]}', '{"files": 3}']
+)
+def test_what_is_no_record_is_told(record: str, text: str, tmp_path: Path) -> None:
+    (tmp_path / "www" / "record.json").write_text(text)
+    with pytest.raises(InputError, match=r"list of files at .* could not be read"):
+        fetch_record(record, [], tmp_path / "raw")
+
+
+def test_a_missing_record_is_told(server: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"could not be read \(HTTPError\)"):
+        fetch_record(f"{server}/nothing", [], tmp_path / "raw")
+
+
+# The catalogue
 
 
 def test_the_real_list_matches_the_real_recordings(thesis_data: Path, tmp_path: Path) -> None:
-    assert fetch(DATASETS["thesis"], tmp_path / "raw", thesis_data) == 243
+    assert "243 files verified, 243 of them new" in fetch("thesis", tmp_path / "raw", thesis_data)
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"),
+    [
+        ("ur10e", "ur10e"),
+        ("ur5e-demonstrations", "ur5e"),
+        ("ur5e-rtde", "ur5e"),
+        ("ur10-bag", "ur10-bag"),
+    ],
+)
+def test_a_fetched_set_s_study_is_checked_without_errors(
+    name: str, folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    fetch(name, source=shared_folder(folder, f"`ur5 fetch {name}` fetches them"))
+    study = catalogue()[name].study
+    assert study is not None
+    assert print_findings(PROJECT / study) == 0
+
+
+def test_every_study_is_of_a_data_set() -> None:
+    studies = {dataset.study for dataset in catalogue().values() if dataset.study}
+    there = {str(path.relative_to(PROJECT)) for path in PROJECT.glob("workflow/studies/*.yaml")}
+    assert there - {"workflow/studies/thesis_reference.yaml"} == studies
+
+
+def test_the_list_says_licence_and_purpose_of_each() -> None:
+    lines = [*listing()]
+    for field in ("good for", "licence", "address", "files", "study"):
+        found = [line for line in lines if line.startswith(f"  {field}")]
+        assert len(found) == len(catalogue())
+    assert lines[-1].startswith("No address could be tried")
+
+
+def test_a_record_is_fetched_by_name(
+    record: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known = catalogue()["aursad"].model_copy(update={"record": record})
+    monkeypatch.setattr("ur5lib.datasets.fetching.catalogue", lambda: {"aursad": known})
+    told = fetch("aursad", tmp_path / "raw")
+    assert told.startswith(f"{tmp_path / 'raw'}: 3 files verified by the MD5 of {record}")
+    assert told.endswith("the licence cc-by-4.0")
+
+
+def test_what_no_program_can_list_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="by hand, and let `ur5 import`"):
+        fetch("nist-ur5", tmp_path / "raw")
+    assert not (tmp_path / "raw").exists()
 
 
 def test_the_command_tells_a_wrong_name(
@@ -136,7 +293,8 @@ def test_the_command_tells_a_wrong_name(
     with pytest.raises(SystemExit) as stop:
         cli.main()
     assert stop.value.code == 1
-    assert capsys.readouterr().err == "ur5: unknown data set 'thesi'; available: thesis\n"
+    told = capsys.readouterr().err
+    assert told.startswith("ur5: unknown data set 'thesi'; available: thesis, ur10e, ")
 
 
 @pytest.mark.parametrize("command", [[], ["fetch"], ["schema"]])

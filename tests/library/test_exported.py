@@ -1,16 +1,25 @@
 """An arm as MuJoCo reads it, replayed along motions."""
 
+import json
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
+import pinocchio
 import pytest
+import yaml
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
-from ur5lib.robots.mjcf import JointFriction, mjcf
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.isaac import JOINTS, isaac
+from ur5lib.robots.joint_friction import JointFriction
+from ur5lib.robots.mjcf import mjcf
+from ur5lib.robots.sdf import sdf
+from ur5lib.robots.urdf import urdf
 from ur5lib.study.exported import exported
 from ur5lib.study.replay import inverse_dynamics
 from ur5lib.timeseries.arrays import Array
@@ -51,6 +60,120 @@ def test_its_friction_is_coulomb_and_viscous(tmp_path: Path) -> None:
     np.testing.assert_allclose(added[moving], expected[moving], atol=1e-3)
 
 
+def test_urdf_has_the_same_friction() -> None:
+    robot = load_robot(robot_path("ur5e"))
+    text = urdf(robot, rigid_bodies(robot, robot.chosen_model), FRICTION)
+    model = mujoco.MjModel.from_xml_string(text)
+    np.testing.assert_array_equal(model.dof_frictionloss, FRICTION.coulomb)
+    np.testing.assert_array_equal(np.reshape(model.dof_damping, (6, -1))[:, 0], FRICTION.viscous)
+
+
+@pytest.mark.parametrize("unknown", [2, 6])
+def test_unknown_friction_is_left_out(unknown: int) -> None:
+    coulomb = np.where(np.arange(1, 7) == unknown, np.nan, FRICTION.coulomb)
+    friction, robot = JointFriction(coulomb, FRICTION.viscous), load_robot(robot_path("ur5e"))
+    bodies, others = rigid_bodies(robot, "maker"), {*JOINTS} - {f"joint_{unknown}"}
+    for text, place in (
+        (urdf(robot, bodies, friction), "dynamics"),
+        (sdf(robot, "maker", friction), "axis/dynamics"),
+    ):
+        joints = ElementTree.fromstring(text).iter("joint")
+        assert {joint.get("name") for joint in joints if joint.find(place) is not None} == others
+    assert yaml.safe_load(isaac(robot, "maker", friction))["arm"]["friction"].keys() == others
+    model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", friction))
+    assert np.flatnonzero(model.dof_frictionloss == 0).tolist() == [unknown - 1]
+
+
+# SDF, read by its specification: no engine here reads it
+
+
+def placed(pose: str) -> pinocchio.SE3:
+    """A pose of SDF: x y z [m], roll pitch yaw [rad]."""
+    *position, roll, pitch, yaw = map(float, pose.split())
+    return pinocchio.SE3(pinocchio.rpy.rpyToMatrix(roll, pitch, yaw), np.array(position))
+
+
+def from_sdf(text: str) -> pinocchio.Model:
+    """The arm of an SDF text, each link turned about the z axis of the frame that it stands in."""
+    arm, model = ElementTree.fromstring(text).find("model"), pinocchio.Model()
+    assert arm is not None
+    frames = {frame.get("name"): frame.findtext("pose", "") for frame in arm.iter("frame")}
+    below = pinocchio.SE3.Identity()
+    for k in range(1, 7):
+        joint, link = arm.find(f"joint[@name='joint_{k}']"), arm.find(f"link[@name='link_{k}']")
+        assert joint is not None
+        assert link is not None
+        assert joint.findtext("axis/xyz") == "0 0 1"
+        assert joint.findtext("parent") == (f"link_{k - 1}" if k > 1 else "frame_0")
+        assert link.find("pose").get("relative_to") == f"frame_{k - 1}"  # type: ignore[union-attr]
+        model.addJoint(k - 1, pinocchio.JointModelRZ(), below, f"joint_{k}")
+        model.appendBodyToJoint(k, mass_of(link), placed(link.findtext("inertial/pose", "")))
+        below = placed(frames[f"frame_{k}"])
+    return model
+
+
+def mass_of(link: ElementTree.Element) -> pinocchio.Inertia:
+    """A link's mass and inertia, centred in its inertial pose."""
+    i = {e.tag: float(e.text or "") for e in link.find("inertial/inertia") or []}
+    tensor = [
+        [i["ixx"], i["ixy"], i["ixz"]],
+        [i["ixy"], i["iyy"], i["iyz"]],
+        [i["ixz"], i["iyz"], i["izz"]],
+    ]
+    return pinocchio.Inertia(
+        float(link.findtext("inertial/mass", "")), np.zeros(3), np.array(tensor)
+    )
+
+
+@pytest.mark.parametrize("name", ["ur5", "ur10e", "ur20"])
+def test_sdf_has_the_same_torques(name: str) -> None:
+    robot = load_robot(robot_path(name)).mounted(GRAVITY)
+    robot = robot.carrying(Payload(mass=1.5, center_of_mass=(0.02, 0.0, 0.1)))
+    engine = from_sdf(sdf(robot, robot.chosen_model, None))
+    engine.gravity.linear = GRAVITY
+    data, states = engine.createData(), zip(*STATES, strict=True)
+    torque = [pinocchio.rnea(engine, data, q, qd, qdd) for q, qd, qdd in states]
+    expected = LinkModel(robot, robot.chosen_model).inverse_dynamics(*STATES)
+    np.testing.assert_allclose(torque, expected, atol=1e-7)
+
+
+def test_sdf_has_limits_and_friction() -> None:
+    robot = load_robot(robot_path("ur3e"))  # whose last joint turns without end
+    root = ElementTree.fromstring(sdf(robot, robot.chosen_model, FRICTION))
+    axes = [*root.iter("axis")]
+    assert root.get("version") == "1.9"
+    upper = [axis.findtext("limit/upper") for axis in axes]
+    expected = [None if np.isinf(end) else str(end) for end in robot.position_limits()]
+    assert upper == expected
+    assert None in expected
+    for field, values in (("damping", FRICTION.viscous), ("friction", FRICTION.coulomb)):
+        assert [float(axis.findtext(f"dynamics/{field}", "")) for axis in axes] == [*values]
+
+
+# Others
+
+
+def test_isaac_has_rotors_limits_and_friction() -> None:
+    robot = load_robot(robot_path("ur10e"))
+    model = robot.fullest_model()
+    arm = yaml.safe_load(isaac(robot, model, FRICTION))["arm"]
+    assert arm["joint_names_expr"] == JOINTS
+    assert [*arm["armature"].values()] == [*rigid_bodies(robot, model).rotor_inertia]
+    assert [*arm["friction"].values()] == [*FRICTION.coulomb] == [*arm["dynamic_friction"].values()]
+    assert [*arm["viscous_friction"].values()] == [*FRICTION.viscous]
+    assert arm["effort_limit_sim"]["joint_1"] == robot.motor(1).torque_max
+    assert not yaml.safe_load(isaac(robot, model, None))["arm"].keys() & {"friction"}
+
+
+def test_json_describes_an_arm_without_results() -> None:
+    robot = load_robot(robot_path("ur5e"))
+    known = json.loads(exported("ur5e", None, "json", None, ""))
+    assert known["arm"]["denavit_hartenberg"][1]["a"] == robot.denavit_hartenberg[1].a
+    bodies = rigid_bodies(robot, robot.chosen_model)
+    np.testing.assert_allclose(known["link_model"]["center_of_mass"], bodies.center_of_mass)
+    assert "base_parameters" not in known
+
+
 def test_limits_are_those_of_the_joints() -> None:
     robot = load_robot(robot_path("ur5e"))
     model = mujoco.MjModel.from_xml_string(mjcf(robot, "maker", None))
@@ -62,7 +185,7 @@ def test_limits_are_those_of_the_joints() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"to": "sdf"}, "available: urdf, mjcf"),
+        ({"to": "usd"}, "available: urdf, mjcf, sdf, isaac, json"),
         ({"robot": "ur6"}, "no description"),
         ({"model": "Z"}, "no link model 'Z'"),
         ({"as_in": "pushed"}, "--results"),

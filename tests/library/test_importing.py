@@ -197,6 +197,10 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
     entry, said = entry_and_comments(tmp_path / "run.csv")
     assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
     assert "NIST" in said
+    rows = zip(*(block.tolist() for block in blocks), strict=True)
+    lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
+    (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")  # as NIST's own files group them
+    assert entry_and_comments(tmp_path / "run.csv")[0] == entry
 
 
 def test_three_commands_are_named(

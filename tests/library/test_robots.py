@@ -184,8 +184,8 @@ def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
         (["--robot", "ur6", "--model", "C"], "no description of `ur6`; docs/robots.md"),
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (
-            ["--robot", "ur5", "--model", "C", "--to", "sdf"],
-            "unknown format 'sdf'; available: urdf",
+            ["--robot", "ur5", "--model", "C", "--to", "usd"],
+            "unknown format 'usd'; available: urdf",
         ),
     ],
 )

@@ -86,7 +86,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (
             lambda raw: raw["recordings"][0].update(folder="raw/nowhere"),
             f"`recordings[0].folder` is 'raw/nowhere', which does not exist in {Path.cwd()}; run "
-            "in the project's folder, correct the path, or fetch the data (`ur5 fetch thesis`)",
+            "in the project's folder, correct the path, or fetch the data (`ur5 fetch`)",
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "

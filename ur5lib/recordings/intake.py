@@ -14,6 +14,7 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.motor_torque import with_currents
 from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wrist_sensor import with_wrist_sensor
@@ -52,7 +53,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
-    cycle, source = raw.cycle, raw.robot.source
+    cycle, source, start = raw.cycle, raw.robot.source, _epoch(raw.robot.start)
     del raw  # whose channels are freed while they are repaired
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source)
     findings += repairs + remarks
@@ -70,6 +71,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
         "period_s": timing.period,
         "longest_step_s": timing.longest_step,
         "jitter_s": {"median": timing.jitter_median, "99 %": timing.jitter_99},
+        "start_epoch_s": start,
         "devices": ["robot", *placed],
         "starts": {
             device: {name: part for name, part in asdict(start).items() if part is not None}
@@ -79,6 +81,11 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
         "findings": [finding.as_row() for finding in findings],
     }
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
+
+
+def _epoch(start: Stamp | None) -> float | None:
+    """Return when the robot's clock read zero, in seconds since 1970; None where unknown."""
+    return start.seconds if start is not None and start.since == "epoch_s" else None
 
 
 def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:

@@ -1,6 +1,7 @@
 """Text files in blocks of whole lines: a long one is never in memory as a whole."""
 
 import gzip
+import re
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,13 +13,15 @@ from ur5lib.strict import expect_file
 
 SIZE = 1 << 25  # bytes of a block
 SHORT = 1 << 20  # bytes; a shorter rest joins the block before it
+BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 1e-3
 GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
 def text_blocks(path: Path, device: Device, findings: list[Finding]) -> Iterator[bytes]:
     """Yield a file, unpacked if it is compressed, in blocks of whole lines.
 
-    At least one block, which may be empty; without byte-order mark, carriage returns and quotes.
+    At least one block, which may be empty; without byte-order mark, carriage returns and quotes,
+    and without brackets around numbers.
     Raises InputError when the file cannot be read or is not text.
     """
     expect_file(path)
@@ -75,4 +78,12 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 def _plain(block: bytes) -> bytes:
     if b"\r" in block:
         block = block.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-    return block.replace(b'"', b"") if b'"' in block else block
+    if b'"' in block:
+        block = block.replace(b'"', b"")
+    return block.translate(None, BRACKETS) if _is_grouped(block) else block
+
+
+def _is_grouped(block: bytes) -> bool:
+    """Return whether rows group numbers in brackets, as Python prints lists and NIST's files do."""
+    first = block.partition(b"\n")[0]
+    return b"[" in first and not LETTERS.search(first)

@@ -1,27 +1,18 @@
 """Export of an arm as MJCF, the model format of MuJoCo."""
 
-from dataclasses import dataclass
-
 import mujoco
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Pose, Robot
 from ur5lib.robots.inertia import rigid_bodies, tensor
+from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.urdf import link_tail, thick
 from ur5lib.timeseries.arrays import Array
 
 TOOL = "tool"
 ROUNDED = 1e-5  # share of an inertia, beyond the six digits with which it is written
 POINT = 1e-12  # kg m², inertia that stands for a point mass
-
-
-@dataclass(frozen=True)
-class JointFriction:
-    """Friction as simulators know it, (6,) each: coulomb [Nm], viscous [Nm s/rad]."""
-
-    coulomb: Array
-    viscous: Array
 
 
 def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
@@ -40,9 +31,9 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         joint.limited = np.isfinite(limit)
         if joint.limited:
             joint.range = (-limit, limit)
-        if friction is not None:
-            joint.frictionloss = friction.coulomb[k]
-            joint.damping = (friction.viscous[k], 0, 0)  # a polynomial of the velocity
+        if friction is not None and (known := friction.of(k + 1)):
+            joint.frictionloss, viscous = known
+            joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
         most = robot.motor(k + 1).torque_max
         motor = spec.add_actuator(name=f"motor_{k + 1}", target=joint.name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT

@@ -8,6 +8,7 @@ import numpy as np
 
 from ur5lib.robots.description import Pose, Robot
 from ur5lib.robots.inertia import RigidBodies
+from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.timeseries.arrays import Array
 
 
@@ -36,8 +37,8 @@ def thick(inertia: Array, share: float = 1e-12) -> Array:
     return inertia if slack > margin else inertia + margin * np.eye(3)
 
 
-def urdf(robot: Robot, bodies: RigidBodies) -> str:
-    """Return an arm as URDF.
+def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None) -> str:
+    """Return an arm as URDF, with friction as `dynamics` of its joints.
 
     The base is `frame_0`; for k = 1 to 6, `joint_k` turns `link_k`, which has the mass, and its
     Denavit-Hartenberg frame `frame_k` lies at the far end of the link. URDF has no element for
@@ -47,13 +48,14 @@ def urdf(robot: Robot, bodies: RigidBodies) -> str:
     SubElement(root, "link", name="frame_0")
     for k in range(1, 7):
         _add_link(root, k, robot, bodies)
-        _add_joint(root, k, robot)
+        _add_joint(root, k, robot, friction)
         _add_frame(root, k, robot)
     indent(root)
     return tostring(root, encoding="unicode")
 
 
-def _text(values: Iterable[float]) -> str:
+def numbers(values: Iterable[float]) -> str:
+    """Return numbers as XML has them, with all of their digits."""
     return " ".join(repr(float(value)) for value in values)
 
 
@@ -61,20 +63,24 @@ def _add_link(root: Element, k: int, robot: Robot, bodies: RigidBodies) -> None:
     pose = robot.link_poses()[k - 1]
     rotation, translation = link_tail(pose)
     center = translation + rotation @ bodies.center_of_mass[k - 1]
-    inertia = thick(bodies.inertia[k - 1])
-    entries = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2)}
-    entries |= {"ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
-
+    entries = inertia_entries(bodies.inertia[k - 1])
     inertial = SubElement(SubElement(root, "link", name=f"link_{k}"), "inertial")
-    SubElement(inertial, "origin", xyz=_text(center), rpy=_text(pose.rpy))
-    SubElement(inertial, "mass", value=_text([bodies.mass[k - 1]]))
-    SubElement(inertial, "inertia", {name: _text([inertia[ij]]) for name, ij in entries.items()})
+    SubElement(inertial, "origin", xyz=numbers(center), rpy=numbers(pose.rpy))
+    SubElement(inertial, "mass", value=numbers([bodies.mass[k - 1]]))
+    SubElement(inertial, "inertia", {name: numbers([value]) for name, value in entries.items()})
 
 
-def _add_joint(root: Element, k: int, robot: Robot) -> None:
+def inertia_entries(inertia: Array) -> dict[str, float]:
+    """Return the entries of an inertia tensor (3, 3) by their names in URDF and SDF."""
+    full = thick(inertia)
+    pairs = {a + b: full["xyz".index(a), "xyz".index(b)] for a in "xyz" for b in "xyz" if a <= b}
+    return {f"i{pair}": float(value) for pair, value in pairs.items()}
+
+
+def _add_joint(root: Element, k: int, robot: Robot, friction: JointFriction | None) -> None:
     motor, end = robot.motor(k), robot.position_limits()[k - 1]
     kind = "revolute" if math.isfinite(end) else "continuous"
-    bounds = {"lower": _text([-end]), "upper": _text([end])} if math.isfinite(end) else {}
+    bounds = {"lower": numbers([-end]), "upper": numbers([end])} if math.isfinite(end) else {}
     joint = SubElement(root, "joint", name=f"joint_{k}", type=kind)
     SubElement(joint, "parent", link=f"frame_{k - 1}")
     SubElement(joint, "child", link=f"link_{k}")
@@ -84,9 +90,12 @@ def _add_joint(root: Element, k: int, robot: Robot) -> None:
         joint,
         "limit",
         bounds,
-        effort=_text([motor.torque_max]),
-        velocity=_text([motor.velocity_max]),
+        effort=numbers([motor.torque_max]),
+        velocity=numbers([motor.velocity_max]),
     )
+    if friction is not None and (known := friction.of(k)):
+        coulomb, viscous = (numbers([value]) for value in known)
+        SubElement(joint, "dynamics", damping=viscous, friction=coulomb)
 
 
 def _add_frame(root: Element, k: int, robot: Robot) -> None:
@@ -95,4 +104,4 @@ def _add_frame(root: Element, k: int, robot: Robot) -> None:
     joint = SubElement(root, "joint", name=f"frame_{k}_fixed", type="fixed")
     SubElement(joint, "parent", link=f"link_{k}")
     SubElement(joint, "child", link=f"frame_{k}")
-    SubElement(joint, "origin", xyz=_text(pose.position), rpy=_text(pose.rpy))
+    SubElement(joint, "origin", xyz=numbers(pose.position), rpy=numbers(pose.rpy))

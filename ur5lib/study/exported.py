@@ -1,5 +1,6 @@
 """An arm as other programs read it, as described or as a study identified it."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +13,25 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.mjcf import JointFriction, mjcf
+from ur5lib.robots.isaac import isaac
+from ur5lib.robots.joint_friction import JointFriction
+from ur5lib.robots.mjcf import mjcf
+from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
 from ur5lib.study.check import read_study
+from ur5lib.study.known_parameters import described_arm, identified_parameters, provenance
 from ur5lib.study.model import Recording
-from ur5lib.tables import read_json
+from ur5lib.tables import json_text, read_json
 from ur5lib.timeseries.arrays import Array
 
-FORMATS = ("urdf", "mjcf")
+WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
+    "urdf": lambda arm, model, friction: urdf(arm, rigid_bodies(arm, model), friction),
+    "mjcf": mjcf,
+    "sdf": sdf,
+    "isaac": isaac,
+}
+FORMATS = (*WRITERS, "json")
+FEWEST = 100  # samples in motion that tell a joint's friction
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
@@ -39,9 +51,15 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     model = model or (arm.chosen_model if results is None else arm.fullest_model())
     if model not in arm.models:
         raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
-    if to == "urdf":
-        return urdf(arm, rigid_bodies(arm, model))
-    return mjcf(arm, model, None if results is None else simulator_friction(robot, model, results))
+    friction = None if results is None else simulator_friction(robot, model, results)
+    if to in WRITERS:
+        return WRITERS[to](arm, model, friction)
+    known = described_arm(arm, model)
+    if results is not None:
+        known |= identified_parameters(results / "parameters" / robot, friction)
+        fitted = known["fitted_on"].values()
+        known["files"] = provenance(results, sorted({name for names in fitted for name in names}))
+    return json_text(known)
 
 
 def described(robot: str) -> Robot:
@@ -106,10 +124,15 @@ def motor_torque(fit: CurrentFit, current: Array) -> Array:
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
-    """Return Coulomb and viscous friction (2,) by least squares, in motion, not negative."""
+    """Return Coulomb and viscous friction (2,) by least squares, in motion, not negative.
+
+    NaN for a joint with too few samples in motion.
+    """
     from scipy.optimize import nnls
 
     moving = (np.abs(qd) > MOVING) & np.isfinite(torque)
+    if np.count_nonzero(moving) < FEWEST:
+        return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
     return np.asarray(nnls(columns, torque[moving])[0])
 

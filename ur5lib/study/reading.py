@@ -87,7 +87,7 @@ def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
             yield (
                 f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; "
                 "run in the project's folder, correct the path, or fetch the data "
-                "(`ur5 fetch thesis`)"
+                "(`ur5 fetch`)"
             )
 
 

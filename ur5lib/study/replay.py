@@ -58,7 +58,8 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     for label, torque in compared.items():
         error = by_segment(slow, measured - torque, signals.segment)
         error[still] = np.nan
-        rms = np.sqrt(np.nanmean(error**2, axis=0))
+        with np.errstate(invalid="ignore"):  # NaN for a joint that rests throughout
+            rms = np.sqrt(np.nansum(error**2, axis=0) / np.isfinite(error).sum(axis=0))
         yield f"{label:<40}" + "".join(f"{value:>9.3f}" for value in rms)
 
 

@@ -1,0 +1,127 @@
+"""Recordings of a finished study as MAT, CSV and MCAP: the same numbers, with units."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
+from ur5lib.errors import InputError
+from ur5lib.exporting.contents import TABLES, channels, own_unit
+from ur5lib.exporting.recordings import write_recordings
+from ur5lib.finished import FinishedStudy
+from ur5lib.tables import columns, write_json, write_table
+
+START = 1_700_000_000.25
+TIME = 0.008 * np.arange(5)
+WRENCH = [f"Fmap_{axis}" for axis in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]
+UNITS = dict.fromkeys([*WRENCH, *columns("predicted_current")], "N, Nm")
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    """Two recordings: one with forces that are partly unknown, one of which nothing is known."""
+    random = np.random.default_rng(8)
+    head = {"time": TIME, "segment": np.zeros(5, dtype=int)}
+    q, wrench = random.normal(size=(5, 6)), random.normal(size=(5, 6))
+    wrench[1] = np.nan
+    flags = {"interpolated": np.array([False, True, False, False, False])}
+    signals = head | flags | dict(zip(columns("actual_q"), q.T, strict=True))
+    forces = head | dict(zip(WRENCH, wrench.T, strict=True))
+    folder = tmp_path / "results" / "mine"
+    for name, own in (("pushed", {"signals": signals, "forces": forces}), ("free", {})):
+        for table in TABLES:
+            path = folder / "recordings" / name / f"{table}.parquet"
+            write_table(pd.DataFrame(own.get(table, head)), path, UNITS)
+    write_table(pd.DataFrame(signals), folder / "recordings" / "free" / "signals.parquet")
+    write_json({"start_epoch_s": START}, folder / "recordings" / "pushed" / "quality.json")
+    return folder
+
+
+def exported(results: Path, to: str) -> Path:
+    (path,) = write_recordings(results, ["pushed"], to)
+    return path
+
+
+def test_mat_has_the_study_s_numbers(results: Path) -> None:
+    study = FinishedStudy(results)
+    parts = {part: [*study.frame("pushed", part)] for part in ("signals", "forces")}
+    tables = from_mat(exported(results, "mat"), parts)
+    assert_as_in_study(tables, study, "pushed")
+    assert tables["forces"].attrs["units"]["Fmap_nx"] == "Nm"
+
+
+def test_csv_has_the_study_s_numbers(results: Path) -> None:
+    tables = from_csv(exported(results, "csv"))
+    assert tables.keys() == {"signals", "forces"}
+    assert_as_in_study(tables, FinishedStudy(results), "pushed")
+
+
+def test_mcap_has_the_study_s_numbers(results: Path) -> None:
+    tables, stamps = from_mcap(exported(results, "mcap"))
+    assert tables.keys() == {"signals", "forces"}
+    assert_as_in_study(tables, FinishedStudy(results), "pushed", START)
+    assert (np.diff(stamps) >= 0).all()
+
+
+def test_stamps_count_from_the_start_where_that_is_unknown(results: Path) -> None:
+    (path,) = write_recordings(results, ["free"], "mcap")
+    _, stamps = from_mcap(path)
+    np.testing.assert_allclose(1e-9 * stamps, TIME)
+
+
+@pytest.mark.parametrize(
+    ("to", "names"), [("mat", ["free.mat", "pushed.mat"]), ("csv", ["free", "pushed"])]
+)
+def test_all_recordings_are_written_where_none_is_named(
+    results: Path, tmp_path: Path, to: str, names: list[str]
+) -> None:
+    paths = [*write_recordings(results, [], to, tmp_path / "here")]
+    assert paths == [tmp_path / "here" / name for name in names]
+    assert all(path.exists() for path in paths)
+
+
+def test_columns_are_joined_to_channels() -> None:
+    names = ["segment", "q_0", "q_1", "ft_fx", "ft_tz", "imu_ax", "imu_ay", "imu_gx", "log_odds_F"]
+    joined = {"segment", "q", "ft", "imu_a", "imu_g", "log_odds_F"}
+    assert channels(names).keys() == joined
+    assert channels(names)["imu_a"] == ["imu_ax", "imu_ay"]
+
+
+def test_a_column_has_one_unit() -> None:
+    assert [own_unit(f"pose_{k}", "m, rad") for k in (2, 3)] == ["m", "rad"]
+    assert own_unit("qd_5", "rad/s") == "rad/s"
+
+
+@pytest.mark.parametrize(
+    ("names", "to", "message"),
+    [
+        (["pushd"], "mat", "did you mean pushed?"),
+        ([], "xls", "available: mat, csv, mcap"),
+    ],
+)
+def test_what_is_not_there_is_told(results: Path, names: list[str], to: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        [*write_recordings(results, names, to)]
+    assert not (results / "exported").exists()
+
+
+def test_a_missing_package_is_told(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mcap.writer", None)
+    with pytest.raises(InputError, match="pip install --editable"):
+        exported(results, "mcap")
+
+
+def test_an_interrupted_export_leaves_nothing(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(path: Path, *_: object, **__: object) -> None:
+        path.write_bytes(b"MATLAB")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("scipy.io.savemat", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        exported(results, "mat")
+    assert [*(results / "exported").iterdir()] == []

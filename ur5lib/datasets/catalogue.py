@@ -1,0 +1,72 @@
+"""The published data sets that are known here: `catalogue.yaml`."""
+
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from pydantic import Field
+
+from ur5lib.strict import Strict, read_yaml
+
+FOLDER = Path(__file__).parent
+UNTRIED = (
+    "No address could be tried where this list was written: the SHA-256 are those of copies of the "
+    "files, so that a download is either the right one or refused."
+)
+
+
+class Dataset(Strict):
+    """A published data set.
+
+    address: its page; archive: URL of a zip file that contains its files; record: URL of its record
+    at Zenodo; leave_out: files of the record that are not wanted; study: the study file that
+    analyses it; checksums: SHA-256 of the archive's files by name.
+    """
+
+    holds: str
+    good_for: str
+    licence: str
+    address: str
+    archive: str | None = None
+    record: str | None = None
+    leave_out: list[str] = Field(default_factory=list)
+    study: str | None = None
+    checksums: dict[str, str] = Field(default_factory=dict)
+
+
+@cache
+def catalogue() -> dict[str, Dataset]:
+    """Return the data sets by name."""
+    entries = read_yaml(FOLDER / "catalogue.yaml")
+    return {name: _with_checksums(name, Dataset(**entry)) for name, entry in entries.items()}
+
+
+def listing() -> Iterator[str]:
+    """Yield lines that say what there is, under which licence, and what it is good for."""
+    for name, dataset in catalogue().items():
+        yield f"{name}: {dataset.holds}"
+        yield f"  good for  {dataset.good_for}"
+        yield f"  licence   {dataset.licence}"
+        yield f"  address   {dataset.address}"
+        yield f"  files     {_how_verified(dataset)}"
+        yield f"  study     {dataset.study or 'none; `ur5 import` proposes the entries'}"
+    yield UNTRIED
+
+
+def read_checksums(path: Path) -> dict[str, str]:
+    """Read the SHA-256 of each file from a list written by `sha256sum`."""
+    lines = (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8").splitlines())
+    return {file: checksum for checksum, file in lines}
+
+
+def _with_checksums(name: str, dataset: Dataset) -> Dataset:
+    if dataset.archive is None:
+        return dataset
+    checksums = read_checksums(FOLDER / "checksums" / f"{name}.sha256")
+    return dataset.model_copy(update={"checksums": checksums})
+
+
+def _how_verified(dataset: Dataset) -> str:
+    if dataset.archive:
+        return f"{len(dataset.checksums)}, verified by SHA-256"
+    return "verified by the MD5 of the record" if dataset.record else "to be downloaded by hand"

@@ -1,0 +1,87 @@
+"""All that a study found out about an arm, with its errors, as plain data."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.joint_friction import JointFriction
+from ur5lib.tables import read_json
+
+UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
+NORMAL95 = 1.96  # standard errors to either side of a 95 % interval
+FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "remarks")
+
+
+def described_arm(arm: Robot, model: str) -> dict[str, Any]:
+    """Return an arm's kinematics and limits, and one of its link models as rigid bodies.
+
+    Centres of mass are in the frames of the links, inertia tensors about them.
+    """
+    shown = {"name", "gravity", "denavit_hartenberg", "calibration", "joints", "motors"}
+    return {
+        "units": UNITS,
+        "exported_by": f"ur5lib {metadata.version('ur5lib')}",
+        "arm": arm.model_dump(mode="json", include=shown, exclude_none=True),
+        "link_model": {"name": model, **asdict(rigid_bodies(arm, model))},
+    }
+
+
+def identified_parameters(folder: Path, friction: JointFriction | None) -> dict[str, Any]:
+    """Return what a study identified, with standard errors and intervals.
+
+    folder: results/<study>/parameters/<arm>; friction: as simulators know it. Empty where nothing
+    could be fitted. Raises InputError where a summary is missing.
+    """
+    rotors, model, currents = (
+        _summary(folder / f"{name}.json")
+        for name in ("rotor_inertia", "identification", "friction")
+    )
+    fit = currents.get("fit", {"joints": []})
+    return {
+        "base_parameters": [_base_parameter(row) for row in model.get("parameters", [])],
+        "rotor_inertia": [*_rotor_rows(rotors)],
+        "torque_noise": model.get("noise"),
+        "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
+        "current_model": [{name: joint[name] for name in FITTED} for joint in fit["joints"]],
+        "simulator_friction": None if friction is None else asdict(friction),
+        "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
+    }
+
+
+def provenance(results: Path, recordings: list[str]) -> dict[str, Any]:
+    """Return the files that a study read of some recordings, with their SHA-256."""
+    qualities = {name: results / "recordings" / name / "quality.json" for name in recordings}
+    return {name: _summary(path).get("read", {}) for name, path in qualities.items()}
+
+
+def _base_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a base parameter with its interval, without its weights."""
+    known = {key: row[key] for key in ("parameter", "value", "std_error", "determined")}
+    return known | _interval(row["value"], row["std_error"])
+
+
+def _current_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
+    known = {key: value for key, value in row.items() if key != "interval"}
+    return known | dict(zip(("low", "high"), row["interval"], strict=True))
+
+
+def _rotor_rows(rotors: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    if rotors["from"]:
+        pairs = zip(rotors["value"]["inertia"], rotors["std_error"]["inertia"], strict=True)
+        for joint, (value, error) in enumerate(pairs, 1):
+            yield {"joint": joint, "value": value, "std_error": error, **_interval(value, error)}
+
+
+def _interval(value: float, error: float) -> dict[str, float]:
+    return {"low": value - NORMAL95 * error, "high": value + NORMAL95 * error}
+
+
+def _summary(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise InputError(f"{path} does not exist; run snakemake")
+    return dict(read_json(path))
