@@ -427,6 +427,17 @@ def test_a_joint_that_keeps_still_does_not_spoil_the_others(study: list[Record])
     assert all(row.determined for row in rows if row.joint in (1, 2, 3))
 
 
+def test_a_constant_of_unknown_sign_is_undetermined(study: list[Record]) -> None:
+    """Whatever the share of the prior: 100 ± 120 Nm/A tells nothing."""
+    fit = fit_currents(study[:3], smooth, prior())
+    third = fit.joints[2]
+    unsure = replace(third.estimate, std_error=0.5 * np.abs(physical(third.estimate.coefficients)))
+    joints = (*fit.joints[:2], replace(third, estimate=unsure), *fit.joints[3:])
+    rows = [row for row in parameters(replace(fit, joints=joints)) if row.joint == 3]
+    assert [row.determined for row in rows if row.name == "torque_constant"] == [False]
+    assert all(row.determined for row in rows if row.name == "coulomb")
+
+
 def test_a_constant_unlike_what_was_known_is_remarked(study: list[Record]) -> None:
     wrong = prior()
     inverse = Normal(1.5 * wrong.inverse_constant.mean, wrong.inverse_constant.precision)

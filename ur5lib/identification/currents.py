@@ -197,10 +197,17 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
         half = bootstrap.half_width(estimate.std_error, fit.units)
         columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
         rows += [
-            Parameter(joint, name, value, error, (low, high), share, bool(share < UNDETERMINED))
+            Parameter(
+                joint, name, value, error, (low, high), share, _is_determined(name, low, share)
+            )
             for name, value, error, low, high, share in zip(model.names(), *columns, strict=True)
         ]
     return rows
+
+
+def _is_determined(name: str, low: float, share: float) -> bool:
+    """Return whether data determine a parameter: a torque constant's sign, too."""
+    return bool(share < UNDETERMINED and (name != "torque_constant" or low > 0))
 
 
 def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:

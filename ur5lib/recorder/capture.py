@@ -66,7 +66,7 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
 
 
 def _record(
-    device: Device,
+    device: Any,
     path: Path,
     zero: float,
     line: Connection,

@@ -150,9 +150,7 @@ def _angles(q: Any) -> str:
     return "(" + ", ".join(f"{angle:6.2f}" for angle in q) + ") rad"
 
 
-def _watch(
-    session: Session, mover: Mover | None, seconds: float | None, console: Console
-) -> None:
+def _watch(session: Session, mover: Mover | None, seconds: float | None, console: Console) -> None:
     """Show the devices until the time is over, the motion ends, all are gone, or Ctrl-C."""
     begin, said = time.monotonic(), set[str]()
     with _moving(mover), _shown(console) as show:

@@ -1,9 +1,11 @@
 """Friction and motor currents: constants, prediction, cross-validation, payload."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
+from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.report.cells import extremes, interval, joints, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
@@ -35,7 +37,7 @@ def constants(results: Results) -> Body:
             with_error(row.value, row.std_error, 3),
             Cell(interval(row.low, row.high, 2)),
             Cell(f"{100 * row.prior_share:.0f} %"),
-            Cell("data" if row.determined == "yes" else "prior"),
+            Cell(_source(row)),
         ]
         for row in rows.itertuples()
     ]
@@ -44,6 +46,13 @@ def constants(results: Results) -> Body:
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
+
+
+def _source(row: Any) -> str:
+    """Return where a parameter comes from mainly; nothing tells one of unknown sign."""
+    if row.determined == "yes":
+        return "data"
+    return "prior" if row.prior_share > UNDETERMINED else "undetermined"
 
 
 def remarks(results: Results) -> Iterator[str]:
