@@ -10,7 +10,7 @@ from ur5lib.strict import Strict
 if TYPE_CHECKING:
     from ur5lib.recorder.realtime_arm import RealtimeArm
 
-PORT = Annotated[int, Field(gt=0, lt=65536)]
+Port = Annotated[int, Field(gt=0, lt=65536)]
 Columns = list[str]
 
 
@@ -26,15 +26,18 @@ class ArmDevice(Strict):
         None, gt=0, le=500, description="rate of RTDE; default: the controller's own"
     )
 
+    port: Port | None = Field(None, description="its port; default: that of the interface")
+
     def device(self) -> "Device | RealtimeArm":
         """Return the device to record."""
         if self.interface == "realtime":
-            from ur5lib.recorder.realtime_arm import RealtimeArm
+            from ur5lib.recorder.realtime_arm import PORT, RealtimeArm
 
-            return RealtimeArm(self.address)
+            return RealtimeArm(self.address, self.port or PORT)
         from ur5lib.recorder.rtde_arm import RtdeArm
+        from ur5lib.recorder.rtde_client import PORT
 
-        return RtdeArm(self.address, self.rate_hz)
+        return RtdeArm(self.address, self.rate_hz, self.port or PORT)
 
     def entry(self, file: str) -> dict[str, object]:
         """Return the keys of a study's entry that locate the robot's file."""
@@ -47,8 +50,8 @@ class NetFTDevice(Strict):
 
     address: str = Field(description="name or IP address of its box")
     bias: bool = Field(False, description="zero the sensor when the recording starts")
-    port: PORT = Field(49152, description="UDP port of RDT")
-    http_port: PORT = Field(80, description="port of the box's web page")
+    port: Port = Field(49152, description="UDP port of RDT")
+    http_port: Port = Field(80, description="port of the box's web page")
 
     def device(self) -> Device:
         """Return the device to record."""

@@ -15,21 +15,22 @@ from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
 FORCE_RATE, IMU_RATE = 1000.0, 256.0  # Hz
 FORCE_DRIFT, IMU_DRIFT = 40.0, -3000.0  # ppm, of the devices' clocks
 ARM_DRIFT = 25.0  # ppm
-PLAN = {  # what the arm does until somebody moves it, and who pushes it
+PLAN = {  # the arm rests until somebody moves it
     "trajectory": {"kind": "standstill"},
     "force_sensor": {"bias": [-5.3, 1.8, -1.0, 0.07, 0.43, -0.11]},
     "imu": {},
-    "contacts": [{"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}],
 }
+PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}
 
 
 @contextmanager
-def emulated_lab(robot: Robot, plan: SimulatedRecording | None = None) -> Iterator[Lab]:
+def emulated_lab(robot: Robot, is_pushed: bool) -> Iterator[Lab]:
     """Yield the devices of an emulated laboratory, which answer on this computer alone.
 
-    An arm that a hand pushes after 8 s, an ATI Net F/T between flange and hand, and an Xsens MTi.
+    An arm, which a hand pushes 8 s after it is switched on if `is_pushed`, an ATI Net F/T between
+    flange and hand, and an Xsens MTi.
     """
-    plan = plan or SimulatedRecording.model_validate(PLAN)
+    plan = SimulatedRecording.model_validate(PLAN | {"contacts": [PUSH] if is_pushed else []})
     with ExitStack() as devices:
         arm = EmulatedController(robot, plan=plan, drift_ppm=ARM_DRIFT)
         truth = devices.enter_context(arm).truth

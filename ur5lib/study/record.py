@@ -67,7 +67,8 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     folder = Path("raw") / str(plain.get("study")) / checked_name(wish.name)
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
-    with emulated_lab(robot) if wish.emulate else nullcontext(lab_of(plain, path)) as lab:
+    named = nullcontext(lab_of(plain, path)) if not wish.emulate else None
+    with named or emulated_lab(robot, is_pushed=wish.role == "contact") as lab:
         devices = {n: d for n, d in lab.devices().items() if n not in wish.without}
         address = lab.robot.address
         motion = read_motion(wish.move, wish.speed) if wish.move else None

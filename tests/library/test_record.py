@@ -1,0 +1,217 @@
+"""`ur5 record`: what it asks, refuses, and leaves behind."""
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from rich.console import Console
+
+from ur5lib.errors import InputError
+from ur5lib.recorder import live
+from ur5lib.recorder.capture import Status
+from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.robots.collisions import collisions
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.study.check import read_study
+from ur5lib.study.record import Wish, record
+
+HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
+STUDY = """\
+study: lab
+title: First day in the lab
+robot: ur5e
+devices:
+  robot: {address: 127.0.0.1}
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lab.yaml").write_text(STUDY)
+    return Path("lab.yaml")
+
+
+@pytest.fixture(scope="module")
+def ur5e() -> Robot:
+    return load_robot(robot_path("ur5e"))
+
+
+def console() -> Console:
+    return Console(file=io.StringIO(), width=200)
+
+
+def said(console: Console) -> str:
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+# From the devices to the study
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> None:
+    pytest.importorskip("serial")
+    screen = console()
+    wish = Wish("pushed", "contact", seconds=4, add=True, emulate=True)
+    assert record(study, wish, screen) == 0
+    (recording,) = read_study(study).recordings
+    assert (recording.name, recording.role, recording.format) == ("pushed", "contact", "rtde-csv")
+    assert yaml.safe_load(study.read_text())["devices"] == yaml.safe_load(STUDY)["devices"]
+    assert "next: snakemake --configfile lab.yaml" in said(screen)
+    with pytest.raises(InputError, match="raw/lab/pushed exists"):
+        record(study, wish, console())
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> None:
+    pytest.importorskip("rtde_control")
+    time = np.arange(0, 4, 0.02)
+    swing = 0.3 * np.sin(np.pi * time / 4) ** 2
+    np.savetxt("swing.csv", np.column_stack([time, HOME + swing[:, None]]), delimiter=",")
+    wish = Wish(
+        "swing", "fit", without=("imu", "force_sensor"), move=Path("swing.csv"), speed=1.0,
+        yes=True, emulate=True,
+    )  # fmt: skip
+    screen = console()
+    record(study, wish, screen)
+    moved = pd.read_csv("raw/lab/swing/robot.csv")
+    assert np.ptp(moved["actual_q_0"]) == pytest.approx(0.3, abs=0.02)
+    assert moved["actual_q_0"].iloc[-1] == pytest.approx(HOME[0], abs=0.01)
+    assert "joint 1, 2, 3, 4, 5, 6 turned by less than 0.5 rad" in said(screen)
+    assert "recordings" not in yaml.safe_load(study.read_text())  # without --add, it is printed
+    assert "- name: swing" in said(screen)
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("rtde_control")
+    np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
+    screen = console()
+    monkeypatch.setattr(screen, "input", lambda *_: "y")
+    wish = Wish("points", "fit", move=Path("points.csv"), emulate=True)
+    with pytest.raises(InputError, match="not confirmed; the arm was not moved"):
+        record(study, wish, screen)
+    assert not Path("raw").exists()
+
+
+# What is refused
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"devices": None}, "devices"),
+        ({"devices": {"robot": {}}}, "`robot.address` is missing"),
+        ({"devices": {"robot": {"adress": "a"}}}, "did you mean `address`"),
+        ({"robot": "ur4"}, "names no described arm"),
+    ],
+)
+def test_a_study_that_lacks_something_is_refused(
+    study: Path, change: dict[str, Any], sentence: str
+) -> None:
+    study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | change))
+    with pytest.raises(InputError, match=sentence):
+        record(study, Wish("run", "contact", seconds=1), console())
+    assert not Path("raw").exists()
+
+
+def test_a_study_without_devices_shows_what_to_add(study: Path) -> None:
+    study.write_text("study: lab\ntitle: Lab\nrobot: ur5e\n")
+    with pytest.raises(InputError, match=r"has no `devices`; add, for example, devices: \{robot"):
+        record(study, Wish("run", "contact"), console())
+
+
+def test_a_name_that_is_no_folder_is_refused(study: Path) -> None:
+    with pytest.raises(InputError, match="cannot name a recording"):
+        record(study, Wish("../run", "contact"), console())
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("1,2,3\n", "six joint angles"),
+        ("0,0,0,0,0,zero\n", "six joint angles"),
+        ("0,0,0,0,0,nan\n", "six joint angles"),
+        ("1,0,0,0,0,0,0\n1,0,0,0,0,0,0\n", "must increase"),
+    ],
+)
+def test_a_file_that_is_no_motion_is_refused(tmp_path: Path, text: str, sentence: str) -> None:
+    (tmp_path / "motion.csv").write_text(text)
+    with pytest.raises(InputError, match=sentence):
+        read_motion(tmp_path / "motion.csv", 1.0)
+
+
+def points(*q: np.ndarray) -> CommandedMotion:
+    return CommandedMotion(np.array(q), None, 0.25)
+
+
+def test_a_free_path_is_allowed(ur5e: Robot) -> None:
+    assert [*refusals(points(HOME, HOME + 0.2), ur5e, HOME, 0.0)] == []
+
+
+def test_a_path_through_the_table_is_refused(ur5e: Robot) -> None:
+    """Even if both of its ends are above it."""
+    low = np.array([0.5, -0.1, 0.6, -1.5, 1.5, 0.3])
+    (*_, sentence) = refusals(points(low), ur5e, HOME, 0.0)
+    assert "hits the table" in sentence
+    assert [*refusals(points(low), ur5e, HOME, None)] == []
+
+
+def test_a_folded_arm_hits_itself(ur5e: Robot) -> None:
+    folded = HOME * [1, 1, 0, 1, 1, 1] + [0, 0, 3.0, 0, 0, 0]
+    assert any("link_1 hits link_3" in one for one in refusals(points(folded), ur5e, HOME, None))
+
+
+def test_a_joint_beyond_its_limit_is_refused(ur5e: Robot) -> None:
+    far = HOME + np.array([0, 0, 0, 0, 0, 6.5])
+    assert any("joint 6 turns to 6.80 rad" in one for one in refusals(points(far), ur5e, HOME, 0.0))
+
+
+def test_a_trajectory_may_be_slowed_until_it_is_allowed(ur5e: Robot) -> None:
+    time = np.array([0.0, 0.1])
+    quick = CommandedMotion(np.array([HOME, HOME + 0.5]), time, 1.0)
+    assert any("lower --speed" in one for one in refusals(quick, ur5e, HOME, None))
+    slow = CommandedMotion(quick.q, time, 0.5)
+    assert [*refusals(slow, ur5e, HOME, None)] == []
+    assert slow.duration() == pytest.approx(0.2)
+    assert np.abs(np.diff(slow.at_rate(500), axis=0)).max() == pytest.approx(0.005)
+
+
+def test_a_path_is_checked_without_gaps() -> None:
+    ends = np.array([HOME, HOME + np.array([1, 0, 0, 0, 0, 0])])
+    path = dense_path(ends)
+    assert np.abs(np.diff(path, axis=0)).max() <= 0.02
+    np.testing.assert_array_equal(path[[0, -1]], ends)
+
+
+def test_an_upright_arm_touches_nothing(ur5e: Robot) -> None:
+    upright = np.array([[0, -np.pi / 2, 0, -np.pi / 2, 0, 0]])
+    assert collisions(ur5e, upright, 0.0) == []
+
+
+# What is said at once
+
+
+@pytest.mark.parametrize(
+    ("status", "sentence"),
+    [
+        (Status(samples=1000, lost=2), "loses samples"),
+        (Status(samples=100, seconds=3.0), "sends 33 samples a second instead of 100"),
+        (Status(ended="the box has gone"), "has ended: the box has gone"),
+        (Status(latest={"status": float(1 << 17)}), "is saturated"),
+        (Status(latest={"safety_mode": 3.0}), "safety stop"),
+    ],
+)
+def test_what_is_wrong_is_said(status: Status, sentence: str) -> None:
+    (warning,) = live.warnings({"device": status}, {"device": {"rate_hz": 100}})
+    assert sentence in warning
+
+
+def test_a_sound_device_is_not_warned_of() -> None:
+    sound = Status(samples=1000, lost=1, seconds=10.0, latest={"status": 0.0, "safety_mode": 1.0})
+    assert [*live.warnings({"device": sound}, {"device": {"rate_hz": 100}})] == []

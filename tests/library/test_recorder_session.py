@@ -1,0 +1,201 @@
+"""Sessions of the recorder with emulated devices, which know when they took each sample."""
+
+import json
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.conftest import PROJECT
+from ur5lib.errors import InputError
+from ur5lib.recorder.capture import Status, capture
+from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
+from ur5lib.recorder.manifest import read_manifest, write_manifest
+from ur5lib.recorder.session import Session
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.recording import RawRecording
+from ur5lib.recordings.starts import place_sensors
+from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
+from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.net_ft_box import NetFTBox
+from ur5lib.stand.lab.own_clock import Drift
+from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
+from ur5lib.study.model import RtdeRecording
+
+BORN = time.monotonic()  # sensors read the time since, by the host's clock
+SECONDS = 6.0
+PROMPT = 20.0  # s, more than anything takes even on a busy computer
+
+
+def age(now: float) -> np.ndarray:
+    """Return the same time for each channel."""
+    return np.full(9, now - BORN)
+
+
+@contextmanager
+def lab(rate: int = 125, faults: Faults = Faults()) -> Iterator[tuple[Lab, EmulatedController]]:
+    """An arm and both sensors; faults: of the force sensor."""
+    controller = EmulatedController("ur5e", rate=rate, ports=Ports.free(), drift_ppm=200.0)
+    box = NetFTBox(lambda now: age(now)[:6], 500.0, Drift(drift_ppm=-800.0), faults)
+    imu = EmulatedXsens(age, 100.0, Drift(drift_ppm=-3000.0))
+    with controller, box, imu:
+        yield (
+            Lab(
+                robot=ArmDevice(address=HOST, rate_hz=rate, port=controller.setup.ports.rtde),
+                force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
+                imu=XsensDevice(port=imu.path, rate_hz=100.0),
+            ),
+            controller,
+        )
+
+
+def until(condition: object) -> None:
+    """Wait until a condition holds."""
+    end = time.monotonic() + PROMPT
+    while not condition():  # type: ignore[operator]
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def read_back(devices: Lab, folder: Path) -> RawRecording:
+    """Read a recording by the entry that `ur5 record` gives it."""
+    entry = {"name": "run", "role": "contact", "robot": "ur5e", "folder": str(folder)}
+    entry |= devices.robot.entry("robot.csv")
+    entry |= {n: d.entry(f"{n}.csv") for n, d in devices.devices().items() if n != "robot"}
+    return read_recording(RtdeRecording.model_validate(entry).model_dump())
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, EmulatedController]:
+    """A session of some seconds, with its manifest."""
+    folder = tmp_path_factory.mktemp("session") / "run"
+    with lab() as (devices, controller):
+        with Session(devices.devices(), folder) as session:
+            write_manifest(folder, session.identities(), None, None)
+            assert not read_manifest(folder)["complete"]
+            time.sleep(SECONDS)
+        write_manifest(folder, session.identities(), session.statuses(), None)
+    return devices, folder, controller
+
+
+def test_the_clocks_of_all_devices_agree_within_two_milliseconds(
+    recorded: tuple[Lab, Path, EmulatedController],
+) -> None:
+    """Without anything that moves."""
+    devices, folder, controller = recorded
+    raw = read_back(devices, folder)
+    first = float(pd.read_csv(folder / "robot.csv", nrows=1)["timestamp"].iloc[0])
+    for name, (record, start) in place_sensors(raw, []).items():
+        channel = "ft_fx" if name == "force" else "imu_ax"
+        true = BORN + record.table[channel].to_numpy()  # of the host
+        on_robot = first + start.seconds + record.table["time"].to_numpy()
+        error = np.asarray(controller.clock.host(on_robot)) - true
+        assert np.abs(error).max() < 0.002, name
+
+
+def test_nothing_is_lost_and_the_manifest_says_what_recorded(
+    recorded: tuple[Lab, Path, EmulatedController],
+) -> None:
+    manifest = read_manifest(recorded[1])
+    assert manifest["complete"]
+    for name, rate in (("robot", 125), ("force_sensor", 500), ("imu", 100)):
+        entry = manifest["devices"][name]
+        assert entry["lost"] == 0
+        assert entry["recorded_rate_hz"] == pytest.approx(rate, rel=0.02)
+        assert entry["ended"] is None
+        rows = (recorded[1] / entry["file"]).read_text().count("\n") - 1
+        assert rows == entry["samples"]
+
+
+def test_every_number_is_kept_to_the_last_bit(
+    recorded: tuple[Lab, Path, EmulatedController],
+) -> None:
+    """Time stamps are multiples of the cycle after the start, as the controller sent them."""
+    stamps = pd.read_csv(recorded[1] / "robot.csv")["timestamp"].to_numpy()
+    assert np.abs(np.diff(stamps) - 0.008).max() < 1e-9
+    assert len({repr(stamp) for stamp in stamps.tolist()}) == len(stamps)
+
+
+def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
+    with lab(faults=Faults(dies_at=2.0)) as (devices, _):
+        with Session(devices.devices(), tmp_path / "run") as session:
+            until(lambda: session.statuses()["force_sensor"].ended)
+            before = session.statuses()["robot"].samples
+            until(lambda: session.statuses()["robot"].samples > before + 20)
+        statuses = session.statuses()
+    assert "Net F/T" in (statuses["force_sensor"].ended or "")
+    assert statuses["robot"].ended is None
+    assert statuses["imu"].ended is None
+    assert set(place_sensors(read_back(devices, tmp_path / "run"), [])) == {"force", "imu"}
+
+
+def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path: Path) -> None:
+    absent = {"imu": XsensDevice(port=str(tmp_path / "nowhere"))}
+    with pytest.raises(InputError, match="nowhere"), Session(absent, tmp_path / "run"):
+        pass
+
+
+def test_a_full_disk_is_said(tmp_path: Path) -> None:
+    here, there = multiprocessing.Pipe()
+    handler = signal.getsignal(signal.SIGINT)
+    with lab() as (devices, _):
+        stop = multiprocessing.Event()
+        try:
+            capture(devices.imu, Path("/dev/full"), 0.0, there, stop)  # type: ignore[arg-type]
+        finally:
+            signal.signal(signal.SIGINT, handler)
+    identity, status = here.recv(), here.recv()
+    assert identity["model"].startswith("MTi")
+    assert isinstance(status, Status)
+    assert "cannot be written (No space left on device)" in str(status.ended)
+
+
+RECORD = """
+import sys, time, tests.library.test_recorder_session as t
+from pathlib import Path
+from ur5lib.recorder.session import Session
+if __name__ == "__main__":
+    with t.lab() as (devices, _), Session(devices.devices(), Path(sys.argv[1])) as session:
+        while True:
+            if all(status.samples for status in session.statuses().values()):
+                print("recording", flush=True)
+            time.sleep(0.1)
+"""
+
+
+def test_a_killed_recorder_leaves_whole_files(tmp_path: Path) -> None:
+    """By SIGKILL: its processes notice, and end."""
+    script, folder = tmp_path / "record.py", tmp_path / "run"
+    script.write_text(RECORD)
+    command = [sys.executable, str(script), str(folder)]
+    path = {"PYTHONPATH": str(PROJECT)}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=os.environ | path) as recorder:
+        assert recorder.stdout is not None
+        for _ in range(20):
+            assert recorder.stdout.readline() == b"recording\n"
+        recorder.kill()
+    sizes: list[int] = []
+
+    def settled() -> bool:
+        sizes.append(sum(file.stat().st_size for file in folder.iterdir()))
+        return len(sizes) > 40 and len(set(sizes[-40:])) == 1
+
+    until(settled)
+    for file in folder.iterdir():
+        rows = file.read_text().splitlines()
+        assert {row.count(",") for row in rows} == {rows[0].count(",")}
+        assert len(rows) > 100
+
+
+def test_the_manifest_is_plain(recorded: tuple[Lab, Path, EmulatedController]) -> None:
+    text = (recorded[1] / "manifest.json").read_text()
+    assert json.loads(text)["devices"]["imu"]["sha256"]
