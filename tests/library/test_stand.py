@@ -21,9 +21,10 @@ from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import STEP, Experiment, perform
+from ur5lib.stand.engine import Experiment, perform
 from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
+from ur5lib.stand.rig import STEP
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 

@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.drive import current_noise, stir
-from ur5lib.stand.engine import STEP, Experiment, Motion
+from ur5lib.stand.engine import Experiment, Motion
 from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import STEP
 from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array, Labels

@@ -105,7 +105,9 @@ def _movej(plan: Movej, time: Array) -> Targets:
     parts = np.zeros((3, len(time), 6))
     parts[0] = points[0]
     for start, origin, way in _legs(plan, points, float(time[-1])):
-        place, speed, acceleration = _trapezoid(time - start, way, plan)
+        place, speed, acceleration = trapezoid(
+            time - start, way, plan.speed_rad_s, plan.acceleration_rad_s2
+        )
         later = time >= start
         share = np.outer(place[later], way) / np.abs(way).max()
         parts[0][later] = origin + share
@@ -123,22 +125,30 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
         way = goal - origin
         if way.any():
             yield start, origin, way
-        start += max(_duration(np.abs(way).max(), plan)[2] + plan.pause_s, SHORTEST)
+        moving = duration(way, plan.speed_rad_s, plan.acceleration_rad_s2)[2]
+        start += max(moving + plan.pause_s, SHORTEST)
 
 
-def _duration(way: float, plan: Movej) -> tuple[float, float, float]:
-    """Return the duration of the acceleration, the start of the braking, and the end [s]."""
-    ramp = min(plan.speed_rad_s / plan.acceleration_rad_s2, (way / plan.acceleration_rad_s2) ** 0.5)
-    cruise = way / (plan.acceleration_rad_s2 * ramp) - ramp if ramp else 0.0
+def duration(way: Array, speed: float, acceleration: float) -> tuple[float, float, float]:
+    """Return the duration of the acceleration, the start of the braking, and the end [s].
+
+    way: of the joints (6,) [rad]; speed [rad/s], acceleration [rad/s²]: of the longest way.
+    """
+    longest = np.abs(way).max()
+    ramp = min(speed / acceleration, (longest / acceleration) ** 0.5)
+    cruise = longest / (acceleration * ramp) - ramp if ramp else 0.0
     return ramp, ramp + cruise, 2 * ramp + cruise
 
 
-def _trapezoid(time: Array, way: Array, plan: Movej) -> tuple[Array, Array, Array]:
-    """Return position [rad], speed and acceleration (N,) of the joint with the longest way."""
-    ramp, slow, end = _duration(np.abs(way).max(), plan)
+def trapezoid(time: Array, way: Array, top: float, gain: float) -> tuple[Array, Array, Array]:
+    """Return position [rad], speed and acceleration (N,) of the joint with the longest way.
+
+    time: since the start of the move (N,) [s]; way: of the joints (6,) [rad]; top: its speed
+    [rad/s]; gain: its acceleration [rad/s²].
+    """
+    ramp, slow, end = duration(way, top, gain)
     passed = [np.clip(time - start, 0, ramp) for start in (0.0, slow)]
     cruise = np.clip(time - ramp, 0, slow - ramp)
-    gain = plan.acceleration_rad_s2
     speed = gain * (passed[0] - passed[1])
     place = gain * (passed[0] ** 2 / 2 + ramp * cruise + ramp * passed[1] - passed[1] ** 2 / 2)
     up, down = (time >= 0) & (time < ramp), (time >= slow) & (time < end)

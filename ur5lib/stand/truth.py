@@ -9,9 +9,10 @@ import pandas as pd
 
 from ur5lib.stand import controller, sensors
 from ur5lib.stand import drive as drives
-from ur5lib.stand.engine import STEP, Experiment, Motion
+from ur5lib.stand.engine import Experiment, Motion
 from ur5lib.stand.faults import Hit
 from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import STEP
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array
 

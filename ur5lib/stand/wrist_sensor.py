@@ -4,7 +4,8 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from ur5lib.stand.engine import STEP, Experiment
+from ur5lib.stand.engine import Experiment
+from ur5lib.stand.rig import STEP
 from ur5lib.tables import named
 from ur5lib.timeseries.arrays import Array
 

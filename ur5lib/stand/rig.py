@@ -1,0 +1,115 @@
+"""A simulated arm with its drives, friction and contacts, advanced step by step."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.stand.arm import FLANGE, build_arm
+from ur5lib.stand.contacts import Contacts
+from ur5lib.stand.drive import Drive, drive_of, link_torques
+from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
+from ur5lib.stand.plan import Imu, SimulatedRecording
+from ur5lib.timeseries.arrays import Array
+
+STEP = 0.001  # s, of the integration
+SETTLE = 300  # steps simulated before anything is recorded
+START = 0.5  # largest initial dry friction, as a share of the breakaway torque
+PARTS = {  # quantities of each step, and their numbers of components
+    "q": 6,
+    "qd": 6,
+    "qdd": 6,
+    "motor_torque": 6,
+    "friction_torque": 6,
+    "contact_torque": 6,
+    "wrench": 6,
+    "force_sensor": 6,
+    "imu": 6,
+    "origin": 3,
+    "rotation": 9,
+}
+
+Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (6,)
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A simulated arm and its state.
+
+    robot: with all that it carries; model: name of its true link model; plant, data: that model in
+    MuJoCo and its state; known, known_data: the arm as the controller knows it; declared: the
+    payload that the controller was given; friction: parameters of `rubbing`.
+    """
+
+    robot: Robot
+    model: str
+    plant: mujoco.MjModel
+    data: mujoco.MjData
+    known: mujoco.MjModel
+    known_data: mujoco.MjData
+    declared: Payload | None
+    friction: FrictionParameters
+    rubbing: Friction
+    drive: Drive
+    contacts: Contacts
+
+    def step(self, target: Target, warmth: float, row: Array) -> None:
+        """Advance by one step; write the state before it into `row`, in the order of PARTS.
+
+        warmth: [K], of the motors above the usual temperature.
+        """
+        mujoco.mj_step1(self.plant, self.data)
+        q, qd = self.data.qpos.copy(), self.data.qvel.copy()
+        motor = self._motor_torques(q, qd, target)
+        load = link_torques(self.plant, self.data, target[2])
+        rubbing = self.rubbing.torque(q, qd, load, STEP, warmth)
+        contact, wrench = self.contacts.apply(self.plant, self.data, STEP)
+        self.data.qfrc_applied = motor - rubbing
+        mujoco.mj_step2(self.plant, self.data)
+        flange, held, imu = self.data.body(FLANGE), *np.split(self.data.sensordata, 2)
+        felt = (motor, rubbing, contact, wrench, -held, imu)
+        np.concatenate((q, qd, self.data.qacc, *felt, flange.xpos, flange.xmat), out=row)
+
+    def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
+        """Return the motor torques (6,) [Nm] in the state q [rad], qd [rad/s]."""
+        self.known_data.qpos, self.known_data.qvel = q, qd
+        mujoco.mj_fwdPosition(self.known, self.known_data)
+        mujoco.mj_fwdVelocity(self.known, self.known_data)
+        return self.drive.torques(self.known, self.known_data, target)
+
+
+def build_rig(
+    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, tell: bool = True
+) -> Rig:
+    """Return the arm of a plan; random: generator of the initial friction.
+
+    tell: whether the plan's payload is declared to the controller; an undeclared one never is.
+    Raises InputError when the arm has no such link model.
+    """
+    model = plan.model or list(robot.models)[-1]
+    if model not in robot.models:
+        names = ", ".join(robot.models)
+        raise InputError(
+            f"{robot.name} has no link model {model!r} to simulate; give one of {names}"
+        )
+    declared = plan.payload if tell else None
+    loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
+    mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
+    plant = build_arm(loaded, model, mounting, STEP)
+    known = build_arm(robot.carrying(declared), model, mounting, STEP)
+    friction = friction_of(robot, plan.friction)
+    return Rig(
+        robot=loaded,
+        model=model,
+        plant=plant,
+        data=mujoco.MjData(plant),
+        known=known,
+        known_data=mujoco.MjData(known),
+        declared=declared,
+        friction=friction,
+        rubbing=Friction(friction, random.uniform(-START, START, 6)),
+        drive=drive_of(robot, friction),
+        contacts=Contacts(plant, plan.contacts),
+    )
