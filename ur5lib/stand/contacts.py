@@ -107,13 +107,18 @@ class Contacts:
     """All contacts of a recording, applied to the arm step by step."""
 
     def __init__(self, model: mujoco.MjModel, contacts: list[Kind]) -> None:
-        self._touches = [Touch(contact, model.opt.gravity.copy()) for contact in contacts]
+        self._touches: list[Touch] = []
+        self._bodies: list[int] = []
+        for contact in contacts:
+            self.add(model, contact)
         self._flange = model.body(FLANGE).id
-        self._bodies = [
-            model.body(TOOL if touch.plan.link == 6 else f"link_{touch.plan.link}").id
-            for touch in self._touches
-        ]
         self._jacobian = np.zeros((3, model.nv))
+
+    def add(self, model: mujoco.MjModel, contact: Kind) -> None:
+        """Add a contact."""
+        self._touches.append(Touch(contact, model.opt.gravity.copy()))
+        name = TOOL if contact.link == 6 else f"link_{contact.link}"
+        self._bodies.append(model.body(name).id)
 
     def apply(self, model: mujoco.MjModel, data: mujoco.MjData, step: float) -> tuple[Array, Array]:
         """Apply the forces of this instant to the bodies.

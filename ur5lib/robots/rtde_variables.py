@@ -1,0 +1,94 @@
+"""The variables of the Real-Time Data Exchange (RTDE) and their types.
+
+Source: Universal Robots' guide to RTDE, tables of robot controller outputs and inputs.
+"""
+
+import struct
+from itertools import chain
+
+FORMATS = {  # of the types, as in the module `struct`
+    "BOOL": "?",
+    "UINT8": "B",
+    "UINT32": "I",
+    "UINT64": "Q",
+    "INT32": "i",
+    "DOUBLE": "d",
+    "VECTOR3D": "3d",
+    "VECTOR6D": "6d",
+    "VECTOR6INT32": "6i",
+}
+REGISTERS = 48  # integers and doubles each, to and from the controller
+
+_OUTPUTS = {
+    "DOUBLE": "timestamp actual_execution_time speed_scaling target_speed_fraction actual_momentum "
+    "actual_main_voltage actual_robot_voltage actual_robot_current standard_analog_input0 "
+    "standard_analog_input1 standard_analog_output0 standard_analog_output1 io_current "
+    "tool_analog_input0 tool_analog_input1 tool_output_current tool_temperature tcp_force_scalar "
+    "payload",
+    "VECTOR6D": "target_q target_qd target_qdd target_current target_moment actual_q actual_qd "
+    "actual_current actual_current_window joint_control_output actual_TCP_pose actual_TCP_speed "
+    "actual_TCP_force target_TCP_pose target_TCP_speed joint_temperatures actual_joint_voltage "
+    "ft_raw_wrench payload_inertia actual_current_as_torque",
+    "VECTOR3D": "actual_tool_accelerometer elbow_position elbow_velocity payload_cog",
+    "VECTOR6INT32": "joint_mode",
+    "INT32": "robot_mode safety_mode safety_status tool_output_voltage",
+    "UINT32": "runtime_state robot_status_bits safety_status_bits analog_io_types tool_mode "
+    "tool_analog_input_types script_control_line output_bit_registers0_to_31 "
+    "output_bit_registers32_to_63",
+    "UINT64": "actual_digital_input_bits actual_digital_output_bits",
+}
+_INPUTS = {
+    "UINT32": "speed_slider_mask input_bit_registers0_to_31 input_bit_registers32_to_63",
+    "DOUBLE": "speed_slider_fraction standard_analog_output_0 standard_analog_output_1",
+    "UINT8": "standard_digital_output_mask standard_digital_output "
+    "configurable_digital_output_mask configurable_digital_output tool_digital_output_mask "
+    "tool_digital_output standard_analog_output_mask standard_analog_output_type",
+    "VECTOR6D": "external_force_torque",
+}
+
+
+def _types(names: dict[str, str], direction: str) -> dict[str, str]:
+    """Return the type of each variable, registers included; direction: "input" or "output"."""
+    types = {name: kind for kind, listed in names.items() for name in listed.split()}
+    for k in range(REGISTERS):
+        types[f"{direction}_int_register_{k}"] = "INT32"
+        types[f"{direction}_double_register_{k}"] = "DOUBLE"
+    return types
+
+
+OUTPUTS = _types(_OUTPUTS, "output")
+INPUTS = _types(_INPUTS, "input")
+SINCE = {  # first minor version of the controller's software 3 and 5 that has an output
+    "payload": {3: 11, 5: 6},
+    "payload_cog": {3: 11, 5: 6},
+    "payload_inertia": {3: 15, 5: 11},
+    "ft_raw_wrench": {5: 9},
+    "actual_current_as_torque": {5: 23},
+}
+
+
+def exists(output: str, major: int, minor: int) -> bool:
+    """Return whether controller software `major.minor` has an output."""
+    since = SINCE.get(output, {major: 0})
+    return output in OUTPUTS and major in since and minor >= since[major]
+
+
+def size(kind: str) -> int:
+    """Return how many numbers a variable of this type holds."""
+    return int(FORMATS[kind][:-1] or 1)
+
+
+def columns(name: str) -> list[str]:
+    """Return the names of an output's columns in a recording: `actual_q_0` … `actual_q_5`."""
+    count = size(OUTPUTS[name])
+    return [name] if count == 1 else [f"{name}_{k}" for k in range(count)]
+
+
+def all_columns(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the columns of outputs, in this order."""
+    return tuple(chain.from_iterable(map(columns, names)))
+
+
+def layout(kinds: list[str]) -> struct.Struct:
+    """Return how variables of these types lie in a data package: big-endian, without gaps."""
+    return struct.Struct(">" + "".join(FORMATS[kind] for kind in kinds))

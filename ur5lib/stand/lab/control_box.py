@@ -1,0 +1,197 @@
+"""The control box of an emulated arm: its state, its program, its cycle."""
+
+import asyncio
+from collections.abc import Callable, Iterator
+from enum import IntEnum
+
+import numpy as np
+
+from ur5lib.stand.lab.live_arm import LiveArm
+from ur5lib.stand.lab.outputs import Instruments, Outputs
+from ur5lib.stand.lab.registers import Registers
+from ur5lib.stand.rig import STEP
+
+Program = Iterator[None]  # advanced once per cycle, until it ends
+
+STOPPING = 20.0  # rad/s², deceleration of a protective stop
+ENDING = 4.0  # rad/s², deceleration where a program ends in motion
+
+
+class RobotMode(IntEnum):
+    """RTDE's `robot_mode`."""
+
+    POWER_OFF = 3
+    IDLE = 5
+    RUNNING = 7
+
+
+class SafetyMode(IntEnum):
+    """RTDE's `safety_mode`."""
+
+    NORMAL = 1
+    PROTECTIVE_STOP = 3
+
+
+class RuntimeState(IntEnum):
+    """RTDE's `runtime_state`."""
+
+    STOPPED = 1
+    PLAYING = 2
+    PAUSED = 4
+
+
+JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
+POWER_ON_BIT, PROGRAM_BIT = 1, 2  # of `robot_status_bits`
+NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # of `safety_status_bits`
+
+
+class ControlBox:
+    """What the interfaces of one controller share.
+
+    software: major, minor, bugfix, build; cycle: [s]; uptime: [s] at the start; outputs: of the
+    last cycle; registers; log: called with what is written to the robot's log; connections: of all
+    clients; loaded: name of the loaded program.
+    """
+
+    def __init__(
+        self,
+        arm: LiveArm,
+        software: tuple[int, int, int, int],
+        cycle: float,
+        uptime: float,
+        random: np.random.Generator,
+    ) -> None:
+        """random: generator of the noise."""
+        self.arm, self.software, self.cycle = arm, software, cycle
+        self.registers = Registers()
+        self.robot_mode, self.safety_mode = RobotMode.RUNNING, SafetyMode.NORMAL
+        self.paused = False
+        self.loaded = ""
+        self.log: list[Callable[[str], None]] = []
+        self.connections: set[asyncio.Transport] = set()
+        self.watchdog: Watchdog | None = None
+        self._uptime, self._cycles = uptime, 0
+        self._program: Program | None = None
+        self.arm.advance(1)
+        self._instruments = Instruments(arm, cycle, random)
+        self.outputs: Outputs = self._read()
+
+    @property
+    def time(self) -> float:
+        """Return the time of the last cycle since the start [s], by the controller's clock."""
+        return self._cycles * self.cycle
+
+    @property
+    def state(self) -> RuntimeState:
+        """Return whether a program runs."""
+        if self._program is None:
+            return RuntimeState.STOPPED
+        return RuntimeState.PAUSED if self.paused else RuntimeState.PLAYING
+
+    def run(self, program: Program) -> None:
+        """Start a program in place of the present one, if the robot is ready."""
+        if self.robot_mode != RobotMode.RUNNING or self.safety_mode != SafetyMode.NORMAL:
+            self.say("the robot is not ready: the program is not started")
+            return
+        self._program, self.paused, self.watchdog = program, False, None
+
+    def stop(self, deceleration: float = ENDING) -> None:
+        """End the program, if any, and the motion."""
+        self._program, self.paused, self.watchdog = None, False, None
+        if self.arm.motion.moving:
+            self.arm.motion.stopj(deceleration)
+
+    def protective_stop(self, reason: str = "commanded") -> None:
+        """Stop the arm at once; nothing moves until `unlock`."""
+        self.say(f"Protective stop: {reason}")
+        self.safety_mode = SafetyMode.PROTECTIVE_STOP
+        self.stop(STOPPING)
+
+    def unlock(self) -> None:
+        """Release a protective stop."""
+        self.safety_mode = SafetyMode.NORMAL
+
+    def say(self, text: str) -> None:
+        """Write to the robot's log."""
+        for listener in self.log:
+            listener(text)
+
+    def zero_force(self) -> None:
+        """Zero the wrist sensor, if the arm has one."""
+        self._instruments.zero_force()
+
+    def advance(self) -> None:
+        """Advance by one cycle."""
+        if self._program is not None and not self.paused:
+            self._continue(self._program)
+        self.arm.advance(round(self.cycle / STEP))
+        if self.safety_mode == SafetyMode.NORMAL and (reason := self.arm.exceeded()):
+            self.protective_stop(reason)
+        self._cycles += 1
+        self.outputs = self._read()
+
+    def _continue(self, program: Program) -> None:
+        if self.watchdog is not None and self.watchdog.expired(self.time):
+            self.say("RTDE watchdog: the program is stopped")
+            self.stop()
+            return
+        try:
+            next(program)
+        except StopIteration:
+            self.stop()
+        except UnsupportedCommandError as error:
+            self.say(f"Runtime error: {error}")
+            self.stop()
+
+    def _read(self) -> Outputs:
+        return self._instruments.read() | self._status() | self._payload() | self.registers.values
+
+    def _status(self) -> dict[str, float]:
+        running, normal = (
+            self.robot_mode == RobotMode.RUNNING,
+            self.safety_mode == SafetyMode.NORMAL,
+        )
+        playing = self.state == RuntimeState.PLAYING
+        return {
+            "timestamp": self._uptime + self.time,
+            "actual_execution_time": 0.0003,
+            "robot_mode": self.robot_mode,
+            "joint_mode": np.full(6, JOINT_RUNNING if running else JOINT_IDLE),
+            "safety_mode": self.safety_mode,
+            "safety_status": self.safety_mode,
+            "runtime_state": self.state,
+            "speed_scaling": 1.0,
+            "target_speed_fraction": 1.0,
+            "robot_status_bits": POWER_ON_BIT * running | PROGRAM_BIT * playing,
+            "safety_status_bits": NORMAL_BIT if normal else PROTECTIVE_BIT,
+        }
+
+    def _payload(self) -> dict[str, object]:
+        declared = self.arm.rig.declared
+        if declared is None:
+            return {}
+        return {
+            "payload": declared.mass,
+            "payload_cog": np.array(declared.center_of_mass),
+            "payload_inertia": np.array(declared.inertia),
+        }
+
+
+class UnsupportedCommandError(Exception):
+    """A program asks for something that is not emulated."""
+
+
+class Watchdog:
+    """Stops the program when a client does not write a register often enough."""
+
+    def __init__(self, name: str, least: float, now: float) -> None:
+        """name: of the input register; least: writes per second; now: [s], controller's clock."""
+        self.name, self._longest, self._last = name, 1 / least, now
+
+    def fed(self, now: float) -> None:
+        """Note that the register was written."""
+        self._last = now
+
+    def expired(self, now: float) -> bool:
+        """Return whether the last write is too long ago."""
+        return now - self._last > self._longest

@@ -1,0 +1,93 @@
+"""The simulated arm, advanced as time passes."""
+
+from collections import deque
+from dataclasses import replace
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.stand.arm import build_arm
+from ur5lib.stand.friction import USUAL
+from ur5lib.stand.lab.motion import JointMotion
+from ur5lib.stand.lab.truth import COLUMNS, WIDTH, Truth
+from ur5lib.stand.plan import Contact, Imu, SimulatedRecording
+from ur5lib.stand.rig import SETTLE, STEP, build_rig
+from ur5lib.stand.trajectories import plan_targets
+from ur5lib.timeseries.arrays import Array
+
+KEPT = 5  # states, for what the controller computes from several
+TOLERANCE = 1.02  # of the limits of position and speed, which targets may touch
+FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
+
+
+class LiveArm:
+    """An arm that follows the commands of its `motion`, step by step.
+
+    It starts at rest where the trajectory of its plan starts; the plan's contacts and warming count
+    from there. states: the last states (up to KEPT, WIDTH); time: [s] since the start.
+    """
+
+    def __init__(
+        self, robot: Robot, plan: SimulatedRecording, truth: Truth, random: np.random.Generator
+    ) -> None:
+        self.plan, self.rig = plan, build_rig(robot, plan, random)
+        self._bare, self._truth = robot, truth
+        start = plan_targets(plan.trajectory, robot, np.zeros(1)).q[0]
+        self.motion = JointMotion(start)
+        self.states: deque[Array] = deque(maxlen=KEPT)
+        self.rig.data.qpos, self.rig.data.time = start, -SETTLE * STEP
+        for _ in range(SETTLE):
+            self._step()
+
+    @property
+    def time(self) -> float:
+        """Return the time since the start [s]."""
+        return float(self.rig.data.time)
+
+    def state(self, name: str) -> Array:
+        """Return a quantity of `rig.PARTS` in the last state."""
+        return self.states[-1][COLUMNS[name]]
+
+    def warmth(self) -> float:
+        """Return how much warmer than usual the motors are [K]."""
+        plan = self.plan
+        return float(np.interp(self.time, [0.0, plan.seconds], plan.temperature_c)) - USUAL
+
+    def advance(self, steps: int) -> None:
+        """Advance by some steps, and tell the truth about them."""
+        for _ in range(steps):
+            self._step()
+            self._truth.append(self.states[-1])
+
+    def touch(self, contact: Contact) -> None:
+        """Add a contact; its start counts like `time`."""
+        self.rig.contacts.add(self.rig.plant, contact)
+
+    def declare(self, payload: Payload | None) -> None:
+        """Tell the controller what the arm carries, which may not be what it carries."""
+        mounting = np.deg2rad((self.plan.imu or Imu()).mounting_deg)
+        known = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
+        self.rig = replace(self.rig, known=known, known_data=mujoco.MjData(known), declared=payload)
+
+    def exceeded(self) -> str:
+        """Return which limit the arm exceeds, in words; nothing where it exceeds none."""
+        target, positions, speeds = self.motion, *self._limits
+        for joint in range(6):
+            if abs(target.q[joint]) > TOLERANCE * positions[joint]:
+                return f"position limit of joint {joint + 1}"
+            if abs(target.qd[joint]) > TOLERANCE * speeds[joint]:
+                return f"speed limit of joint {joint + 1}"
+        off = np.abs(target.q - self.state("q"))
+        return f"joint {off.argmax() + 1} off its path" if off.max() > FOLLOWING_ERROR else ""
+
+    @cached_property
+    def _limits(self) -> tuple[list[float], list[float]]:
+        motors = [self._bare.motor(joint) for joint in range(1, 7)]
+        return self._bare.position_limits(), [motor.velocity_max for motor in motors]
+
+    def _step(self) -> None:
+        row = np.empty(WIDTH)
+        self.rig.step(self.motion.step(), self.warmth(), row)
+        self.states.append(row)

@@ -1,0 +1,168 @@
+"""Programs in URScript, as far as they are straight: motion commands one after the other.
+
+Source: Universal Robots' script manual, module motion. Loops, conditions and variables are not
+emulated; a program that needs them ends with a message in the robot's log.
+"""
+
+import ast
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ur5lib.robots.description import Payload
+from ur5lib.stand.lab.control_box import ControlBox, Program, UnsupportedCommandError
+from ur5lib.timeseries.arrays import Array
+
+FRAME = ("def ", "sec ", "end", "global ", "#")  # lines that command nothing
+
+
+@dataclass(frozen=True)
+class Command:
+    """A call of URScript: its name, its arguments in order and by name."""
+
+    name: str
+    values: tuple[Any, ...]
+    named: dict[str, Any]
+
+    def arguments(self, **defaults: Any) -> list[Any]:
+        """Return the arguments in the order of their names, with defaults for those missing."""
+        unknown = [name for name in self.named if name not in defaults]
+        if unknown or len(self.values) > len(defaults):
+            raise UnsupportedCommandError(f"arguments of {self.name}")
+        given = dict(zip(defaults, self.values, strict=False)) | self.named
+        return [given.get(name, default) for name, default in defaults.items()]
+
+
+def program(lines: Sequence[str], box: ControlBox) -> Program:
+    """Yield once per cycle while the commands of a program are executed.
+
+    Raises UnsupportedCommandError at the first line that is not emulated.
+    """
+    for line in lines:
+        text = line.split("#")[0].strip()
+        if not text or text.startswith(FRAME):
+            continue
+        command = parse(text)
+        if command.name not in COMMANDS:
+            raise UnsupportedCommandError(f"{command.name}() is not emulated")
+        yield from COMMANDS[command.name](command, box)
+
+
+def parse(line: str) -> Command:
+    """Return the command in a line. Raises UnsupportedCommandError when it is no plain call."""
+    try:
+        call = ast.parse(line, mode="eval").body
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
+            raise ValueError
+        values = tuple(ast.literal_eval(value) for value in call.args)
+        named = {str(word.arg): ast.literal_eval(word.value) for word in call.keywords}
+    except (SyntaxError, ValueError) as error:
+        raise UnsupportedCommandError(f"`{line[:60]}` is not emulated") from error
+    return Command(call.func.id, values, named)
+
+
+def joints(values: Any) -> Array:
+    """Return six joint values. Raises UnsupportedCommandError for anything else."""
+    try:
+        found = np.array(values, np.float64)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (6,) or not np.isfinite(found).all():
+        raise UnsupportedCommandError(f"{values!r} instead of six joint values")
+    return found
+
+
+def wait_until_done(box: ControlBox) -> Program:
+    """Yield once per cycle until the motion has ended."""
+    while box.arm.motion.moving:
+        yield
+
+
+def wait(seconds: float, box: ControlBox) -> Program:
+    """Yield once per cycle for some seconds, at least once."""
+    for _ in range(max(1, round(seconds / box.cycle))):
+        yield
+
+
+def _movej(command: Command, box: ControlBox) -> Program:
+    q, a, v, t, _ = command.arguments(q=None, a=1.4, v=1.05, t=0, r=0)
+    goal = joints(q)
+    if t:  # the duration wins over speed and acceleration; half of it accelerates
+        way = float(np.abs(goal - box.arm.motion.q).max()) or 1e-9
+        v, a = 2 * way / t, 4 * way / t**2
+    box.arm.motion.movej(goal, v, a)
+    yield from wait_until_done(box)
+
+
+def _servoj(command: Command, box: ControlBox) -> Program:
+    q, _, _, t, lookahead, _ = command.arguments(
+        q=None, a=0, v=0, t=0.002, lookahead_time=0.1, gain=300
+    )
+    box.arm.motion.servoj(joints(q), lookahead)
+    yield from wait(t, box)
+
+
+def _speedj(command: Command, box: ControlBox) -> Program:
+    qd, a, t = command.arguments(qd=None, a=1.4, t=0)
+    box.arm.motion.speedj(joints(qd), a)
+    yield from wait(t, box)
+
+
+def _stopj(command: Command, box: ControlBox) -> Program:
+    (a,) = command.arguments(a=2.0)
+    box.arm.motion.stopj(a)
+    yield from wait_until_done(box)
+
+
+def _sleep(command: Command, box: ControlBox) -> Program:
+    (t,) = command.arguments(t=0.01)
+    yield from wait(t, box)
+
+
+def _set_payload(command: Command, box: ControlBox) -> Program:
+    mass, center = command.arguments(m=0.0, cog=(0.0, 0.0, 0.0))
+    box.arm.declare(Payload(mass=mass, center_of_mass=tuple(center)) if mass else None)
+    yield
+
+
+def _textmsg(command: Command, box: ControlBox) -> Program:
+    box.say("".join(map(str, command.values)))
+    yield
+
+
+def _protective_stop(command: Command, box: ControlBox) -> Program:
+    box.protective_stop("commanded by the program")
+    yield
+
+
+def _zero_ftsensor(command: Command, box: ControlBox) -> Program:
+    box.zero_force()
+    yield
+
+
+def _write_integer(command: Command, box: ControlBox) -> Program:
+    register, value = command.arguments(address=0, value=0)
+    box.registers.write_integer(register, value)
+    yield
+
+
+def _nothing(command: Command, box: ControlBox) -> Program:
+    yield
+
+
+COMMANDS: dict[str, Callable[[Command, ControlBox], Program]] = {
+    "movej": _movej,
+    "servoj": _servoj,
+    "speedj": _speedj,
+    "stopj": _stopj,
+    "sleep": _sleep,
+    "set_payload": _set_payload,
+    "textmsg": _textmsg,
+    "protective_stop": _protective_stop,
+    "zero_ftsensor": _zero_ftsensor,
+    "write_output_integer_register": _write_integer,
+    "signal_async_progress": _nothing,
+    "sync": _nothing,
+}
