@@ -17,6 +17,6 @@ class Connection(asyncio.Protocol):
         self.transport = transport
         self.box.connections.add(transport)
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, _: Exception | None) -> None:
         """Forget the connection."""
         self.box.connections.discard(self.transport)

@@ -10,6 +10,7 @@ from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.lab.outputs import Instruments, Outputs
 from ur5lib.stand.lab.registers import Registers
 from ur5lib.stand.rig import STEP
+from ur5lib.timeseries.arrays import Array
 
 Program = Iterator[None]  # advanced once per cycle, until it ends
 
@@ -146,17 +147,15 @@ class ControlBox:
     def _read(self) -> Outputs:
         return self._instruments.read() | self._status() | self._payload() | self.registers.values
 
-    def _status(self) -> dict[str, float]:
-        running, normal = (
-            self.robot_mode == RobotMode.RUNNING,
-            self.safety_mode == SafetyMode.NORMAL,
-        )
+    def _status(self) -> dict[str, Array | float]:
+        running = self.robot_mode == RobotMode.RUNNING
+        normal = self.safety_mode == SafetyMode.NORMAL
         playing = self.state == RuntimeState.PLAYING
         return {
             "timestamp": self._uptime + self.time,
             "actual_execution_time": 0.0003,
             "robot_mode": self.robot_mode,
-            "joint_mode": np.full(6, JOINT_RUNNING if running else JOINT_IDLE),
+            "joint_mode": np.full(6, JOINT_RUNNING if running else JOINT_IDLE, np.float64),
             "safety_mode": self.safety_mode,
             "safety_status": self.safety_mode,
             "runtime_state": self.state,
@@ -166,7 +165,7 @@ class ControlBox:
             "safety_status_bits": NORMAL_BIT if normal else PROTECTIVE_BIT,
         }
 
-    def _payload(self) -> dict[str, object]:
+    def _payload(self) -> dict[str, Array | float]:
         declared = self.arm.rig.declared
         if declared is None:
             return {}

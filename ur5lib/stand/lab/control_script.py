@@ -80,7 +80,7 @@ class ControlScript:
             self._signal_progress(running=False)
 
     def _start(self, moves: Program) -> Program | None:
-        """Return moves to wait for, or start them beside the script where the client asks for it."""
+        """Return moves to wait for, or start them beside the script, as the client asks."""
         if not self._integer(ASYNCHRONOUS):
             self._moves = None
             return moves
@@ -148,7 +148,7 @@ class ControlScript:
         self._declare(mass, center, self._doubles(4, 6))
 
     def _declare(self, mass: float, center: list[float], inertia: np.ndarray) -> None:
-        payload = Payload(mass=mass, center_of_mass=tuple(center), inertia=tuple(inertia))  # type: ignore[arg-type]
+        payload = Payload(mass=mass, center_of_mass=tuple(center), inertia=tuple(inertia))
         self._box.arm.declare(payload if mass else None)
 
     def zero_force(self) -> None:

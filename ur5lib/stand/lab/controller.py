@@ -109,7 +109,7 @@ class EmulatedController:
         plan: SimulatedRecording = STILL,
         **options: Any,
     ) -> None:
-        """robot: its description or name; rate: [Hz], default: its generation's; options: see Setup."""
+        """robot: or its name; rate: [Hz], None for its generation's; options: see Setup."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         made = E_SERIES if arm.wrist_sensor else CB3
         setup = Setup(arm, plan, rate or made.rate, made.software, made.message)

@@ -144,7 +144,7 @@ def _log(box: ControlBox, text: str) -> str:
 
 
 def _fixed(text: str) -> Callable[[ControlBox], str]:
-    return lambda box: text
+    return lambda _: text
 
 
 COMMANDS: dict[str, Callable[[ControlBox], str]] = {
@@ -174,7 +174,7 @@ COMMANDS: dict[str, Callable[[ControlBox], str]] = {
 }
 WITH_ARGUMENT: dict[str, Callable[[ControlBox, str], str]] = {
     "load": _load,
-    "popup": lambda box, text: "showing popup",
+    "popup": lambda _, __: "showing popup",
     "addToLog": _log,
-    "setUserRole": lambda box, role: f"Setting user role: {role}",
+    "setUserRole": lambda _, role: f"Setting user role: {role}",
 }

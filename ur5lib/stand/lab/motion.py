@@ -78,7 +78,7 @@ class JointMotion:
         if not way.any():
             return
         seconds = duration(way, speed, acceleration)[2]
-        time = STEP * np.arange(1, int(np.ceil(seconds / STEP)) + 1)
+        time: Array = STEP * np.arange(1, int(np.ceil(seconds / STEP)) + 1, dtype=np.float64)
         share = way / np.abs(way).max()
         parts = [np.outer(part, share) for part in trapezoid(time, way, speed, acceleration)]
         yield from zip(origin + parts[0], parts[1], parts[2], strict=True)

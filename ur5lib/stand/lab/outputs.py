@@ -1,4 +1,4 @@
-"""The outputs of the controller in one cycle, by their RTDE names: `controller.py` as it happens."""
+"""The outputs of the controller in one cycle: `stand/controller.py` as it happens."""
 
 from collections.abc import Mapping
 
@@ -157,11 +157,11 @@ class ForceEstimate:
     def update(self, jacobian: Array, external: Array) -> Array:
         """Return the estimate (6,) [N, Nm] from external torques (6,) [Nm], low-pass filtered."""
         square = jacobian @ jacobian.T + SINGULAR**2 * np.eye(6)
-        wrench = np.linalg.solve(square, jacobian @ external)
+        wrench: Array = np.linalg.solve(square, jacobian @ external).astype(np.float64)
         if self._before is None:
             self._before, self._force = wrench, wrench
-        self._force = self._gain * (wrench + self._before) - self._decay * self._force
-        self._before = wrench
+        both, self._before = wrench + self._before, wrench
+        self._force = self._gain * both - self._decay * self._force
         return self._force
 
 

@@ -60,7 +60,7 @@ class RealtimeClient(ScriptClient):
         self._stream = self._server.stream(self.transport)
         self._server.streams.add(self._stream)
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, _: Exception | None) -> None:
         """Forget the client."""
-        super().connection_lost(exc)
+        super().connection_lost(_)
         self._server.streams.discard(self._stream)

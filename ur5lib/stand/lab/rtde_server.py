@@ -108,9 +108,9 @@ class RtdeClient(Connection):
         self._stream = self._server.stream(self.transport)
         self._server.clients.add(self)
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, _: Exception | None) -> None:
         """Forget the client."""
-        super().connection_lost(exc)
+        super().connection_lost(_)
         self._server.clients.discard(self)
 
     def data_received(self, data: bytes) -> None:
@@ -175,11 +175,11 @@ class RtdeClient(Connection):
             self._recipes.append(recipe(names, kinds))
         return bytes([len(self._recipes) * accepted]) + ",".join(kinds).encode()
 
-    def _start(self, content: bytes) -> bytes:
+    def _start(self, _: bytes) -> bytes:
         self._started = self._outputs is not None
         return bytes([self._started])
 
-    def _pause(self, content: bytes) -> bytes:
+    def _pause(self, _: bytes) -> bytes:
         self._started = False
         return b"\x01"
 

@@ -30,9 +30,9 @@ class ScriptClient(Connection):
         if len(self._text) > LONGEST:
             self._text = ""
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def connection_lost(self, _: Exception | None) -> None:
         """Start a last line that lacks its end, as the controller does."""
-        super().connection_lost(exc)
+        super().connection_lost(_)
         if self._text.strip():
             self._text += "\n"
             self.data_received(b"")

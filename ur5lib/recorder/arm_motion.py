@@ -1,0 +1,148 @@
+"""Motion of an arm by ur_rtde's control interface: way-points, a streamed trajectory, by hand.
+
+Nothing here checks whether a motion is safe; whoever calls it has done so.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any, Self
+
+from ur5lib.errors import InputError
+from ur5lib.recorder.arm_state import read_state
+from ur5lib.timeseries.arrays import Array
+
+WATCHDOG = 4.0  # Hz; the controller stops the arm when this program is silent for longer
+POLL = 0.01  # s, between looks at a motion
+STOPPING = 5.0  # rad/s², deceleration of `stop`
+LOOKAHEAD, GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
+CATCH_UP = 3 * LOOKAHEAD  # s, until the arm has reached the last point of a stream
+
+
+class MotionError(Exception):
+    """The arm does not execute a motion: a protective stop, or its program has ended."""
+
+
+class ArmMotion:
+    """Commands to the arm at an address: `with ArmMotion(address) as motion:`.
+
+    Every motion returns when it has ended or `stop` was called. From the first motion on, the
+    controller stops the arm by itself when this program dies.
+    """
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+        self._control: Any = None
+        self._lock = threading.Lock()  # ur_rtde's commands share registers
+        self._stopped = threading.Event()
+
+    def __enter__(self) -> Self:
+        """Connect and load ur_rtde's control program; the arm does not move.
+
+        Raises InputError when ur_rtde is not installed or the controller does not answer.
+        """
+        read_state(self._address)  # says in one sentence what ur_rtde says in many or never
+        try:
+            import rtde_control
+        except ImportError as error:
+            raise InputError(
+                "moving the arm needs ur_rtde; install it: pip install 'ur5lib[record]'"
+            ) from error
+        try:
+            self._control = rtde_control.RTDEControlInterface(self._address)
+        except (RuntimeError, ValueError) as error:
+            raise InputError(
+                f"the controller at {self._address} does not take a program ({error}); switch it "
+                "to remote control and release its brakes"
+            ) from error
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
+        """Stop the arm, where it moves, and disconnect."""
+        self.stop()
+        self._control.stopScript()
+        self._control.disconnect()
+
+    def move_through(self, way_points: Array, speed: float, acceleration: float) -> None:
+        """Move by movej to each way-point (n, 6) [rad] in turn, stopping there.
+
+        speed [rad/s], acceleration [rad/s²]: of the joint with the longest way. Raises MotionError.
+        """
+        self._prepare()
+        for point in way_points:
+            before = self._progress().operationId()
+            self._command("moveJ", point.tolist(), speed, acceleration, True)
+            self._wait(lambda last=before: self._has_ended(last))  # type: ignore[misc]
+            if self._stopped.is_set():
+                return
+
+    def stream(self, q: Array, rate: float) -> None:
+        """Follow joint angles (N, 6) [rad] at `rate` [Hz] by servoj, from where the arm is.
+
+        Points that are due while this program waits are left out, so that time is kept. Raises
+        MotionError.
+        """
+        self._prepare()
+        start, last = time.monotonic(), len(q) - 1
+        end = last / rate + CATCH_UP
+        while (passed := time.monotonic() - start) < end and not self._stopped.is_set():
+            point = q[min(int(passed * rate), last)]
+            self._command("servoJ", point.tolist(), 0.0, 0.0, 1 / rate, LOOKAHEAD, GAIN)
+            time.sleep(max(0.0, 1 / rate - (time.monotonic() - start - passed)))
+        if not self._stopped.is_set():
+            self._command("servoStop", STOPPING)
+
+    def lead_by_hand(self, done: Callable[[], bool]) -> None:
+        """Let a person lead the arm until `done`. Raises MotionError."""
+        self._prepare()
+        self._command("teachMode")
+        self._wait(done)
+        self._command("endTeachMode")
+
+    def stop(self) -> None:
+        """Brake all joints; may be called from any thread, and ends the present motion."""
+        self._stopped.set()
+        with self._lock:
+            if self._control is not None and self._control.isProgramRunning():
+                self._control.servoStop(STOPPING)
+                self._control.stopJ(STOPPING)
+
+    def _prepare(self) -> None:
+        """Load the control program anew where it has ended, and start the watchdog."""
+        self._stopped.clear()
+        with self._lock:
+            if not self._control.isProgramRunning():
+                self._control.reuploadScript()
+                until = time.monotonic() + 5
+                while not self._control.isProgramRunning() and time.monotonic() < until:
+                    time.sleep(POLL)
+        self._command("setWatchdog", WATCHDOG)
+
+    def _command(self, name: str, *arguments: Any) -> None:
+        with self._lock:
+            if getattr(self._control, name)(*arguments) is False:
+                raise MotionError(self._why(name))
+
+    def _wait(self, done: Callable[[], bool]) -> None:
+        """Wait until a motion is done or stopped; the watchdog is fed."""
+        while not self._stopped.is_set() and not done():
+            self._command("kickWatchdog")
+            time.sleep(POLL)
+
+    def _progress(self) -> Any:
+        return self._control.getAsyncOperationProgressEx()
+
+    def _has_ended(self, last: int) -> bool:
+        """Return whether the motion after operation number `last` has ended."""
+        progress = self._progress()
+        return progress.operationId() != last and not progress.isAsyncOperationRunning()
+
+    def _why(self, name: str) -> str:
+        state = read_state(self._address)
+        return (
+            f"{self._address} does not execute {name}: robot mode {state.robot_mode}, safety mode "
+            f"{state.safety_mode}, program {'runs' if state.program_runs else 'stopped'}"
+        )

@@ -1,0 +1,139 @@
+"""An arm recorded from its controller's realtime port 30003, for controllers without RTDE."""
+
+import contextlib
+import select
+import socket
+import struct
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.recorder.device import DeviceLost
+from ur5lib.robots.realtime_message import SOFTWARE
+from ur5lib.timeseries.arrays import Array
+
+PORT = 30003
+PATIENCE = 3.0  # s, for the controller to answer
+HEAD = struct.Struct(">id")  # size and timestamp of a message
+CHUNK = 1 << 16  # bytes read at a time
+WAIT = 0.1  # s, for which one call waits
+SILENCE = 1.0  # s without a byte, after which the device counts as lost
+
+
+@dataclass(frozen=True)
+class Packets:
+    """What came from a socket, as it came.
+
+    received: the host's time.monotonic at the arrival of each packet (n,) [s]; packets: the bytes;
+    messages: how many messages of the controller ended in them; lost: messages missing before or
+    among those, by the controller's timestamps.
+    """
+
+    received: Array
+    packets: list[bytes]
+    messages: int
+    lost: int
+
+
+class RealtimeArm:
+    """The arm at an address: every byte that its controller sends.
+
+    Unlike other devices it returns packets of bytes, which format `realtime-stream` stores.
+    """
+
+    name = "robot"
+    columns = ("payload_hex",)
+
+    def __init__(self, address: str, port: int = PORT) -> None:
+        self._address, self._port = address, port
+        self._socket: socket.socket | None = None
+
+    def open(self) -> dict[str, Any]:
+        """Connect and return the manifest's entry.
+
+        Raises InputError when no controller answers, or with messages of an unknown layout.
+        """
+        try:
+            self._socket = socket.create_connection((self._address, self._port), PATIENCE)
+            size, first, second = self._peek(self._socket)
+        except (OSError, struct.error) as error:
+            raise InputError(
+                f"no controller answers at {self._address}, port {self._port} ({error}); check "
+                "that it is switched on and that its address is the one in the study"
+            ) from error
+        self._size, self._cycle = size, second - first
+        self._rest, self._last = b"", first - self._cycle
+        self._heard = time.monotonic()
+        return {
+            "model": "Universal Robots controller, realtime port",
+            "address": self._address,
+            "firmware": SOFTWARE[size],
+            "rate_hz": round(1 / self._cycle),
+            "message_bytes": size,
+            "units": "SI",
+            "clock": "timestamp",
+        }
+
+    def read(self) -> Packets:
+        """Return the bytes since the last call, after waiting at most 0.1 s.
+
+        Raises DeviceLost when the controller is silent for a second or closes the connection.
+        """
+        if self._socket is None:
+            raise DeviceLost(f"{self._address} is not open")
+        if not select.select([self._socket], [], [], WAIT)[0]:
+            if time.monotonic() - self._heard > SILENCE:
+                raise DeviceLost(f"{self._address} has sent nothing for {SILENCE:g} s")
+            return Packets(np.zeros(0), [], 0, 0)
+        try:
+            data = self._socket.recv(CHUNK)
+        except OSError as error:
+            raise DeviceLost(f"{self._address}: {error}") from error
+        self._heard = time.monotonic()
+        if not data:
+            raise DeviceLost(f"{self._address} has closed the connection")
+        return Packets(np.array([self._heard]), [data], *self._count(data))
+
+    def close(self) -> None:
+        """Close the connection; does nothing when closed or gone."""
+        if self._socket is not None:
+            with contextlib.suppress(OSError):
+                self._socket.close()
+            self._socket = None
+
+    def _peek(self, connection: socket.socket) -> tuple[int, float, float]:
+        """Return the size of the messages [bytes] and the first two timestamps [s], unconsumed."""
+        (size, _) = HEAD.unpack(self._ahead(connection, HEAD.size))
+        if size not in SOFTWARE:
+            raise ConnectionError(f"its messages of {size} bytes are of no known layout")
+        both = self._ahead(connection, size + HEAD.size)
+        first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
+        if not 0 < second - first < SILENCE:
+            raise ConnectionError("its messages have no timestamps")
+        return size, first, second
+
+    def _ahead(self, connection: socket.socket, count: int) -> bytes:
+        """Return the next bytes and leave them in the socket."""
+        until = time.monotonic() + PATIENCE
+        while len(data := connection.recv(count, socket.MSG_PEEK)) < count:
+            if not data or time.monotonic() > until:
+                raise ConnectionError("it does not send")
+            time.sleep(0.001)
+        return data
+
+    def _count(self, data: bytes) -> tuple[int, int]:
+        """Return how many messages have ended, and how many are missing before or among them."""
+        stream, at, messages, lost = self._rest + data, 0, 0, 0
+        while len(stream) - at >= self._size:
+            size, stamp = HEAD.unpack_from(stream, at)
+            if size != self._size:  # the reader of the recording finds what is damaged
+                at = len(stream)
+                break
+            lost += max(round((stamp - self._last) / self._cycle) - 1, 0)
+            self._last = stamp
+            at, messages = at + size, messages + 1
+        self._rest = stream[at:]
+        return messages, lost

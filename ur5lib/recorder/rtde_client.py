@@ -1,0 +1,133 @@
+"""A client of the controller's Real-Time Data Exchange (RTDE) that misses no package.
+
+ur_rtde's receive interface is made for control: it keeps the newest package only and skips the rest
+whenever it comes late, and its constructor blocks all threads until a controller answers. A
+recorder wants every package, with the time at which it arrived.
+
+Source: Universal Robots' guide to RTDE, protocol version 2. A package is its size (uint16), its
+kind (uint8) and its content, big-endian; texts list variables separated by commas.
+"""
+
+import contextlib
+import select
+import socket
+import struct
+import time
+from collections.abc import Sequence
+
+from ur5lib.errors import InputError
+from ur5lib.recorder.device import DeviceLost
+from ur5lib.robots.rtde_variables import FORMATS, layout
+
+PORT = 30004
+PATIENCE = 3.0  # s, for the controller to answer
+HEADER = struct.Struct(">HB")
+PROTOCOL = 2
+VERSION, SOFTWARE, SETUP_OUTPUTS, START, PAUSE, DATA = b"VvOSPU"
+CHUNK = 1 << 16  # bytes read at a time
+
+
+class RtdeClient:
+    """A connection to one controller. software: major, minor, bugfix and build."""
+
+    def __init__(self, address: str, port: int = PORT) -> None:
+        """Connect. Raises InputError when no controller answers."""
+        self._address, self._port = address, port
+        self._buffer = b""
+        try:
+            self._socket = socket.create_connection((address, port), PATIENCE)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if self._ask(VERSION, struct.pack(">H", PROTOCOL)) != b"\x01":
+                raise ConnectionError("it does not speak version 2")
+            major, minor, bugfix, build = struct.unpack(">4I", self._ask(SOFTWARE))
+        except (OSError, struct.error) as error:
+            raise self._no_answer(error) from error
+        self.software = int(major), int(minor), int(bugfix), int(build)
+
+    def start(self, names: Sequence[str], rate: float) -> list[str]:
+        """Start data packages and return the outputs in them: those that this controller has.
+
+        rate: [Hz]. Raises InputError when the controller refuses.
+        """
+        try:
+            names, kinds = self._set_up(names, rate)
+            if self._ask(START) != b"\x01":
+                raise ConnectionError("it does not start")
+        except OSError as error:
+            raise self._no_answer(error) from error
+        self._layout = layout(kinds)
+        return names
+
+    def receive(self, patience: float) -> list[tuple[float, tuple[float, ...]]]:
+        """Return the packages that have come, after waiting at most `patience` [s].
+
+        Each with the host's time.monotonic of its arrival, and the numbers of its outputs. Raises
+        DeviceLost when the controller has closed the connection.
+        """
+        if not select.select([self._socket], [], [], patience)[0]:
+            return []
+        try:
+            data = self._socket.recv(CHUNK)
+        except OSError as error:
+            raise DeviceLost(f"{self._address}: {error}") from error
+        arrived = time.monotonic()
+        if not data:
+            raise DeviceLost(f"{self._address} has closed the connection")
+        self._buffer += data
+        return [(arrived, package) for package in self._packages()]
+
+    def close(self) -> None:
+        """Stop the packages and close the connection."""
+        with contextlib.suppress(OSError):
+            self._socket.sendall(HEADER.pack(HEADER.size, PAUSE))
+        self._socket.close()
+
+    def _packages(self) -> list[tuple[float, ...]]:
+        """Remove complete packages from the buffer, and return the numbers in those with data."""
+        found, at = [], 0
+        while len(self._buffer) - at >= HEADER.size:
+            size, kind = HEADER.unpack_from(self._buffer, at)
+            if size < HEADER.size:
+                raise DeviceLost(f"{self._address} sends what is not RTDE")
+            if len(self._buffer) - at < size:
+                break
+            if kind == DATA and size == HEADER.size + 1 + self._layout.size:
+                found.append(self._layout.unpack_from(self._buffer, at + HEADER.size + 1))
+            at += size
+        self._buffer = self._buffer[at:]
+        return found
+
+    def _set_up(self, names: Sequence[str], rate: float) -> tuple[list[str], list[str]]:
+        """Request outputs; where the controller lacks some, request the others once more."""
+        for _ in range(2):
+            content = struct.pack(">d", rate) + ",".join(names).encode()
+            kinds = self._ask(SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
+            known = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
+            if len(known) == len(names):
+                return list(names), kinds
+            names = known
+        raise ConnectionError("it does not have the outputs of its own list")
+
+    def _ask(self, kind: int, content: bytes = b"") -> bytes:
+        """Send a request and return the content of the answer to it."""
+        self._socket.sendall(HEADER.pack(HEADER.size + len(content), kind) + content)
+        while True:
+            size, answered = HEADER.unpack(self._exactly(HEADER.size))
+            answer = self._exactly(size - HEADER.size)
+            if answered == kind:  # text messages may come in between
+                return answer
+
+    def _exactly(self, count: int) -> bytes:
+        data = b""
+        while len(data) < count:
+            more = self._socket.recv(count - len(data))
+            if not more:
+                raise ConnectionError("it has closed the connection")
+            data += more
+        return data
+
+    def _no_answer(self, error: Exception) -> InputError:
+        return InputError(
+            f"no controller answers by RTDE at {self._address}, port {self._port} ({error}); check "
+            "that it is switched on and that its address is the one in the study"
+        )
