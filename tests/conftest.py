@@ -1,9 +1,12 @@
 """Where the tests find the project, the real recordings, and results to look at."""
 
+import fcntl
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -76,6 +79,14 @@ def real_ur10e(ur10e_data: Path, kept_motion: Path) -> "RealStudy":
     from tests.real_arms import RealStudy
 
     return RealStudy("ur10e", ur10e_data, kept_motion)
+
+
+@pytest.fixture(scope="module")
+def controller_ports() -> Iterator[None]:
+    """The ports that ur_rtde expects of a controller, for one process at a time."""
+    with open(Path(tempfile.gettempdir()) / "ur5-controller-ports.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def copy_project(target: Path) -> Path:

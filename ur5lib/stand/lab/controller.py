@@ -5,9 +5,11 @@ clients and plain sockets expect them; behind them the simulated arm moves in re
 """
 
 import asyncio
+import contextlib
 import multiprocessing
 import selectors
 import signal
+import socket
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -43,6 +45,15 @@ class Ports:
     realtime: int = 30003
     secondary: int = 30002
     dashboard: int = 29999
+
+    @classmethod
+    def free(cls) -> Self:
+        """Return four ports that nobody uses at present, for clients that can be told theirs."""
+        with contextlib.ExitStack() as stack:
+            sockets = [stack.enter_context(socket.socket()) for _ in range(4)]
+            for each in sockets:
+                each.bind((HOST, 0))
+            return cls(*(each.getsockname()[1] for each in sockets))
 
 
 @dataclass(frozen=True)
@@ -147,6 +158,10 @@ class EmulatedController:
     def protective_stop(self) -> None:
         """Stop the arm as a collision would."""
         self._ask("protective_stop")
+
+    def unlock(self) -> bool:
+        """Release a protective stop, unless the arm still brakes; return whether it is released."""
+        return bool(self._ask("unlock"))
 
     def die(self) -> None:
         """Close all connections and ports, as when the power fails; the arm stands still."""
@@ -258,6 +273,8 @@ class _Controller:
                 answer = self._box.time
             case "protective_stop":
                 self._box.protective_stop("collision")
+            case "unlock":
+                answer = self._box.unlock()
             case "die":
                 self._die()
             case "come_back":

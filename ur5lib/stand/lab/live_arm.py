@@ -75,7 +75,8 @@ class LiveArm:
         """Return which limit the arm exceeds, in words; nothing where it exceeds none."""
         target, positions, speeds = self.motion, *self._limits
         for joint in range(6):
-            if abs(target.q[joint]) > TOLERANCE * positions[joint]:
+            outwards = target.q[joint] * target.qd[joint] > 0
+            if outwards and abs(target.q[joint]) > TOLERANCE * positions[joint]:
                 return f"position limit of joint {joint + 1}"
             if abs(target.qd[joint]) > TOLERANCE * speeds[joint]:
                 return f"speed limit of joint {joint + 1}"

@@ -145,7 +145,10 @@ class RtdeClient(Connection):
         if kind == DATA:
             self._write_inputs(content)
         elif kind in self._answers:
-            self.transport.write(_package(kind, self._answers[kind](content)))
+            try:
+                self.transport.write(_package(kind, self._answers[kind](content)))
+            except (struct.error, OverflowError):  # a package that is cut, a frequency near zero
+                self.transport.abort()
 
     def _negotiate(self, content: bytes) -> bytes:
         version = int.from_bytes(content, "big")

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.stand.rig import PARTS, STEP
+from ur5lib.stand.sensors import EARTH_FIELD
 from ur5lib.timeseries.arrays import Array
 
 ROWS = 4096  # of the last steps that are kept
@@ -75,8 +76,11 @@ class Truth:
         return self.part("force_sensor", when)
 
     def imu(self, when: Array | float) -> Array:
-        """Return the true reading of an IMU on the flange (..., 6), in its axes.
+        """Return the true reading of an IMU on the flange (..., 9), in its axes.
 
-        Specific force [m/s²] and angular rate [rad/s].
+        Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised], the last in the
+        axes of frame 6.
         """
-        return self.part("imu", when)
+        rotation = self.part("rotation", when)
+        field = EARTH_FIELD @ rotation.reshape(*rotation.shape[:-1], 3, 3)
+        return np.concatenate([self.part("imu", when), field], axis=-1)
