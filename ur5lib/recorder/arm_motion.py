@@ -121,12 +121,13 @@ class ArmMotion:
 
     def _prepare(self) -> None:
         """Load the control program anew where it has ended, and start the watchdog."""
-        with self._lock:
-            if not self._control.isProgramRunning():
-                self._control.reuploadScript()
-                until = time.monotonic() + STARTING
-                while not self._control.isProgramRunning() and time.monotonic() < until:
-                    time.sleep(POLL)
+        if not self._control.isProgramRunning():
+            if not read_state(self._address).ready:
+                raise MotionError(self._why("a motion"))
+            self._command("reuploadScript")
+            until = time.monotonic() + STARTING
+            while not self._control.isProgramRunning() and time.monotonic() < until:
+                time.sleep(POLL)
         self._command("setWatchdog", WATCHDOG)
 
     def _command(self, name: str, *arguments: Any, even_stopped: bool = False) -> None:

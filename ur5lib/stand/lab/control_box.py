@@ -142,7 +142,7 @@ class ControlBox:
             next(program)
         except StopIteration:
             self.stop()
-        except UnsupportedCommandError as error:
+        except (UnsupportedCommandError, ValueError, TypeError) as error:
             self.say(f"Runtime error: {error}")
             self.stop()
 
