@@ -125,10 +125,10 @@ class EmulatedController:
         made = E_SERIES if arm.wrist_sensor else CB3
         setup = Setup(arm, plan, rate or made.rate, made.software, made.message)
         self.setup = replace(setup, **options)
-        self.truth = Truth.new()
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
+        self.truth = Truth.new()
         context = multiprocessing.get_context("spawn")
         self._line, far_end = context.Pipe()
         self._process = context.Process(

@@ -14,9 +14,8 @@ REST = np.zeros(6)
 class JointMotion:
     """The motion of the joints' targets under one command at a time.
 
-    Commands raise ValueError where a speed, an acceleration or a time is not positive.
     q, qd, qdd: the present targets (6,) [rad, rad/s, rad/s²]; moving: whether a command has not
-    ended.
+    ended. Commands raise ValueError where a speed, an acceleration or a time is not positive.
     """
 
     def __init__(self, q: Array) -> None:
