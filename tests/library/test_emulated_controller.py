@@ -3,6 +3,7 @@
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -119,7 +120,7 @@ robot.stopFileRecording()
     assert header.split(",") == [part for name in names for part in columns(name)]
     whole = [line for line in lines if line.count(",") == header.count(",")]
     same = [line == rows[line.split(",")[0]] for line in whole]
-    assert len(set(whole)) > 500
+    assert len(set(whole)) > 100
     assert np.mean(same) > 0.95  # the others mix two packages: its columns are read one by one
 
 
@@ -282,13 +283,21 @@ def test_the_arm_follows_a_streamed_trajectory(ur5e: EmulatedController, motion:
 
 
 def test_a_motion_is_stopped_from_another_thread(motion: ArmMotion) -> None:
-    import threading
-
-    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
+    assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
     threading.Timer(0.5, motion.stop).start()
-    motion.move_through(np.array([AWAY]), 0.05, 0.1)
+    assert not motion.move_through(np.array([AWAY]), 0.05, 0.1)
     wait_for(lambda: bool(np.abs(read_state(HERE).qd).max() < 0.002))
     assert np.abs(read_state(HERE).q - AWAY).max() > 0.1
+
+
+def test_a_stream_is_stopped_from_another_thread(motion: ArmMotion) -> None:
+    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
+    ramp = np.linspace(POSTURE, AWAY, 5000)
+    threading.Timer(0.5, motion.stop).start()
+    assert not motion.stream(ramp, 500.0)
+    wait_for(lambda: bool(np.abs(read_state(HERE).qd).max() < 0.002))
+    assert 0 < read_state(HERE).q[0] - POSTURE[0] < 0.15
+    assert not motion.move_through(np.array([AWAY]), 1.0, 2.0)
 
 
 def test_the_arm_stops_when_the_program_that_moves_it_is_killed(ur5e: EmulatedController) -> None:
@@ -332,7 +341,7 @@ def test_the_arm_stops_where_its_limits_end(ur5e: EmulatedController, motion: Ar
     with pytest.raises(MotionError, match="protective stop"):
         motion.move_through(np.array([beyond]), 3.0, 10.0)
     assert read_state(HERE).q[0] < 6.6
-    ur5e.unlock()
+    wait_for(ur5e.unlock)
     wait_for(lambda: read_state(HERE).ready)
     motion.move_through(np.array([POSTURE]), 3.0, 10.0)
 
@@ -384,6 +393,14 @@ def read_until_lost(device: RtdeArm | RealtimeArm) -> None:
     until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
         device.read()
+
+
+def test_a_motion_ends_when_its_controller_dies(ur5e: EmulatedController) -> None:
+    with ArmMotion(HERE) as motion:
+        threading.Timer(0.5, ur5e.die).start()
+        with pytest.raises(MotionError, match=r"127\.0\.0\.1"):
+            motion.move_through(np.array([AWAY, POSTURE] * 10), 0.2, 0.5)
+    ur5e.come_back()
 
 
 def test_a_taken_port_is_said(ur5e: EmulatedController) -> None:

@@ -14,6 +14,7 @@ from ur5lib.recorder.arm_state import read_state
 from ur5lib.timeseries.arrays import Array
 
 WATCHDOG = 4.0  # Hz; the controller stops the arm when this program is silent for longer
+STARTING = 5.0  # s, within which the control program starts
 POLL = 0.01  # s, between looks at a motion
 STOPPING = 5.0  # rad/s², deceleration of `stop`
 LOOKAHEAD, GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
@@ -21,14 +22,15 @@ CATCH_UP = 3 * LOOKAHEAD  # s, until the arm has reached the last point of a str
 
 
 class MotionError(Exception):
-    """The arm does not execute a motion: a protective stop, or its program has ended."""
+    """The arm does not execute a motion: a protective stop, an ended program, a lost connection."""
 
 
 class ArmMotion:
     """Commands to the arm at an address: `with ArmMotion(address) as motion:`.
 
-    Every motion returns when it has ended or `stop` was called. From the first motion on, the
-    controller stops the arm by itself when this program dies.
+    Every motion returns whether it was completed: not, where `stop` was called, after which no
+    motion begins. From the first motion on, the controller stops the arm by itself when this
+    program dies.
     """
 
     def __init__(self, address: str) -> None:
@@ -36,6 +38,7 @@ class ArmMotion:
         self._control: Any = None
         self._lock = threading.Lock()  # ur_rtde's commands share registers
         self._stopped = threading.Event()
+        self._streams = False
 
     def __enter__(self) -> Self:
         """Connect and load ur_rtde's control program; the arm does not move.
@@ -54,7 +57,7 @@ class ArmMotion:
         except (RuntimeError, ValueError) as error:
             raise InputError(
                 f"the controller at {self._address} does not take a program ({error}); switch it "
-                "to remote control and release its brakes"
+                "to remote control, release its brakes and unlock its protective stop"
             ) from error
         return self
 
@@ -63,23 +66,19 @@ class ArmMotion:
     ) -> None:
         """Stop the arm, where it moves, and disconnect."""
         self.stop()
-        self._control.stopScript()
+        if self._is_connected():
+            self._control.stopScript()
         self._control.disconnect()
 
-    def move_through(self, way_points: Array, speed: float, acceleration: float) -> None:
+    def move_through(self, way_points: Array, speed: float, acceleration: float) -> bool:
         """Move by movej to each way-point (n, 6) [rad] in turn, stopping there.
 
         speed [rad/s], acceleration [rad/s²]: of the joint with the longest way. Raises MotionError.
         """
         self._prepare()
-        for point in way_points:
-            before = self._progress().operationId()
-            self._command("moveJ", point.tolist(), speed, acceleration, True)
-            self._wait(lambda last=before: self._has_ended(last))  # type: ignore[misc]
-            if self._stopped.is_set():
-                return
+        return all(self._move_to(point, speed, acceleration) for point in way_points)
 
-    def stream(self, q: Array, rate: float) -> None:
+    def stream(self, q: Array, rate: float) -> bool:
         """Follow joint angles (N, 6) [rad] at `rate` [Hz] by servoj, from where the arm is.
 
         Points that are due while this program waits are left out, so that time is kept. Raises
@@ -88,43 +87,66 @@ class ArmMotion:
         self._prepare()
         start, last = time.monotonic(), len(q) - 1
         end = last / rate + CATCH_UP
+        self._streams = True
         while (passed := time.monotonic() - start) < end and not self._stopped.is_set():
             point = q[min(int(passed * rate), last)]
             self._command("servoJ", point.tolist(), 0.0, 0.0, 1 / rate, LOOKAHEAD, GAIN)
             time.sleep(max(0.0, 1 / rate - (time.monotonic() - start - passed)))
-        if not self._stopped.is_set():
-            self._command("servoStop", STOPPING)
+        self._command("servoStop", STOPPING)
+        self._streams = False
+        return not self._stopped.is_set()
 
-    def lead_by_hand(self, done: Callable[[], bool]) -> None:
+    def lead_by_hand(self, done: Callable[[], bool]) -> bool:
         """Let a person lead the arm until `done`. Raises MotionError."""
         self._prepare()
         self._command("teachMode")
         self._wait(done)
-        self._command("endTeachMode")
+        self._command("endTeachMode", even_stopped=True)
+        return not self._stopped.is_set()
 
     def stop(self) -> None:
         """Brake all joints; may be called from any thread, and ends the present motion."""
         self._stopped.set()
         with self._lock:
-            if self._control is not None and self._control.isProgramRunning():
-                self._control.servoStop(STOPPING)
+            if self._is_connected() and self._control.isProgramRunning():
+                if self._streams:
+                    self._control.servoStop(STOPPING)
                 self._control.stopJ(STOPPING)
+
+    def _move_to(self, point: Array, speed: float, acceleration: float) -> bool:
+        before = self._control.getAsyncOperationProgressEx().operationId()
+        self._command("moveJ", point.tolist(), speed, acceleration, True)
+        self._wait(lambda: self._has_ended(before))
+        return not self._stopped.is_set()
 
     def _prepare(self) -> None:
         """Load the control program anew where it has ended, and start the watchdog."""
-        self._stopped.clear()
-        with self._lock:
-            if not self._control.isProgramRunning():
-                self._control.reuploadScript()
-                until = time.monotonic() + 5
-                while not self._control.isProgramRunning() and time.monotonic() < until:
-                    time.sleep(POLL)
+        if not self._control.isProgramRunning():
+            if not read_state(self._address).ready:
+                raise MotionError(self._why("a motion"))
+            self._command("reuploadScript")
+            until = time.monotonic() + STARTING
+            while not self._control.isProgramRunning() and time.monotonic() < until:
+                time.sleep(POLL)
         self._command("setWatchdog", WATCHDOG)
 
-    def _command(self, name: str, *arguments: Any) -> None:
-        with self._lock:
-            if getattr(self._control, name)(*arguments) is False:
-                raise MotionError(self._why(name))
+    def _command(self, name: str, *arguments: Any, even_stopped: bool = False) -> None:
+        """Call a command of ur_rtde, unless the arm was stopped."""
+        try:
+            with self._lock:
+                if self._stopped.is_set() and not even_stopped:
+                    return
+                if not self._is_connected():
+                    raise MotionError(f"the connection to {self._address} is lost")
+                done = getattr(self._control, name)(*arguments)
+        except RuntimeError as error:
+            raise MotionError(f"the connection to {self._address} is lost: {error}") from error
+        if not done:
+            raise MotionError(self._why(name))
+
+    def _is_connected(self) -> bool:
+        """Return whether the controller is there; without it, ur_rtde repeats its last state."""
+        return self._control is not None and self._control.isConnected()
 
     def _wait(self, done: Callable[[], bool]) -> None:
         """Wait until a motion is done or stopped; the watchdog is fed."""
@@ -132,16 +154,16 @@ class ArmMotion:
             self._command("kickWatchdog")
             time.sleep(POLL)
 
-    def _progress(self) -> Any:
-        return self._control.getAsyncOperationProgressEx()
-
     def _has_ended(self, last: int) -> bool:
         """Return whether the motion after operation number `last` has ended."""
-        progress = self._progress()
+        progress = self._control.getAsyncOperationProgressEx()
         return progress.operationId() != last and not progress.isAsyncOperationRunning()
 
     def _why(self, name: str) -> str:
-        state = read_state(self._address)
+        try:
+            state = read_state(self._address)
+        except InputError as error:
+            return str(error)
         return (
             f"{self._address} does not execute {name}: robot mode {state.robot_mode}, safety mode "
             f"{state.safety_mode}, program {'runs' if state.program_runs else 'stopped'}"

@@ -15,6 +15,7 @@ from rich.live import Live
 
 from ur5lib.errors import InputError
 from ur5lib.recorder import live
+from ur5lib.recorder.arm_identity import identify
 from ur5lib.recorder.arm_motion import MotionError
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.capture import Status
@@ -32,6 +33,7 @@ from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 
 LOOK = 0.25  # s between looks at the devices
+BRAKING = 10.0  # s; an arm that does not answer for so long stops by its own watchdog
 EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 
@@ -76,6 +78,7 @@ def record(path: Path, wish: Wish, console: Console) -> int:
             _prepare(motion, robot, address, lab.table_m, wish, console)
         mover = Mover(address, motion) if motion or wish.by_hand else None
         with Session(devices, folder) as session:
+            session.identities()["robot"].update(_identity(lab))
             moved = f"{wish.move} at {wish.speed:g} of its speed" if motion else None
             write_manifest(folder, session.identities(), None, moved)
             _watch(session, mover, wish.seconds, console)
@@ -116,6 +119,14 @@ def checked_name(name: str) -> str:
         raise InputError(
             f"{name!r} cannot name a recording; use letters, digits, `_`, `-` and dots"
         ) from error
+
+
+def _identity(lab: Lab) -> dict[str, str]:
+    """Return what the arm's dashboard tells of it, nothing where it cannot be asked."""
+    try:
+        return identify(lab.robot.address)
+    except InputError:
+        return {}
 
 
 def _prepare(
@@ -182,7 +193,7 @@ def _moving(mover: Mover | None) -> Iterator[None]:
     finally:
         if mover.is_alive():
             mover.stop()
-            mover.join()
+            mover.join(BRAKING)
 
 
 @contextmanager

@@ -108,9 +108,11 @@ class ControlBox:
         self.safety_mode = SafetyMode.PROTECTIVE_STOP
         self.stop(STOPPING)
 
-    def unlock(self) -> None:
-        """Release a protective stop."""
-        self.safety_mode = SafetyMode.NORMAL
+    def unlock(self) -> bool:
+        """Release a protective stop, unless the arm still brakes; return whether it is released."""
+        if not self.arm.motion.moving:
+            self.safety_mode = SafetyMode.NORMAL
+        return self.safety_mode == SafetyMode.NORMAL
 
     def say(self, text: str) -> None:
         """Write to the robot's log."""
@@ -140,7 +142,7 @@ class ControlBox:
             next(program)
         except StopIteration:
             self.stop()
-        except UnsupportedCommandError as error:
+        except (UnsupportedCommandError, ValueError, TypeError) as error:
             self.say(f"Runtime error: {error}")
             self.stop()
 

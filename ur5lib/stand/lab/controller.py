@@ -125,10 +125,10 @@ class EmulatedController:
         made = E_SERIES if arm.wrist_sensor else CB3
         setup = Setup(arm, plan, rate or made.rate, made.software, made.message)
         self.setup = replace(setup, **options)
-        self.truth = Truth.new()
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
+        self.truth = Truth.new()
         context = multiprocessing.get_context("spawn")
         self._line, far_end = context.Pipe()
         self._process = context.Process(
@@ -159,9 +159,9 @@ class EmulatedController:
         """Stop the arm as a collision would."""
         self._ask("protective_stop")
 
-    def unlock(self) -> None:
-        """Release a protective stop."""
-        self._ask("unlock")
+    def unlock(self) -> bool:
+        """Release a protective stop, unless the arm still brakes; return whether it is released."""
+        return bool(self._ask("unlock"))
 
     def die(self) -> None:
         """Close all connections and ports, as when the power fails; the arm stands still."""
@@ -274,7 +274,7 @@ class _Controller:
             case "protective_stop":
                 self._box.protective_stop("collision")
             case "unlock":
-                self._box.unlock()
+                answer = self._box.unlock()
             case "die":
                 self._die()
             case "come_back":

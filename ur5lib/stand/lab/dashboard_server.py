@@ -98,8 +98,9 @@ def _brake_release(box: ControlBox) -> str:
 
 
 def _unlock(box: ControlBox) -> str:
-    box.unlock()
-    return "Protective stop releasing"
+    if box.unlock():
+        return "Protective stop releasing"
+    return "Cannot unlock protective stop until 5s after occurrence"
 
 
 def _play(box: ControlBox) -> str:

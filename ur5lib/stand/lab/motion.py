@@ -15,7 +15,7 @@ class JointMotion:
     """The motion of the joints' targets under one command at a time.
 
     q, qd, qdd: the present targets (6,) [rad, rad/s, rad/s²]; moving: whether a command has not
-    ended.
+    ended. Commands raise ValueError where a speed, an acceleration or a time is not positive.
     """
 
     def __init__(self, q: Array) -> None:
@@ -40,10 +40,12 @@ class JointMotion:
 
         speed [rad/s], acceleration [rad/s²]: of the joint with the longest way.
         """
+        _expect_positive(speed, acceleration)
         self._start("movej", self._move(goal, speed, acceleration))
 
     def stopj(self, deceleration: float) -> None:
         """Brake all joints; deceleration [rad/s²]: of the fastest one."""
+        _expect_positive(deceleration)
         self._start("stopj", self._brake(deceleration))
 
     def servoj(self, goal: Array, lookahead: float) -> None:
@@ -51,12 +53,14 @@ class JointMotion:
 
         lookahead [s]: how far the arm lags behind a goal of constant speed.
         """
+        _expect_positive(lookahead)
         self._goal, self._rate = goal, 2 / lookahead
         if self._kind != "servoj":
             self._start("servoj", self._follow())
 
     def speedj(self, speeds: Array, acceleration: float) -> None:
         """Move at joint speeds (6,) [rad/s], which may be renewed; acceleration [rad/s²]."""
+        _expect_positive(acceleration)
         self._goal, self._gain = speeds, acceleration
         if self._kind != "speedj":
             self._start("speedj", self._run())
@@ -96,3 +100,8 @@ class JointMotion:
             most = np.abs(missing).max()
             qd = self.qd + missing * min(1.0, self._gain * STEP / most if most else 1.0)
             yield self.q + STEP * qd, qd, (qd - self.qd) / STEP
+
+
+def _expect_positive(*values: float) -> None:
+    if not all(0 < value < np.inf for value in values):
+        raise ValueError("speeds, accelerations and times must be positive")
