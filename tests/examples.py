@@ -34,6 +34,11 @@ FORMATS: list[dict[str, Any]] = [
     {"format": "realtime-stream", "file": "robot.csv"},
     {"format": "table-csv", "file": "robot.csv", "columns": ["time", "actual_q"]},
 ]
+LAB: dict[str, dict[str, Any]] = {
+    "robot": {"address": "arm"},
+    "force_sensor": {"address": "box"},
+    "imu": {"port": "/dev/ttyUSB0"},
+}
 SENSOR = {"file": "force.csv", "columns": ["time", "ft"]}
 CALIBRATION = "\n".join(
     f"delta_{name} = [0, 0, 0, 0, 0, 0]" for name in ("theta", "d", "a", "alpha")
@@ -227,7 +232,7 @@ def yaml_faults(text: str, folder: Path) -> list[str]:
 
 
 def completed(part: Any) -> list[dict[str, Any]]:
-    """All studies that a part may be of: its recordings, its settings, an entry, a sensor."""
+    """All studies that a part may be of: its recordings, settings, an entry, a sensor, a device."""
     head = {"study": "mine", "title": "Mine"}
     entries = [ENTRY | form for form in FORMATS]
     if isinstance(part, list):
@@ -237,6 +242,9 @@ def completed(part: Any) -> list[dict[str, Any]]:
     parts: list[dict[str, Any]] = [{"recordings": entries[:1]} | part]
     parts += [{"recordings": [entry | part]} for entry in entries]
     parts += [{"recordings": [entries[1] | {"force_sensor": SENSOR | part}]}]
+    parts += [
+        {"recordings": entries[:1], "devices": LAB | {name: LAB[name] | part}} for name in LAB
+    ]
     return [head | part for part in parts]
 
 

@@ -9,13 +9,21 @@ import pandas as pd
 import pytest
 import yaml
 from rich.console import Console
+from typer.testing import CliRunner
 
+from tests.conftest import PROJECT
+from tests.examples import examples
+from ur5lib.cli import app
 from ur5lib.errors import InputError
 from ur5lib.recorder import live
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.lab.controller import HOST, EmulatedController
+from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.net_ft_box import NetFTBox
+from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.check import read_study
 from ur5lib.study.record import Wish, record
 
@@ -39,6 +47,13 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.fixture(scope="module")
 def ur5e() -> Robot:
     return load_robot(robot_path("ur5e"))
+
+
+def at(q: np.ndarray) -> SimulatedRecording:
+    """An arm at rest."""
+    return SimulatedRecording.model_validate(
+        {"trajectory": {"kind": "standstill", "posture": q.tolist()}}
+    )
 
 
 def console() -> Console:
@@ -97,6 +112,49 @@ def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatc
     with pytest.raises(InputError, match="not confirmed; the arm was not moved"):
         record(study, wish, screen)
     assert not Path("raw").exists()
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_the_page_is_followed_word_for_word(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its study, and its commands in their order, on the emulated laboratory."""
+    pytest.importorskip("rtde_control")
+    monkeypatch.chdir(tmp_path)
+    blocks = examples(PROJECT / "docs" / "recording.md")
+    (page,) = (block.text for block in blocks if block.text.startswith("study: lab"))
+    Path("lab.yaml").write_text(page)
+    np.savetxt("points.csv", np.array([HOME, HOME + 0.1, HOME]), delimiter=",")
+    lines = [line for block in blocks for line in block.text.splitlines()]
+    commands = [line for line in lines if line.startswith("ur5 record lab.yaml")]
+    assert len(commands) == 3
+    for command in commands:
+        done = CliRunner().invoke(app, command.split()[1:], input="yes\n")
+        assert done.exit_code == 0, done.output
+    assert [one.name for one in read_study(Path("lab.yaml")).recordings] == ["free", "pushed"]
+    for name in ("rest", "free", "pushed"):
+        files = {file.name for file in Path("raw/lab", name).iterdir()}
+        assert files == {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
+    """One that this program moves; the others are recorded on."""
+    pytest.importorskip("rtde_control")
+    far = HOME + np.array([1.5, 0, 0, 0, 0, 0])
+    np.savetxt("far.csv", np.array([HOME, far]), delimiter=",")
+    arm = EmulatedController("ur5e", plan=at(HOME))
+    with arm, NetFTBox(lambda _: np.zeros(6), faults=Faults(dies_at=6.0)) as box:
+        devices = {"robot": {"address": HOST}}
+        devices["force_sensor"] = {"address": HOST, "port": box.port, "http_port": box.http_port}
+        study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | {"devices": devices}))
+        screen = console()
+        record(study, Wish("far", "contact", move=Path("far.csv"), speed=0.1, yes=True), screen)
+        at_the_end = arm.truth.part("qd", arm.truth.latest())
+    moved = pd.read_csv("raw/lab/far/robot.csv")["actual_q_0"].to_numpy()
+    assert HOME[0] + 0.05 < moved[-1] < far[0] - 0.1
+    assert np.abs(at_the_end).max() < 0.01
+    assert "force_sensor has ended: the Net F/T box" in said(screen)
 
 
 # What is refused
