@@ -108,10 +108,11 @@ def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatc
     np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
     screen = console()
     monkeypatch.setattr(screen, "input", lambda *_: "y")
-    wish = Wish("points", "fit", move=Path("points.csv"), emulate=True)
-    with pytest.raises(InputError, match="not confirmed; the arm was not moved"):
-        record(study, wish, screen)
-    assert not Path("raw").exists()
+    for way in ({"move": Path("points.csv")}, {"by_hand": True}):
+        wish = Wish("points", "fit", emulate=True, **way)  # type: ignore[arg-type]
+        with pytest.raises(InputError, match="not confirmed; the arm was not moved"):
+            record(study, wish, screen)
+        assert not Path("raw").exists()
 
 
 @pytest.mark.usefixtures("controller_ports")
@@ -259,7 +260,7 @@ def test_an_upright_arm_touches_nothing(ur5e: Robot) -> None:
     ("status", "sentence"),
     [
         (Status(samples=1000, lost=2), "loses samples"),
-        (Status(samples=100, seconds=3.0), "sends 33 samples a second instead of 100"),
+        (Status(samples=100, seconds=3.0), "sends fewer than its 100 samples a second"),
         (Status(ended="the box has gone"), "has ended: the box has gone"),
         (Status(latest={"status": float(1 << 17)}), "is saturated"),
         (Status(latest={"safety_mode": 3.0}), "safety stop"),

@@ -68,8 +68,8 @@ def test_the_counter_wraps_around() -> None:
         imu.open()
         _, values, lost = record(imu, 1.5)
         imu.close()
-    assert (np.diff(values[:, 0]) % 2**16).sum() == len(values) + lost - 1
-    assert values[0, 0] > 2**15 > values[-1, 0]
+    assert np.diff(values[:, 0]).sum() == len(values) + lost - 1
+    assert values[0, 0] < 2**16 < values[-1, 0]
 
 
 def test_the_tracker_s_clock_drifts() -> None:

@@ -1,7 +1,9 @@
 """One device, recorded into its file by a process of its own."""
 
 import os
+import queue
 import signal
+import threading
 import time
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
@@ -76,11 +78,16 @@ def _record(
 ) -> None:
     """Write samples until `stop`, or until the recorder itself is gone."""
     file = growing_file(path, device.columns)
+    came: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    # A disk may block for seconds, a device's buffer be full after less: a thread of its own reads.
+    threading.Thread(target=_read, args=(device, came), daemon=True).start()
     first: float | None = None
     reported = 0.0
     try:
         while not stop.is_set() and os.getppid() == parent:
-            samples: Any = device.read()
+            samples = came.get()
+            if isinstance(samples, DeviceLost):
+                raise samples
             file.write(samples, zero)
             if len(samples.received):
                 first = samples.received[0] if first is None else first
@@ -92,6 +99,15 @@ def _record(
         return
     finally:
         file.close()
+
+
+def _read(device: Any, came: queue.SimpleQueue[Any]) -> None:
+    """Pass on what a device sends, until it is lost or closed."""
+    try:
+        while True:
+            came.put(device.read())
+    except DeviceLost as lost:
+        came.put(lost)
 
 
 def _count(status: Status, device: Device, samples: Any, first: float) -> None:

@@ -49,7 +49,7 @@ def warnings(
             yield f"{name} loses samples: check the network and what else the computer does"
         own = identities[name].get("rate_hz")
         if own and status.seconds > SETTLED and status.rate() < SLOW * own:
-            yield f"{name} sends {status.rate():.0f} samples a second instead of {own:g}"
+            yield f"{name} sends fewer than its {own:g} samples a second: check its cable"
         if int(status.latest.get("status", 0)) & rdt.SATURATED:
             yield f"{name} is saturated: its force is beyond its range"
         if int(status.latest.get("safety_mode", NORMAL)) not in (NORMAL, REDUCED):

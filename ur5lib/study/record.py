@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-import yaml
-from pydantic import TypeAdapter, ValidationError
 from rich.console import Console
 from rich.live import Live
 
@@ -17,7 +15,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder import live
 from ur5lib.recorder.arm_identity import identify
 from ur5lib.recorder.arm_motion import MotionError
-from ur5lib.recorder.arm_state import read_state
+from ur5lib.recorder.arm_state import ArmState, read_state
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
 from ur5lib.recorder.lab import Lab
@@ -25,16 +23,13 @@ from ur5lib.recorder.manifest import write_manifest
 from ur5lib.recorder.mover import Mover, move_to_start
 from ur5lib.recorder.session import Session
 from ur5lib.robots.description import Robot
-from ur5lib.study.arms import Arm, Name, NamedArm
-from ur5lib.study.check import print_findings_of, read_plain
+from ur5lib.study.check import read_plain
 from ur5lib.study.emulated_lab import emulated_lab
-from ur5lib.study.explanation import explain
-from ur5lib.study.reading import parse_study
-from ur5lib.tables import write_text
+from ur5lib.study.named_lab import arm_of, checked_name, lab_of
+from ur5lib.study.recorded_entry import enter, entry_of
 
 LOOK = 0.25  # s between looks at the devices
 BRAKING = 10.0  # s; an arm that does not answer for so long stops by its own watchdog
-EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 
 @dataclass(frozen=True)
@@ -66,7 +61,7 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     """
     plain = read_plain(path)
     robot = arm_of(plain, path).description()
-    folder = Path("raw") / str(plain.get("study")) / checked_name(wish.name)
+    folder = Path("raw", checked_name(str(plain.get("study"))), checked_name(wish.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
     named = nullcontext(lab_of(plain, path)) if not wish.emulate else None
@@ -76,6 +71,9 @@ def record(path: Path, wish: Wish, console: Console) -> int:
         motion = read_motion(wish.move, wish.speed) if wish.move else None
         if motion is not None:
             _prepare(motion, robot, address, lab.table_m, wish, console)
+        elif wish.by_hand:
+            _expect_ready(address)
+            _confirm("the arm gives way to your hand; hold it. Type yes: ", wish, console)
         mover = Mover(address, motion) if motion or wish.by_hand else None
         with Session(devices, folder) as session:
             session.identities()["robot"].update(_identity(lab))
@@ -85,40 +83,8 @@ def record(path: Path, wish: Wish, console: Console) -> int:
         write_manifest(folder, session.identities(), session.statuses(), moved)
     _say_what_is_left(session.statuses(), wish.role, mover, console)
     entry = {"name": wish.name, "role": wish.role, "folder": str(folder)}
-    entry |= _files(lab, session.statuses())
-    return _enter(entry, path, plain, wish.add, console)
-
-
-def lab_of(plain: dict[str, Any], path: Path) -> Lab:
-    """Return the devices that a study names. Raises InputError with all that is wrong."""
-    if "devices" not in plain:
-        raise InputError(f"{path} has no `devices`; add, for example, {EXAMPLE}")
-    try:
-        return Lab.model_validate(plain["devices"])
-    except ValidationError as error:
-        wrong = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
-        raise InputError("\n".join(f"{path}: devices: {one}" for one in wrong)) from error
-
-
-def arm_of(plain: dict[str, Any], path: Path) -> Arm:
-    """Return the arm of a study. Raises InputError where it names none that is described."""
-    try:
-        robot = TypeAdapter[Any](NamedArm).validate_python(plain.get("robot"))
-    except ValidationError as error:
-        raise InputError(
-            f"{path}: `robot` names no described arm; give one, e.g. `robot: ur5e`"
-        ) from error
-    return Arm(arm=robot) if isinstance(robot, str) else robot
-
-
-def checked_name(name: str) -> str:
-    """Return the name of a recording. Raises InputError where no study may have it."""
-    try:
-        return str(TypeAdapter[str](Name).validate_python(name))
-    except ValidationError as error:
-        raise InputError(
-            f"{name!r} cannot name a recording; use letters, digits, `_`, `-` and dots"
-        ) from error
+    entry |= entry_of(lab, session.statuses())
+    return enter(entry, path, plain, wish.add, console)
 
 
 def _identity(lab: Lab) -> dict[str, str]:
@@ -138,24 +104,35 @@ def _prepare(
     console: Console,
 ) -> None:
     """Check a motion, ask, and move to its start. Raises InputError where it must not be made."""
+    state = _expect_ready(address)
+    forbidden = [*refusals(motion, robot, state.q, table)]
+    if forbidden:
+        raise InputError("\n".join(f"{wish.move}: {reason}" for reason in forbidden))
+    console.print(f"the arm is at    {_angles(state.q)}")
+    console.print(f"it will start at {_angles(motion.q[0])}, at {wish.speed:g} of the full speed")
+    _confirm("move the arm? Type yes: ", wish, console)
+    if np.abs(state.q - motion.q[0]).max() > AT_START:
+        try:
+            move_to_start(address, motion)
+        except MotionError as error:
+            raise InputError(f"the arm did not reach the start: {error}") from error
+
+
+def _expect_ready(address: str) -> ArmState:
+    """Return the state of an arm that could move. Raises InputError for any other."""
     state = read_state(address)
     if not state.ready:
         raise InputError(
             f"the arm is not ready (robot mode {state.robot_mode}, safety mode "
             f"{state.safety_mode}); release its brakes or clear the stop on the pendant"
         )
-    forbidden = [*refusals(motion, robot, state.q, table)]
-    if forbidden:
-        raise InputError("\n".join(f"{wish.move}: {reason}" for reason in forbidden))
-    console.print(f"the arm is at    {_angles(state.q)}")
-    console.print(f"it will start at {_angles(motion.q[0])}, at {wish.speed:g} of the full speed")
-    if not wish.yes and console.input("move the arm? Type yes: ").strip() != "yes":
+    return state
+
+
+def _confirm(question: str, wish: Wish, console: Console) -> None:
+    """Ask, unless the answer was given beforehand. Raises InputError without a yes."""
+    if not wish.yes and console.input(question).strip() != "yes":
         raise InputError("not confirmed; the arm was not moved")
-    if np.abs(state.q - motion.q[0]).max() > AT_START:
-        try:
-            move_to_start(address, motion)
-        except MotionError as error:
-            raise InputError(f"the arm did not reach the start: {error}") from error
 
 
 def _angles(q: Any) -> str:
@@ -227,43 +204,3 @@ def _say_what_is_left(
         )
     if mover and mover.failure:
         console.print(f"warning: the motion ended early: {mover.failure}")
-
-
-def _files(lab: Lab, statuses: dict[str, Status]) -> dict[str, Any]:
-    """Return the keys of an entry that locate the files of all devices that gave samples."""
-    keys = lab.robot.entry("robot.csv")
-    for name, device in lab.devices().items():
-        if name != "robot" and name in statuses and statuses[name].samples:
-            keys[name] = device.entry(f"{name}.csv")
-    return keys
-
-
-def _enter(
-    entry: dict[str, Any], path: Path, plain: dict[str, Any], add: bool, console: Console
-) -> int:
-    """Check an entry, then append it to the study, or print it; returns stop signs and errors."""
-    alone = {"study": plain["study"], "title": plain.get("title", "")}
-    study = parse_study(alone | {"robot": plain["robot"], "recordings": [entry]}, str(path))
-    found = print_findings_of(study)
-    text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
-    if add and _append(text, entry, path, plain):
-        console.print(f"{path}: {entry['name']} added; next: snakemake --configfile {path}")
-    else:
-        console.print(f"add to `recordings` of {path}:\n{text}", soft_wrap=True)
-    return found
-
-
-def _append(text: str, entry: dict[str, Any], path: Path, plain: dict[str, Any]) -> bool:
-    """Append an entry to the recordings of a study; return whether its file allows it as text."""
-    lines = path.read_text(encoding="utf-8").rstrip() + "\n"
-    lines += "" if "recordings" in plain else "recordings:\n"
-    for indent in ("", "  "):
-        candidate = lines + "".join(f"{indent}{line}\n" for line in text.splitlines())
-        try:
-            read = yaml.safe_load(candidate)
-        except yaml.YAMLError:
-            continue
-        if read == plain | {"recordings": [*(plain.get("recordings") or []), entry]}:
-            write_text(candidate, path)
-            return True
-    return False

@@ -12,6 +12,7 @@ from ur5lib.stand.lab.own_clock import Drift, OwnClock
 from ur5lib.timeseries.arrays import Array
 
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
+HASTE = 3  # times its rate, at most, after the computer let it wait: no device sends all at once
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 
 
@@ -89,7 +90,8 @@ class Emulated(ABC):
 
     def _sample(self, first: int, now: float) -> int:
         """Send what is due; return the number of the next sample."""
-        end = self.clock.count(now)
+        most = 1 + round(HASTE * self.rate_hz * NAP)
+        end = min(self.clock.count(now), first + most)
         for sample in range(first, end):
             packet = self.packet(sample)
             if packet is not None:
