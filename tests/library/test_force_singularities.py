@@ -16,8 +16,6 @@ from ur5lib.force.singularities import (
     sample_joints,
     singular_distances,
     smallest_singular_value,
-    unseen_force,
-    unseen_wrench,
 )
 from ur5lib.robots.description import load_robot, robot_path
 
@@ -45,28 +43,6 @@ def test_manipulability_is_the_product_of_singular_values() -> None:
     values = np.linalg.svd(J, compute_uv=False)
     np.testing.assert_allclose(manipulability(J), values.prod(axis=1), atol=1e-12)
     np.testing.assert_array_equal(smallest_singular_value(J), values[:, -1])
-
-
-def test_an_unseen_wrench_leaves_no_torque() -> None:
-    for pose in (STRETCHED, POSE * [1, 1, 1, 1, 0, 1]):
-        J = jacobians("ur5", "C", pose[None])
-        wrench = unseen_wrench(J)
-        assert np.linalg.norm(wrench) == pytest.approx(1)
-        np.testing.assert_allclose(J[0].T @ wrench[0], 0, atol=1e-9)
-
-
-def test_along_the_stretched_arm_force_is_felt_least() -> None:
-    """Of all directions tried, none has less torque; and in the regular pose it has more."""
-    J = jacobians("ur5", "C", np.stack([STRETCHED, POSE]))
-    unseen = unseen_force(J)
-    tried = np.random.default_rng(0).normal(size=(500, 3))
-    tried /= np.linalg.norm(tried, axis=1, keepdims=True)
-    torque = np.linalg.norm(tried @ J[0, :3], axis=1)
-    assert unseen.lever[0] <= torque.min()
-    np.testing.assert_allclose(
-        np.linalg.norm(unseen.direction[0] @ J[0, :3]), unseen.lever[0], atol=1e-12
-    )
-    assert unseen.lever[1] > 2 * unseen.lever[0]
 
 
 def test_joints_are_sampled_all_over_their_ranges() -> None:

@@ -23,29 +23,6 @@ def smallest_singular_value(jacobian: Array) -> Array:
     return np.asarray(np.linalg.svd(jacobian, compute_uv=False)[:, -1], np.float64)
 
 
-@dataclass(frozen=True)
-class UnseenForce:
-    """The force at the origin of frame 6 that causes the least joint torque.
-
-    direction: (N, 3), base axes, of arbitrary sign; lever: (N,), torque per force [Nm/N], 0 if the
-    joints do not respond at all.
-    """
-
-    direction: Array
-    lever: Array
-
-
-def unseen_force(jacobian: Array) -> UnseenForce:
-    """Return the left singular vector of the least singular value of J_v; jacobian: (N, 6, 6)."""
-    left, values, _ = np.linalg.svd(jacobian[:, :3])
-    return UnseenForce(left[:, :, -1], values[:, -1])
-
-
-def unseen_wrench(jacobian: Array) -> Array:
-    """Return the unit wrench (N, 6) with the least joint torque |J^T F|, zero at a singularity."""
-    return np.linalg.svd(jacobian)[0][:, :, -1]
-
-
 def singular_distances(robot: Robot, q: Array) -> Array:
     """Return distances (N, 3) of positions (N, 6) from shoulder, elbow and wrist singularity.
 
