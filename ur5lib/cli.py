@@ -122,6 +122,35 @@ def _role(role: str) -> Literal["fit", "validate", "contact"]:
 
 
 @app.command()
+def compare(
+    before: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    after: Annotated[Path, typer.Argument(help="results to compare with these")],
+    fail_on: Annotated[
+        str, typer.Option(help="topics whose change gives exit status 1, e.g. force,currents")
+    ] = "",
+    junit: Annotated[Path | None, typer.Option(help="JUnit XML file to write")] = None,
+) -> None:
+    """Say what changed between two results by more than its error."""
+    from ur5lib.comparing.account import account, write_junit
+    from ur5lib.comparing.topics import TOPICS
+    from ur5lib.comparing.topics import compare as compare_results
+
+    topics = [topic for topic in fail_on.split(",") if topic]
+    unknown = [topic for topic in topics if topic not in TOPICS]
+    if unknown:
+        raise InputError(
+            f"--fail-on: unknown topic {unknown[0]!r}; give some of {', '.join(TOPICS)}"
+        )
+    found = compare_results(before, after)
+    for line in account(found):
+        typer.echo(line)
+    if junit:
+        write_junit(found, junit)
+    if any(one.changed and one.topic in topics for one in found):
+        raise SystemExit(1)
+
+
+@app.command()
 def audit(
     study: Annotated[
         Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")

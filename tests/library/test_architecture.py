@@ -24,11 +24,14 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
+    "comparing": BASE,
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"pipeline"},
     "study": BASE | ROOMS | {"pipeline", "recorder", "report"},
     "importing": BASE | {"recordings", "study"},
-    "cli": BASE | ROOMS | {"datasets", "exporting", "importing", "recorder", "report", "study"},
+    "cli": BASE
+    | ROOMS
+    | {"comparing", "datasets", "exporting", "importing", "recorder", "report", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",

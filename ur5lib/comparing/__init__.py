@@ -1,0 +1,1 @@
+"""Two results compared: what changed by more than its error."""

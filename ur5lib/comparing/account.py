@@ -1,0 +1,37 @@
+"""What a comparison says, as lines of text and as JUnit XML."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from ur5lib.comparing.changes import Comparison
+from ur5lib.comparing.topics import TOPICS
+from ur5lib.tables import write_text
+
+
+def account(found: Sequence[Comparison]) -> Iterator[str]:
+    """Yield lines: per topic, how much was compared and what changed."""
+    for topic in TOPICS:
+        its = [one for one in found if one.topic == topic]
+        if not its:
+            yield f"{topic}: nothing to compare"
+            continue
+        differ = sum(one.differs for one in its)
+        changed = [one for one in its if one.changed]
+        yield f"{topic}: {len(its)} compared, {differ} beyond their error, {len(changed)} changed"
+        yield from (f"  {one.sentence()}" for one in changed)
+
+
+def write_junit(found: Sequence[Comparison], path: Path) -> None:
+    """Write one test case per comparison, failed where it changed, as JUnit XML."""
+    suites = ElementTree.Element("testsuites")
+    for topic in TOPICS:
+        its = [one for one in found if one.topic == topic]
+        failures = str(sum(one.changed for one in its))
+        counts = {"tests": str(len(its)), "failures": failures}
+        suite = ElementTree.SubElement(suites, "testsuite", {"name": topic} | counts)
+        for one in its:
+            case = ElementTree.SubElement(suite, "testcase", classname=topic, name=one.name)
+            if one.changed:
+                ElementTree.SubElement(case, "failure", message=one.sentence())
+    write_text(ElementTree.tostring(suites, encoding="unicode", xml_declaration=True), path)

@@ -1,0 +1,81 @@
+"""When a number has changed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.stats import norm
+
+from ur5lib.timeseries.arrays import Array
+
+LEVEL = 0.05  # chance of any false change in a topic; also of a single interval's miss
+WORSE = 1.1  # ratio of two errors without an interval, from which on they count as different
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One number before and after.
+
+    topic: what kind of number; name: which one; before, after: with errors, as text; differs:
+    whether the 95 % intervals contradict each other; changed: whether they do so even though many
+    numbers were compared.
+    """
+
+    topic: str
+    name: str
+    before: str
+    after: str
+    differs: bool
+    changed: bool
+
+    def sentence(self) -> str:
+        """Return what changed."""
+        return f"{self.name}: {self.before} before, {self.after} now"
+
+
+def compare_estimates(
+    topic: str, rows: pd.DataFrame, names: Sequence[str], unit: Sequence[str]
+) -> list[Comparison]:
+    """Compare estimates with their 95 % intervals, as independent normal variables.
+
+    rows: `value` and `half` (half of the interval's width), each with suffix `_a` and `_b`. One
+    counts as changed where the difference exceeds the interval of the difference, widened as in
+    Bonferroni's correction for as many comparisons as there are.
+    """
+    apart = np.abs(rows["value_b"] - rows["value_a"]).to_numpy()
+    half = np.hypot(rows["half_a"], rows["half_b"]).to_numpy()
+    wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
+    told = [
+        [
+            _with_error(value, width, measure)
+            for value, width, measure in zip(
+                rows[f"value_{side}"], rows[f"half_{side}"], unit, strict=True
+            )
+        ]
+        for side in "ab"
+    ]
+    verdicts = ((apart > half).tolist(), (apart > wider * half).tolist())
+    return [Comparison(topic, *row) for row in zip(names, *told, *verdicts, strict=True)]
+
+
+def compare_errors(
+    topic: str, rows: pd.DataFrame, names: Sequence[str], unit: str
+) -> list[Comparison]:
+    """Compare errors that have no interval: by their ratio. rows: `value_a`, `value_b`."""
+    changed = _ratio(rows["value_a"].to_numpy(), rows["value_b"].to_numpy()) > WORSE
+    return [
+        Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(other), bool(other))
+        for name, a, b, other in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)
+    ]
+
+
+def _ratio(before: Array, after: Array) -> Array:
+    """Return the ratio, at least 1, of the larger to the smaller error; 1 where both are zero."""
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    ratio: Array = np.divide(high, low, out=np.full(len(low), np.inf), where=low > 0)
+    return np.where(high == 0, 1.0, ratio)
+
+
+def _with_error(value: float, half: float, unit: str) -> str:
+    return f"{value:.4g} ± {half:.2g} {unit}".strip()

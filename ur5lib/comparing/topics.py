@@ -1,0 +1,124 @@
+"""What is compared of two results: estimates, errors and findings, by topic."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.comparing.changes import Comparison, compare_errors, compare_estimates
+from ur5lib.errors import InputError
+from ur5lib.tables import read_csv
+
+TWO_SIDED = 1.96  # standard errors of a 95 % interval
+UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
+SEVERE = ["stop", "error", "warning"]
+Compare = Callable[[Path, Path], list[Comparison]]
+
+
+def compare(before: Path, after: Path) -> list[Comparison]:
+    """Compare the results of two studies, results/<study>: what both have.
+
+    Raises InputError where a folder holds no results.
+    """
+    for folder in (before, after):
+        if not (folder / "tables").is_dir():
+            raise InputError(f"{folder} holds no results of a study; run snakemake first")
+    return [one for topic in TOPICS.values() for one in topic(before, after)]
+
+
+def friction(before: Path, after: Path) -> list[Comparison]:
+    """Compare torque constants, offsets and friction that the data determine."""
+    keys = ["robot", "joint", "parameter"]
+    rows = _both(before, after, "friction", keys)
+    known = (rows["determined_a"] == "yes") & (rows["determined_b"] == "yes")
+    rows = rows[known]
+    for side in "ab":
+        rows[f"half_{side}"] = (rows[f"high_{side}"] - rows[f"low_{side}"]) / 2
+    names = [f"{r.robot}, joint {r.joint}, {_words(r.parameter)}" for r in rows.itertuples()]
+    return compare_estimates(
+        "friction", rows, names, [UNITS.get(name, "Nm") for name in rows["parameter"]]
+    )
+
+
+def model(before: Path, after: Path) -> list[Comparison]:
+    """Compare base parameters that the data determine, and rotor inertias."""
+    rows = _both(before, after, "parameters", ["robot", "parameter"])
+    rows = rows[(rows["determined_a"] == "yes") & (rows["determined_b"] == "yes")]
+    names = [f"{r.robot}, {r.parameter}" for r in rows.itertuples()]
+    rotors = _both(before, after, "rotor_inertia", ["robot", "joint"])
+    names += [f"{r.robot}, joint {r.joint}, rotor inertia" for r in rotors.itertuples()]
+    units = [""] * len(rows) + ["kg m²"] * len(rotors)
+    found = pd.concat([_halves(rows), _halves(rotors)], ignore_index=True)
+    return compare_estimates("model", found, names, units)
+
+
+def payload(before: Path, after: Path) -> list[Comparison]:
+    """Compare the masses that were found on the flange."""
+    rows = _both(before, after, "payload", ["recording"])
+    columns = {f"{name}_{side}": f"value_{side}" for name in ("mass",) for side in "ab"}
+    rows = _halves(rows.rename(columns=columns))
+    return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
+
+
+def currents(before: Path, after: Path) -> list[Comparison]:
+    """Compare the errors of predicted currents below 2 Hz."""
+    rows = _both(before, after, "current_rmse", ["model", "recording", "joint"])
+    rows = rows[rows["model"] == "fitted"]
+    rows = rows.rename(columns={"rmse_2hz_a": "value_a", "rmse_2hz_b": "value_b"})
+    names = [f"{r.recording}, joint {r.joint}" for r in rows.itertuples()]
+    return compare_errors("currents", rows, names, "A")
+
+
+def force(before: Path, after: Path) -> list[Comparison]:
+    """Compare the errors of F^map in contact, with their intervals over contacts."""
+    keys = ["recording", "kind", "estimate", "during", "component"]
+    rows = _both(before, after, "force_mae", keys)
+    own = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")
+    rows = rows[own & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
+    for side in "ab":
+        rows[f"value_{side}"] = rows[f"mae_{side}"]
+        rows[f"half_{side}"] = (rows[f"mae_high_{side}"] - rows[f"mae_low_{side}"]) / 2
+    names = [f"{r.recording}, {r.component}" for r in rows.itertuples()]
+    return compare_estimates("force", rows, names, ["N"] * len(rows))
+
+
+def data(before: Path, after: Path) -> list[Comparison]:
+    """Compare the findings about the recordings' files, notes excepted."""
+    found = [_findings(folder) for folder in (before, after)]
+    changed = []
+    for key in sorted(found[0].keys() | found[1].keys()):
+        one, other = (its.get(key, 0) for its in found)
+        changed.append(Comparison("data", key, str(one), str(other), one != other, one != other))
+    return changed
+
+
+TOPICS: dict[str, Compare] = {
+    "data": data,
+    "model": model,
+    "friction": friction,
+    "payload": payload,
+    "currents": currents,
+    "force": force,
+}
+
+
+def _both(before: Path, after: Path, table: str, keys: Sequence[str]) -> pd.DataFrame:
+    """Return the rows that a table has in both results, its columns with suffixes _a and _b."""
+    one, other = (read_csv(folder / "tables" / f"{table}.csv") for folder in (before, after))
+    return one.merge(other, on=list(keys), suffixes=("_a", "_b"))
+
+
+def _halves(rows: pd.DataFrame) -> pd.DataFrame:
+    """Add half the width of the 95 % intervals, from `std_error`."""
+    return rows.assign(**{f"half_{side}": TWO_SIDED * rows[f"std_error_{side}"] for side in "ab"})
+
+
+def _findings(folder: Path) -> dict[str, int]:
+    rows = read_csv(folder / "tables" / "quality.csv")
+    rows = rows[np.isin(rows["severity"], SEVERE)]
+    return {f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in rows.itertuples()}
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")
