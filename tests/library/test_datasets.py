@@ -267,7 +267,7 @@ def test_the_list_says_licence_and_purpose_of_each() -> None:
     for field in ("good for", "licence", "address", "files", "study"):
         found = [line for line in lines if line.startswith(f"  {field}")]
         assert len(found) == len(catalogue())
-    assert lines[-1].startswith("No address could be tried")
+    assert lines[-1].startswith("None of these downloads has been tried yet")
 
 
 def test_a_record_is_fetched_by_name(

@@ -10,8 +10,8 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 UNTRIED = (
-    "No address could be tried where this list was written: the SHA-256 are those of copies of the "
-    "files, so that a download is either the right one or refused."
+    "None of these downloads has been tried yet. Every file is verified: a download is either the "
+    "right one, or refused."
 )
 
 
