@@ -81,6 +81,16 @@ def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, 
     assert findings[0].finding == "no start stamp"
 
 
+def test_a_short_record_that_came_at_once_has_the_nominal_rate(entry: dict[str, Any]) -> None:
+    """As from a computer that was busy when it began."""
+    path = Path(entry["folder"], "robot.csv")
+    part = pd.read_csv(path).iloc[500:700]  # of the second second
+    part.assign(host_time=part["host_time"].iloc[-1]).to_csv(path, index=False)
+    record, start = place_sensors(read_recording(entry), [])["force"]
+    error = start.seconds + 1.0 + record.table["time"] - record.table["ft_fx"]
+    assert np.abs(error).max() < 0.5  # by what the computer was busy, and no more
+
+
 @pytest.mark.parametrize("seconds", [1.5, 20.0])
 def test_the_line_lies_below_the_delays(seconds: float) -> None:
     own = np.arange(0, seconds, 0.002)

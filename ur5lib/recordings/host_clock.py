@@ -35,25 +35,27 @@ class Line:
         return (host - self.offset) / self.slope
 
 
-def least_delayed(own: Array, host: Array) -> Line:
+def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line:
     """Return the line below the stamps: of the least delayed sample of each block.
 
-    own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival.
+    own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
+    nominal: slope of a record that is too short to tell, None for that of all its samples.
     Residuals of a line through all samples tell the delays up to a constant; the samples with
     the least of each block are fitted by least squares.
     """
-    since, zero = host - host[0], own[0]
-    slope, offset = np.polyfit(own - zero, since, 1)
-    delay = since - offset - slope * (own - zero)
+    elapsed, since = own - own[0], host - host[0]
+    slope = float(np.polyfit(elapsed, since, 1)[0])
+    delay = since - slope * elapsed
     block = (since / BLOCK).astype(int)
     best = pd.Series(delay).groupby(block).idxmin().to_numpy()
     if len(best) < FEWEST:
-        start = host[0] + offset + delay.min() - slope * zero
-        return Line(float(start), float(slope), SHORT_STD)
-    (slope, offset), covariance = np.polyfit(own[best] - zero, since[best], 1, cov="unscaled")
-    spread = np.std(since[best] - offset - slope * (own[best] - zero), ddof=2)
+        slope = slope if nominal is None else nominal
+        offset = (since - slope * elapsed).min()
+        return Line(float(host[0] + offset - slope * own[0]), slope, SHORT_STD)
+    (slope, offset), covariance = np.polyfit(elapsed[best], since[best], 1, cov="unscaled")
+    spread = np.std(since[best] - offset - slope * elapsed[best], ddof=2)
     std = float(spread * np.sqrt(covariance[0, 0]))
-    return Line(float(host[0] + offset - slope * zero), float(slope), std)
+    return Line(float(host[0] + offset - slope * own[0]), float(slope), std)
 
 
 def without_delays(table: pd.DataFrame) -> pd.DataFrame:
@@ -82,7 +84,10 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     if not sensors or "received" not in table or start is None:
         return raw
     stamped = table[["time", "received"]].dropna()
-    line = least_delayed(stamped["time"].to_numpy(), stamped["received"].to_numpy())
+    if len(stamped) < FEWEST:
+        return raw
+    own, host = stamped["time"].to_numpy(), stamped["received"].to_numpy()
+    line = least_delayed(own, host, nominal=1.0)
     placed = {name: _placed(one, line, start) for name, one in sensors.items()}
     return replace(raw, sensors=raw.sensors | placed)
 
