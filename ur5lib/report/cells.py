@@ -31,6 +31,11 @@ def rounded(value: float, digits: int) -> str:
     return fixed(value, digits)
 
 
+def listed(values: Iterable[float], digits: int = 2) -> str:
+    """Format values with some decimals, one after the other."""
+    return ", ".join(rounded(value, digits) for value in values)
+
+
 def signed(value: float, digits: int, unit: str = "") -> Cell:
     """Return the cell of a difference, with its sign."""
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
@@ -47,9 +52,11 @@ def interval(low: float, high: float, digits: int) -> str:
 
 
 def joints(numbers: Iterable[float]) -> str:
-    """Format joint numbers: joint 2; joints 1, 3."""
-    names = [f"{number:.0f}" for number in numbers]
-    return f"joint{'s' if len(names) > 1 else ''} {', '.join(names)}"
+    """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
+    known = [round(number) for number in numbers]
+    row = len(known) > 2 and known == [*range(known[0], known[-1] + 1)]
+    told = f"{known[0]} to {known[-1]}" if row else ", ".join(map(str, known))
+    return f"joint{'s' if len(known) > 1 else ''} {told}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

@@ -1,0 +1,76 @@
+"""Whether the estimated force can be used in contact."""
+
+import pandas as pd
+
+from ur5lib.pipeline.estimates import ESTIMATES
+from ur5lib.report.cells import fixed, interval
+from ur5lib.report.document import Verdict
+from ur5lib.report.results import Results
+from ur5lib.report.verdicts.drawings import error_bar
+from ur5lib.report.verdicts.errors import ZERO
+from ur5lib.report.verdicts.states import state
+from ur5lib.report.views.contacts import found_without_sensor, quiet
+from ur5lib.report.views.forces import leading
+
+TOPIC = "Force in contact"
+MEANS = ["mae", "mae_low", "mae_high", "mean_force", "coverage95"]
+
+
+def in_contact(results: Results) -> pd.DataFrame:
+    """Return the leading estimate's errors on each recording that no fit has seen, as means over
+    x, y, z.
+
+    The mean of three intervals is at least as wide as the interval of the mean.
+    """
+    rows = results.rows("force_mae", kind="compensated", during="contact")
+    rows = rows[rows["component"].str.startswith("F")]
+    rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
+    return rows.groupby(["recording", "estimate"], sort=False)[MEANS].mean().reset_index("estimate")
+
+
+def verdict(results: Results) -> Verdict:
+    """Judge the force by the recording on which it is worst."""
+    if results.stopped():
+        return Verdict(TOPIC, "do not use", "A stop sign stands: recordings contradict the study.")
+    judged = in_contact(results)
+    if judged.empty:
+        return _unjudged(results)
+    name = (judged["mae"] / judged["mean_force"]).idxmax()
+    row = judged.loc[name]
+    known = not pd.isna(row["mae_low"])
+    held = judged["coverage95"].min()
+    shown = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
+    return Verdict(
+        topic=TOPIC,
+        state=state(row["mae"], row["mean_force"], held, known),
+        sentence=f"In contact, the force {ESTIMATES[row['estimate']]} is off by "
+        f"{fixed(row['mae'], 1)} N per axis at worst, where the sensor reads "
+        f"{fixed(row['mean_force'], 1)} N.",
+        evidence=f"{name}, mean over x, y, z: {fixed(row['mae'], 1)} N{shown}; {ZERO}: "
+        f"{fixed(row['mean_force'], 1)} N. The 95 % band holds {100 * held:.0f} % at worst."
+        + ("" if known else " Fewer than three contacts: no interval."),
+        drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
+        caption=f"Dot: error{' with its 95 % interval' if known else ''}; line: error of zero force.",
+    )
+
+
+def _unjudged(results: Results) -> Verdict:
+    """Say what is known of the force where nothing judges its size."""
+    if results.tables["detection"].empty:
+        return Verdict(TOPIC, "not determined", "No force was estimated.")
+    if len(results.tables["force_mae"]):
+        told = "The force sensor felt no contact on a recording that no fit has seen."
+        return Verdict(TOPIC, "not determined", told)
+    counts = found_without_sensor(results)
+    alarms = quiet(results)["alarms_per_min"]
+    touched = sum(map(bool, counts.values()))
+    parts = [f"Contacts found: {sum(counts.values())}, on {touched} of {len(counts)} recordings"]
+    if len(alarms):
+        parts.append(f"{alarms.mean():.1f} false alarms per minute on validate recordings")
+    return Verdict(
+        topic=TOPIC,
+        state="not determined",
+        sentence="No force sensor was recorded: contacts are plausible only, their size is "
+        "untested.",
+        evidence=f"{'; '.join(parts)}.",
+    )
