@@ -40,6 +40,13 @@ from ur5lib.report.tables.remarks import remark_rows
 from ur5lib.report.tables.torque_mae import torque_errors
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
+from ur5lib.report.views.contacts import (
+    counted,
+    in_contact,
+    largest_contacts,
+    loads_taken_up,
+    undetermined_moments,
+)
 from ur5lib.report.views.currents import payloads as payload_table
 from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.forces import (
@@ -51,13 +58,6 @@ from ur5lib.report.views.forces import (
     headline,
     smallest_pushes,
     summary,
-)
-from ur5lib.report.views.contacts import (
-    counted,
-    in_contact,
-    largest_contacts,
-    loads_taken_up,
-    undetermined_moments,
 )
 from ur5lib.report.views.found import left_out_fits, loads_found
 from ur5lib.report.views.provenance import configuration, configuration_heading

@@ -36,6 +36,11 @@ def listed(values: Iterable[float], digits: int = 2) -> str:
     return ", ".join(rounded(value, digits) for value in values)
 
 
+def sentence(text: str) -> str:
+    """Return words as a sentence: with a capital and a full stop, or nothing."""
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
 def signed(value: float, digits: int, unit: str = "") -> Cell:
     """Return the cell of a difference, with its sign."""
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))

@@ -216,8 +216,8 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | 
 
 def _filled(text: str, results: Results, of: str) -> str:
     """Return a text of the contents with its recording or arm, and remarks of the thesis if due."""
-    ours = "reference" in results.study
-    return THESIS.sub(lambda remark: remark[1] if ours else "", text).replace("{of}", of)
+    due = results.of_thesis
+    return THESIS.sub(lambda remark: remark[1] if due else "", text).replace("{of}", of)
 
 
 def _table(wanted: Tabular, body: Body, label: str, caption: str) -> Table:

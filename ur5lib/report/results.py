@@ -55,6 +55,11 @@ class Results:
         rows = self.tables[table]
         return [*rows.loc[rows[column].notna(), "recording"].unique()]
 
+    @property
+    def of_thesis(self) -> bool:
+        """Whether the study is compared with published values."""
+        return "reference" in self.study
+
     def moving(self, recording: str) -> set[int]:
         """Return the joints, from 1, that move on a recording."""
         told = self.rows("recordings", recording=recording)["moving_joints"].dropna()

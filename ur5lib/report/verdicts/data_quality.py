@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from ur5lib.report.cells import sentence
 from ur5lib.report.document import State, Verdict
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Results
@@ -64,4 +65,4 @@ def _counts(found: pd.DataFrame, recordings: int) -> str:
     """Return how many findings there are by severity, and on how many recordings."""
     bad = found.loc[found["severity"] != "note", "recording"].nunique()
     where = f"errors or warnings on {bad} of {recordings} recordings" if bad else ""
-    return "; ".join(filter(None, [count_findings(found), where])) + "."
+    return sentence("; ".join(filter(None, [count_findings(found), where])))

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES
-from ur5lib.report.cells import fixed, interval
+from ur5lib.report.cells import fixed, interval, sentence
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import error_bar
@@ -38,6 +38,7 @@ def verdict(results: Results) -> Verdict:
     name = (judged["mae"] / judged["mean_force"]).idxmax()
     row = judged.loc[name]
     known = not pd.isna(row["mae_low"])
+    dot = "Dot: error with its 95 % interval" if known else "Dot: error"
     held = judged["coverage95"].min()
     shown = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
     return Verdict(
@@ -50,7 +51,7 @@ def verdict(results: Results) -> Verdict:
         f"{fixed(row['mean_force'], 1)} N. The 95 % band holds {100 * held:.0f} % at worst."
         + ("" if known else " Fewer than three contacts: no interval."),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=f"Dot: error{' with its 95 % interval' if known else ''}; line: error of zero force.",
+        caption=f"{dot}; line: error of zero force.",
     )
 
 
@@ -64,7 +65,11 @@ def _unjudged(results: Results) -> Verdict:
     counts = found_without_sensor(results)
     alarms = quiet(results)["alarms_per_min"]
     touched = sum(map(bool, counts.values()))
-    parts = [f"Contacts found: {sum(counts.values())}, on {touched} of {len(counts)} recordings"]
+    parts = []
+    if counts:
+        parts.append(
+            f"contacts found: {sum(counts.values())}, on {touched} of {len(counts)} recordings"
+        )
     if len(alarms):
         parts.append(f"{alarms.mean():.1f} false alarms per minute on validate recordings")
     return Verdict(
@@ -72,5 +77,5 @@ def _unjudged(results: Results) -> Verdict:
         state="not determined",
         sentence="No force sensor was recorded: contacts are plausible only, their size is "
         "untested.",
-        evidence=f"{'; '.join(parts)}.",
+        evidence=sentence("; ".join(parts)),
     )

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.cells import SMALLEST_DIFFERENCE
+from ur5lib.report.cells import SMALLEST_DIFFERENCE, sentence
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
@@ -69,8 +69,7 @@ def verdict(results: Results) -> Verdict:
     return Verdict(
         topic=TOPIC,
         state=judged,
-        sentence=f"{named(best)[0].upper()}{named(best)[1:]} {verb} the controller's torques on "
-        f"{where}.",
+        sentence=sentence(f"{named(best)} {verb} the controller's torques on {where}"),
         evidence=f"Worst on joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}.",
         drawing=bars(ratios(errors)),
         caption="Error by joint; a full bar is the error of zero torque.",

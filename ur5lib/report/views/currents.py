@@ -41,7 +41,7 @@ def constants(results: Results) -> Body:
         for row in rows.itertuples()
     ]
     header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "mainly from"]
-    if rows["thesis"].isna().all():
+    if not results.of_thesis:
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])

@@ -34,7 +34,7 @@ def published(results: Results) -> Iterator[str]:
     """Say what the published estimates are, where they are compared."""
     if {"F", "F*"} & {*results.tables["force_mae"]["estimate"]}:
         yield (
-            "Two more estimates are published for the UR5, with constants from a thesis: F̂, from "
+            "Two more estimates are published for the UR5, with fixed constants: F̂, from "
             "motor currents without friction, and F̂*, with friction."
         )
 
