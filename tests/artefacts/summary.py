@@ -154,7 +154,7 @@ def quality(study: Study) -> tuple[str, list[str]]:
     first = ranked[0]
     about = [f"{count[first]:,}", f"{frames[first[1]]:,}"]
     if first[3] not in ("lost frames", "impossible frames"):
-        about = numbers(groups[first][0]["detail"], study)
+        about = numbers(groups[first][0]["detail"].partition("; ")[0], study)
     found = "do-not-use" if first[0] == "stop" else "usable"
     return found, [*about, *told, str(len(bad)), str(len(frames))]
 
@@ -210,10 +210,11 @@ def force(study: Study) -> tuple[str, list[str]] | None:
         means[name] = {c: mean(float(r[c]) for r in own) if own[0][c] else None for c in columns}
     row = max(means.values(), key=lambda own: own["mae"] / own["mean_force"])
     mae, low, high, zero = (row[name] and f"{row[name]:.1f}" for name in columns[:4])
-    held = min(own["coverage95"] for own in means.values())
+    bands = [own["coverage95"] for own in means.values() if own["coverage95"] is not None]
     interval = [low, high] if low else []
-    told = [mae, zero, mae, *interval, zero, f"{100 * held:.0f}"]
-    return state(row["mae"], row["mean_force"], held >= 0.9 and low is not None), told
+    told = [mae, zero, mae, *interval, zero, *(f"{100 * min(bands):.0f}" for _ in bands[:1])]
+    good = bool(bands) and min(bands) >= 0.9 and low is not None
+    return state(row["mae"], row["mean_force"], good), told
 
 
 def in_contact(rows: list[Row]) -> list[Row]:

@@ -307,9 +307,7 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     quiet = study(force_mae=touched(1.0))
     assert steps(quiet) == ["No finding asks for a correction or another recording."]
     asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
-    assert steps(asked) == [
-        "Record another path with ur5: of joints 1 to 3, each moves along one path only."
-    ]
+    assert steps(asked) == ["On ur5, joints 1 to 3 move along one path only: record another path."]
 
 
 # Tables that used to contradict themselves

@@ -50,7 +50,7 @@ def worst(results: Results) -> str:
     if first["finding"] in SPOKEN:
         count = f"{first['count']:,} of {frames[first['recording']]:,} frames"
         return f"{name} {SPOKEN[first['finding']].format(frames=count)}."
-    return f"{name}: {first['finding']} ({first['detail']})."
+    return f"{name}, {first['finding']}: {first['detail'].partition('; ')[0]}."
 
 
 def lost_shares(results: Results) -> dict[str, float]:

@@ -1,5 +1,7 @@
 """Whether the estimated force can be used in contact."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES
@@ -35,24 +37,39 @@ def verdict(results: Results) -> Verdict:
     judged = in_contact(results)
     if judged.empty:
         return _unjudged(results)
-    name = (judged["mae"] / judged["mean_force"]).idxmax()
-    row = judged.loc[name]
+    held = judged["coverage95"].min()
+    row = judged.loc[(judged["mae"] / judged["mean_force"]).idxmax()]
     known = not pd.isna(row["mae_low"])
     dot = "Dot: error with its 95 % interval" if known else "Dot: error"
-    held = judged["coverage95"].min()
-    shown = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
     return Verdict(
         topic=TOPIC,
         state=state(row["mae"], row["mean_force"], held, known),
-        sentence=f"In contact, the force {ESTIMATES[row['estimate']]} is off by "
-        f"{fixed(row['mae'], 1)} N per axis at worst, where the sensor reads "
-        f"{fixed(row['mean_force'], 1)} N.",
-        evidence=f"{name}, mean over x, y, z: {fixed(row['mae'], 1)} N{shown}; {ZERO}: "
-        f"{fixed(row['mean_force'], 1)} N. The 95 % band holds {100 * held:.0f} % at worst."
-        + ("" if known else " Fewer than three contacts: no interval."),
+        sentence=f"In contact, {_named(row['estimate'])} is off by {fixed(row['mae'], 1)} N per "
+        f"axis at worst, where the sensor reads {fixed(row['mean_force'], 1)} N.",
+        evidence=" ".join(_evidence(row, held)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=f"{dot}; line: error of zero force.",
     )
+
+
+def _named(estimate: str) -> str:
+    """Return an estimate's name as used in sentences."""
+    own = "the controller's own force" if estimate == "Fu" else "the force"
+    return f"{own} {ESTIMATES[estimate]}"
+
+
+def _evidence(row: pd.Series, held: float) -> Iterator[str]:
+    """Yield the error with its interval and baseline, the band's coverage, and what is missing."""
+    known = not pd.isna(row["mae_low"])
+    ends = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
+    yield (
+        f"{row.name}, mean over x, y, z: {fixed(row['mae'], 1)} N{ends}; {ZERO}: "
+        f"{fixed(row['mean_force'], 1)} N."
+    )
+    if not pd.isna(held):
+        yield f"The 95 % band holds {100 * held:.0f} % at worst."
+    if not known:
+        yield "Fewer than three contacts: no interval."
 
 
 def _unjudged(results: Results) -> Verdict:

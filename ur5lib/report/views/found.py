@@ -157,5 +157,5 @@ def beside_truth(truth: pd.DataFrame | None) -> Iterator[str]:
         stated = truth["within95"].dropna()
         yield (
             f"Of {len(stated)} values with a stated 95 % interval, {(stated == 'yes').sum()} have "
-            "the truth of the simulation inside it."
+            "the truth of the simulation inside this interval."
         )

@@ -11,6 +11,7 @@ from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
 MANY_LOST = 0.1  # share of frames, from which a recording is worth repeating
+PLURALS = {"moves ": "move ", "does ": "do ", "this joint": "these joints"}  # of remarks
 NOTHING = "No finding asks for a correction or another recording."
 
 
@@ -96,7 +97,11 @@ def doubted_sensors(results: Results) -> Iterator[str]:
 def missing_recordings(results: Results) -> Iterator[str]:
     """Ask for the recordings that would settle what is undetermined."""
     for row in results.tables["excitation"].dropna(subset="advice").itertuples():
-        yield f"To determine more of {row.robot}: {row.advice}."
+        motion = row.advice.partition(" would determine ")[0]
+        yield (
+            f"Record {row.robot} {motion[0].lower()}{motion[1:]}: that would determine more of its "
+            "link parameters."
+        )
     yield from other_motions(results)
     if not results.with_role("validate"):
         yield "Record a motion without contact for the role validate, which no fit sees."
@@ -110,9 +115,11 @@ def other_motions(results: Results) -> Iterator[str]:
     for (robot, remark), part in rows.groupby(["robot", "remark"], sort=False):
         finding, _, request = remark.rpartition("; ")
         if request.startswith("record"):
-            each = ", each" if len(part) > 1 else ""
-            why = f"{joints(part['joint'])}{each} {finding.partition(':')[0]}"
-            yield f"R{request[1:]} with {robot}: {'of ' if each else ''}{why}."
+            said = f"{finding.partition(':')[0]}: {request}"
+            if len(part) > 1:
+                for one, several in PLURALS.items():
+                    said = said.replace(one, several)
+            yield f"On {robot}, {joints(part['joint'])} {said}."
 
 
 def _some(names: list[str]) -> str:
