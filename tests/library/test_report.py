@@ -12,7 +12,7 @@ import yaml
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.cells import extremes, number, signed, significant
+from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -44,7 +44,6 @@ from ur5lib.report.views.contacts import (
     counted,
     in_contact,
     largest_contacts,
-    loads_taken_up,
     undetermined_moments,
 )
 from ur5lib.report.views.currents import payloads as payload_table
@@ -59,7 +58,7 @@ from ur5lib.report.views.forces import (
     smallest_pushes,
     summary,
 )
-from ur5lib.report.views.found import left_out_fits, loads_found
+from ur5lib.report.views.found import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.provenance import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -155,7 +154,7 @@ def test_extremes_are_marked_where_values_differ() -> None:
 def test_numbers_tell_their_sign_and_absence() -> None:
     assert number(1.23456, 3) == Cell("1.235")
     assert number(-1.5, 1) == Cell("−1.5")
-    assert number(float("nan"), 3) == Cell("–")
+    assert number(float("nan"), 3) == with_error(float("nan"), float("nan"), 3) == Cell("–")
     assert signed(-0.5, 1, " %") == Cell("−0.5 %")
     assert signed(0.5, 2) == Cell("+0.50")
 
@@ -164,6 +163,11 @@ def test_significant_digits_have_no_exponent() -> None:
     assert [significant(x, 2) for x in (46771.7, 99.6, 2.649, 0.00134)] == [
         "47000", "100", "2.6", "0.0013"
     ]  # fmt: skip
+
+
+def test_joints_in_a_row_are_named_by_the_first_and_the_last() -> None:
+    told = [joints(numbers) for numbers in ([2], [1, 3], [4, 5], [1, 2, 3, 4, 5, 6])]
+    assert told == ["joint 2", "joints 1, 3", "joints 4, 5", "joints 1 to 6"]
 
 
 def test_columns_of_numbers_stand_right() -> None:
@@ -266,9 +270,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
     results = searched("grasp", rows)
     (told,) = counted(results)
     assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."
-    assert [*loads_taken_up(results)] == [
-        "On grasp, the currents show that the arm carries a load of 2.04 ± 0.05 kg from 4.0 s on."
-    ]
+    assert [*loads_taken_up(results)] == ["On grasp, the arm takes up a load of 2.04 ± 0.05 kg."]
     header, rows = contacts(results, "grasp")
     assert header[-1] == "load [kg]"
     assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]

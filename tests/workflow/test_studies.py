@@ -107,6 +107,7 @@ def test_a_standstill_tells_no_models_apart_and_no_friction(standstill: Workflow
     assert "The arm rests in every recording, which does not tell link models apart." in text
     assert "closest to the controller" not in text
     assert '<td class="left">did not move</td>' in text
+    assert not re.search(r"\bnan\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL))
 
 
 def results_of(workflow: Workflow) -> Results:

@@ -47,7 +47,9 @@ def signed(value: float, digits: int, unit: str = "") -> Cell:
 
 
 def with_error(value: float, std: float, digits: int) -> Cell:
-    """Return the cell of a value and its standard error."""
+    """Return the cell of a value and its standard error, or a dash for NaN."""
+    if np.isnan(value):
+        return Cell("–")
     return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
 
 

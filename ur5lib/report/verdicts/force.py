@@ -18,7 +18,7 @@ TOPIC = "Force in contact"
 MEANS = ["mae", "mae_low", "mae_high", "mean_force", "coverage95"]
 
 
-def in_contact(results: Results) -> pd.DataFrame:
+def errors_in_contact(results: Results) -> pd.DataFrame:
     """Return the leading estimate's errors on each recording that no fit has seen, as means over
     x, y, z.
 
@@ -34,7 +34,7 @@ def verdict(results: Results) -> Verdict:
     """Judge the force by the recording on which it is worst."""
     if results.stopped():
         return Verdict(TOPIC, "do not use", "A stop sign stands: recordings contradict the study.")
-    judged = in_contact(results)
+    judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
     held = judged["coverage95"].min()

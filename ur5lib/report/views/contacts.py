@@ -1,4 +1,4 @@
-"""Contact forces in sentences: errors in contact, bands, contacts and loads found, alarms."""
+"""Contact forces in sentences: errors in contact, bands, contacts found, alarms."""
 
 from collections.abc import Iterator
 
@@ -21,7 +21,6 @@ def told(results: Results) -> list[str]:
         *in_contact(force),
         *bands_held(force),
         *largest_contacts(results),
-        *loads_taken_up(results),
         *detection(results),
     ]
 
@@ -129,17 +128,6 @@ def largest_contacts(results: Results) -> Iterator[str]:
                 f"On {name}, the largest force is {values} N in x, y, z, at "
                 f"{largest['peak_s']:.1f} s."
             )
-
-
-def loads_taken_up(results: Results) -> Iterator[str]:
-    """Report the loads that the arm picked up during a run."""
-    contacts = results.rows("contacts", estimate="Fmap", kind="load")
-    for row in contacts[:MOST_SHOWN].itertuples():
-        yield (
-            f"On {row.recording}, the currents show that the arm carries a load of "
-            f"{rounded(row.load_mass, 2)} ± {rounded(row.load_mass_std, 2)} kg from "
-            f"{row.start_s:.1f} s on."
-        )
 
 
 def detection(results: Results) -> Iterator[str]:

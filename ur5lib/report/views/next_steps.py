@@ -98,10 +98,11 @@ def missing_recordings(results: Results) -> Iterator[str]:
     """Ask for the recordings that would settle what is undetermined."""
     for row in results.tables["excitation"].dropna(subset="advice").itertuples():
         motion = row.advice.partition(" would determine ")[0]
-        yield (
-            f"Record {row.robot} {motion[0].lower()}{motion[1:]}: that would determine more of its "
-            "link parameters."
-        )
+        if motion.startswith(("Holding", "Moving")):  # else no motion helps
+            yield (
+                f"Record {row.robot} {motion[0].lower()}{motion[1:]}: that would determine more of "
+                "its link parameters."
+            )
     yield from other_motions(results)
     if not results.with_role("validate"):
         yield "Record a motion without contact for the role validate, which no fit sees."
