@@ -1,239 +1,296 @@
-"""The numbers expected in a report's summary, computed from its tables in plain Python."""
+"""The numbers expected on a report's first screen, computed from its tables in plain Python."""
 
 import csv
 import html
+import math
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import mean, median
-from typing import Any
+from typing import Any, NamedTuple
 
 Row = dict[str, str]
-NEW = ("Fmap", "least_squares", "observer", "repeat")
-ESTIMATES = (*NEW, "Fu", "F", "F*")
+ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "Fu", "F", "F*")
+MOST_WORDS = 180
+FORCES = ("Fx", "Fy", "Fz")
+FIXED = ["probability of 95 %", "95 % interval", "95 % band", "(95 %:"]
+SEVERITIES = ("stop", "error", "warning", "note")
+
+
+class Study(NamedTuple):
+    """A study's tables by name, the role of each recording, and the joints that move on it."""
+
+    tables: dict[str, list[Row]]
+    roles: dict[str, str]
+    files: dict[str, str]
+
+    def moving(self, recording: str) -> set[str]:
+        (row,) = [row for row in self.tables["recordings"] if row["recording"] == recording]
+        return {f"{float(joint):.0f}" for joint in row["moving_joints"].split()}
+
+    def of_role(self, role: str) -> list[str]:
+        return [name for name, other in self.roles.items() if other == role]
+
+    def loads(self) -> list[Row]:
+        return [row for row in self.tables["payload"] if row["taken"] == "yes"]
+
+    def quiet(self) -> set[str]:
+        """Validate recordings without an undeclared load."""
+        return {*self.of_role("validate")} - {row["recording"] for row in self.loads()}
 
 
 def check_summary(report: Path, study: dict[str, Any]) -> None:
-    """Every number of every sentence of the summary, in order."""
-    roles = {recording["name"]: recording["role"] for recording in study["recordings"]}
-    tables = report.parent / "tables"
+    """Every number of every verdict and of every finding, in order; short sentences."""
+    entries = study["recordings"]
+    known = Study(
+        {path.stem: read(path) for path in (report.parent / "tables").glob("*.csv")},
+        {entry["name"]: entry["role"] for entry in entries},
+        {entry["name"]: entry.get("file", "") for entry in entries},
+    )
     text = html.unescape(report.read_text())
-    (summary,) = re.findall(r"<ul>(?:(?!<ul>).)*?Findings about.*?</ul>", text, re.DOTALL)
-    told = [
-        re.findall(r"(?<![\w.])\d+(?:\.\d+)?", without_names(sentence, roles))
-        for sentence in re.findall(r"<li>(.*?)</li>", summary, re.DOTALL)
-    ]
-    assert told == [*expected(tables, roles)]
+    (summary,) = re.findall(r"<h3>Findings</h3>\s*<ul>(.*?)</ul>", text, re.DOTALL)
+    sentences = re.findall(r"<li>(.*?)</li>", summary, re.DOTALL)
+    told = [numbers(sentence, known) for sentence in sentences]
+    assert told == [*findings(known)]
+    assert sum(len(sentence.split()) for sentence in sentences) <= MOST_WORDS
+    assert max(map(len, told), default=0) <= 2
+    cards = re.findall(r"<article class=\"verdict ([\w-]+)\">\s*<h3>(.*?) <.*?</h3>(.*?)</article>",
+                       text, re.DOTALL)  # fmt: skip
+    shown = {}
+    for state, topic, card in cards:
+        words = " ".join(re.findall(r"<p[^>]*>(.*?)</p>", card, re.DOTALL))
+        shown[topic] = state, numbers(words, known)
+    expected = verdicts(known)
+    assert {topic: shown[topic] for topic in expected} == expected
 
 
-def without_names(sentence: str, roles: dict[str, str]) -> str:
-    """A sentence without the digits of names, of what is fixed, and of bounds' signs."""
-    fixed = ["joints 1 to 6", "below 2 Hz", "95 % interval", "95 % bands", "probability of 95 %"]
-    fixed += ["above 5 N"]
-    for words in [*sorted(roles, key=len, reverse=True), *fixed]:
+def numbers(sentence: str, study: Study) -> list[str]:
+    """A sentence's numbers, without the digits of names and of what is fixed."""
+    names = [*study.roles, *filter(None, study.files.values())]
+    for words in [*sorted(names, key=len, reverse=True), *FIXED]:
         sentence = sentence.replace(words, "")
-    return sentence
+    return re.findall(r"(?<![\w.,])\d[\d,]*(?:\.\d+)?", sentence)
 
 
-def expected(tables: Path, roles: dict[str, str]) -> Iterator[list[str]]:
-    """The numbers of each sentence."""
-    torque, force = read(tables / "torque_mae.csv"), read(tables / "force_mae.csv")
-    yield from best_model([row for row in torque if row["mae"]], roles)
-    printed = [row for row in torque if row["printed"] and row["mae"]]
-    if looped := [row for row in printed if row["motion"] == "closed_loop"]:
-        gap = {abs(float(row["mae"]) - float(row["printed"])): row["joint"] for row in looped}
-        yield [f"{max(gap):.3f}", gap[max(gap)]]
-    if accelerations := read(tables / "acceleration_mae.csv"):
-        yield acceleration(accelerations)
-    currents = read(tables / "current_rmse.csv")
-    payloads = read(tables / "payload.csv")
-    loads = [row for row in payloads if row["taken"] == "yes"]
-    free = {*roles} - {row["recording"] for row in loads}
-    judged = [r for r in currents if r["recording"] in free and roles[r["recording"]] == "validate"]
-    yield [
-        f"{value:.2f}"
-        for model in ("fitted", "i_target")
-        for value in averages([r for r in judged if r["model"] == model], "joint", "rmse_2hz")
+# Verdicts
+
+
+def verdicts(study: Study) -> dict[str, tuple[str, list[str]]]:
+    """The state and the numbers of the verdicts that have some."""
+    judged = {
+        "Data quality": quality(study),
+        "Link model": link_model(study),
+        "Friction and currents": currents(study),
+        "Force in contact": force(study),
+        "Motion": motion(study.tables["acceleration_mae"]),
+    }
+    return {topic: found for topic, found in judged.items() if found}
+
+
+def state(error: float, zero: float, good: bool = True) -> str:
+    if error >= zero:
+        return "do-not-use"
+    return "good" if error < zero / 2 and good else "usable"
+
+
+def averages(rows: list[Row], key: str, value: str) -> dict[str, list[float]]:
+    """Values by a key, in the order in which its values come."""
+    groups: dict[str, list[float]] = defaultdict(list)
+    for row in rows:
+        groups[row[key]].append(float(row[value]))
+    return groups
+
+
+def worst(rows: list[Row], key: str, error: str, zero: str) -> tuple[str, list[float], float]:
+    """The name of the largest error beside zero, its errors, and the mean error of zero."""
+    errors, zeros = averages(rows, key, error), averages(rows, key, zero)
+    acting = [name for name in errors if mean(zeros[name]) > 5e-5]
+    name = max(acting, key=lambda name: mean(errors[name]) / mean(zeros[name]))
+    return name, errors[name], mean(zeros[name])
+
+
+def spread(errors: list[float], zero: float, digits: int) -> list[str]:
+    """An error, its range and number of recordings if several, and the error of zero."""
+    ends = [shown(end, digits) for end in (min(errors), max(errors))]
+    several = [*(ends if ends[0] != ends[1] else []), str(len(errors))] if errors[1:] else []
+    return [shown(mean(errors), digits), *several, shown(zero, digits)]
+
+
+def compared(study: Study) -> list[Row]:
+    """Torque errors in motion, unseen if possible, at the first motion."""
+    rows = [row for row in study.tables["torque_mae"] if row["mae"]]
+    rows = [row for row in rows if study.moving(row["recording"])]
+    rows = [row for row in rows if study.roles[row["recording"]] != "fit"] or rows
+    return [row for row in rows if row["motion"] == rows[0]["motion"]]
+
+
+def nearest(rows: list[Row]) -> tuple[list[str], int, int]:
+    """The models that are closest most often, on how many joints, of how many that differ."""
+    models = sorted({row["model"] for row in rows})
+    errors = [averages([r for r in rows if r["model"] == m], "joint", "mae") for m in models]
+    joints = [[mean(own[joint]) for own in errors] for joint in errors[0]]
+    differ = [values for values in joints if max(values) - min(values) > 5e-5]
+    wins = [sum(values[i] - min(values) <= 5e-5 for values in differ) for i in range(len(models))]
+    best = [model for model, count in zip(models, wins, strict=True) if count == max(wins)]
+    return best, max(wins), len(differ)
+
+
+def quality(study: Study) -> tuple[str, list[str]]:
+    """Of the most serious finding, on the recording of which it concerns most frames."""
+    rows = study.tables["quality"]
+    frames = {row["recording"]: int(row["frames"]) for row in study.tables["recordings"]}
+    counts = Counter(row["severity"] for row in rows)
+    told = [str(counts[name]) for name in SEVERITIES if counts[name]]
+    serious = [row for row in rows if row["severity"] != "note"]
+    if not serious:
+        return "good", told
+    bad = {row["recording"] for row in serious}
+    groups: dict[tuple[str, ...], list[Row]] = defaultdict(list)
+    for row in serious:
+        groups[row["severity"], row["recording"], row["device"], row["finding"]].append(row)
+    count = {key: sum(int(row["count"]) for row in part) for key, part in groups.items()}
+    ranked = sorted(groups, key=lambda x: (SEVERITIES.index(x[0]), -count[x] / frames[x[1]]))
+    first = ranked[0]
+    about = [f"{count[first]:,}", f"{frames[first[1]]:,}"]
+    if first[3] not in ("lost frames", "impossible frames"):
+        about = numbers(groups[first][0]["detail"].partition("; ")[0], study)
+    found = "do-not-use" if first[0] == "stop" else "usable"
+    return found, [*about, *told, str(len(bad)), str(len(frames))]
+
+
+def link_model(study: Study) -> tuple[str, list[str]] | None:
+    if not (rows := compared(study)):
+        return None
+    (best, *_), _, _ = nearest(rows)
+    own = [row for row in rows if row["model"] == best]
+    joint, errors, zero = worst(own, "joint", "mae", "zero_mae")
+    unseen = study.roles[rows[0]["recording"]] != "fit"
+    return state(mean(errors), zero, unseen), [joint, *spread(errors, zero, 3)]
+
+
+def currents(study: Study) -> tuple[str, list[str]] | None:
+    rows = [
+        row | {"zero": str(float(row["rmse_2hz"]) / math.sqrt(1 - float(row["r2"])))}
+        for row in study.tables["current_rmse"]
+        if row["model"] == "fitted"
+        and row["recording"] in study.quiet()
+        and row["joint"] in study.moving(row["recording"])
     ]
-    for row in loads[:4]:
+    if not rows:
+        return None
+    joint, errors, zero = worst(rows, "joint", "rmse_2hz", "zero")
+    held = {name: mean(part) for name, part in averages(rows, "joint", "coverage95").items()}
+    least = min(held, key=held.__getitem__)
+    told = ["95", joint, *spread(errors, zero, 2), f"{100 * held[least]:.0f}", least]
+    told = told[1:] if state(mean(errors), zero) != "do-not-use" else told
+    return state(mean(errors), zero, held[least] >= 0.9), told
+
+
+def motion(rows: list[Row]) -> tuple[str, list[str]] | None:
+    rows = [row for row in rows if row["estimate"] == "encoders"]
+    if not rows:
+        return None
+    _, errors, zero = worst(rows, "component", "mae", "zero_mae")
+    return state(mean(errors), zero), spread(errors, zero, 3)
+
+
+def force(study: Study) -> tuple[str, list[str]] | None:
+    """Of the leading estimate, on the worst recording with contact that no fit has seen."""
+    rows = [
+        r for r in in_contact(study.tables["force_mae"]) if study.roles[r["recording"]] != "fit"
+    ]
+    rows = [row for row in rows if row["component"] in FORCES]
+    if not rows:
+        return None
+    columns = ("mae", "mae_low", "mae_high", "mean_force", "coverage95")
+    means = {}
+    for name in {row["recording"] for row in rows}:
+        own = [row for row in rows if row["recording"] == name]
+        means[name] = {c: mean(float(r[c]) for r in own) if own[0][c] else None for c in columns}
+    row = max(means.values(), key=lambda own: own["mae"] / own["mean_force"])
+    mae, low, high, zero = (row[name] and f"{row[name]:.1f}" for name in columns[:4])
+    bands = [own["coverage95"] for own in means.values() if own["coverage95"] is not None]
+    interval = [low, high] if low else []
+    told = [mae, zero, mae, *interval, zero, *(f"{100 * min(bands):.0f}" for _ in bands[:1])]
+    good = bool(bands) and min(bands) >= 0.9 and low is not None
+    return state(row["mae"], row["mean_force"], good), told
+
+
+def in_contact(rows: list[Row]) -> list[Row]:
+    """The errors of the leading estimate in contact."""
+    rows = [row for row in rows if row["kind"] == "compensated" and row["during"] == "contact"]
+    lead = next((name for name in ESTIMATES if any(r["estimate"] == name for r in rows)), "")
+    return [row for row in rows if row["estimate"] == lead]
+
+
+# Findings
+
+
+def findings(study: Study) -> Iterator[list[str]]:
+    """The numbers of each sentence."""
+    force = study.tables["force_mae"]
+    if (rows := compared(study)) and len({row["model"] for row in rows}) > 1:
+        _, near, differ = nearest(rows)
+        yield [str(near), str(differ)] if differ else []
+    printed = [row for row in study.tables["torque_mae"] if row["printed"] and row["mae"]]
+    if looped := [row for row in printed if row["motion"] == "closed_loop"]:
+        yield [f"{max(abs(float(row['mae']) - float(row['printed'])) for row in looped):.3f}"]
+    if printed := [row for row in force if row["printed_mae"]]:
+        yield [widest(printed, figure) for figure in ("mae", "max")]
+    for row in study.loads()[:4]:
         yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
-    for figure in ("mae", "max"):
-        if rows := [row for row in force if row[f"printed_{figure}"]]:
-            yield [widest(rows, estimate, figure) for estimate in ("Fu", "F", "F*")]
-    contacts = read(tables / "contacts.csv")
-    detection = read(tables / "detection.csv")
-    yield from forces(force, detection, contacts, free, roles)
-    yield quality(read(tables / "quality.csv"))
-    if (tables / "truth.csv").exists() and (stated := [
-        row["within95"] for row in read(tables / "truth.csv") if row["within95"]
-    ]):  # fmt: skip
+    yield from contacts(study)
+    yield from detected(study)
+    moments = [row for row in in_contact(force) if row["component"] not in FORCES]
+    if {row["component"] for row in moments if row["determined"] == "yes"} < {
+        row["component"] for row in moments
+    }:
+        yield []
+    stated = [row["within95"] for row in study.tables.get("truth", []) if row["within95"]]
+    if stated:
         yield [str(len(stated)), str(stated.count("yes"))]
 
 
-def best_model(rows: list[Row], roles: dict[str, str]) -> Iterator[list[str]]:
-    rows = [row for row in rows if roles[row["recording"]] != "fit"] or rows
-    rows = [row for row in rows if row["motion"] == rows[0]["motion"]]
-    errors = {
-        model: averages([row for row in rows if row["model"] == model], "joint", "mae")
-        for model in sorted({row["model"] for row in rows})
-    }
-    joints = [*zip(*errors.values(), strict=True)]
-    differ = [values for values in joints if max(values) - min(values) > 5e-5]
-    near = [[value - min(values) <= 5e-5 for value in values] for values in differ]
-    wins = Counter({model: sum(row[i] for row in near) for i, model in enumerate(errors)})
-    winner = wins.most_common(1)[0][0]
-    yield [str(wins[winner]), str(len(differ))]
-    order = [winner, *(model for model in errors if model != winner)]
-    zero = averages(rows, "joint", "zero_mae")
-    yield [shown(value) for model in order for value in errors[model]] + [*map(shown, zero)]
+def contacts(study: Study) -> Iterator[list[str]]:
+    """Contacts by recording without a sensor, and loads taken up."""
+    sensed = {row["recording"] for row in study.tables["force_mae"]}
+    searched = {row["recording"] for row in study.tables["detection"]} - sensed
+    found = [row for row in study.tables["contacts"] if row["estimate"] == "Fmap"]
+    counts = Counter(row["recording"] for row in found if row["kind"] == "contact")
+    for name in [name for name in study.of_role("contact") if name in searched][:4]:
+        yield [str(counts[name])] if counts[name] else []
+    for row in [row for row in found if row["kind"] == "load"][:4]:
+        yield [f"{float(row[name]):.2f}" for name in ("load_mass", "load_mass_std")]
+
+
+def detected(study: Study) -> Iterator[list[str]]:
+    """Contacts found, false alarms, and the smallest push along the worst axis."""
+    rows = [row for row in study.tables["detection"] if row["estimate"] == "Fmap"]
+    if classes := [float(row["force_class_n"]) for row in rows if row["force_class_n"]]:
+        least = [
+            r for r in rows if r["force_class_n"] and float(r["force_class_n"]) == min(classes)
+        ]
+        yield [f"{sum(float(row[name]) for row in least):.0f}" for name in ("found", "contacts")]
+    if quiet := [row for row in rows if row["recording"] in study.quiet()]:
+        yield [f"{mean(float(row['alarms_per_min']) for row in quiet):.1f}"]
+    loaded = {row["recording"] for row in study.loads()}
+    columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
+    free = [row for row in rows if row["recording"] not in loaded]
+    pushes = [row for row in free if any(map(row.get, columns))]
+    if pushes and all(row[column] for row in pushes for column in columns):
+        yield [f"{max(median(float(row[c]) for row in pushes) for c in columns):.0f}"]
+
+
+def widest(rows: list[Row], figure: str) -> str:
+    gaps = [abs(float(row[figure]) / float(row[f"printed_{figure}"]) - 1) for row in rows]
+    return f"{100 * max(gaps):.1f}"
 
 
 def shown(value: float, digits: int = 3) -> str:
     """A value, or the bound that stands for a small one."""
     least = 10**-digits
     return f"{least if 0 < value < least / 2 else value:.{digits}f}"
-
-
-def acceleration(rows: list[Row]) -> list[str]:
-    rows = [row for row in rows if row["estimate"] == "encoders"]
-    linear = [row for row in rows if row["component"] in ("x", "y", "z")]
-    numbers = [f"{value:.3f}" for value in averages(linear, "component", "mae")]
-    numbers.append(str(len({row["recording"] for row in rows})))
-    return numbers + [f"{value:.3f}" for value in averages(linear, "component", "zero_mae")]
-
-
-def forces(
-    force: list[Row],
-    detection: list[Row],
-    found: list[Row],
-    free: set[str],
-    roles: dict[str, str],
-) -> Iterator[list[str]]:
-    rows = [r for r in force if r["kind"] == "compensated" and r["component"].startswith("F")]
-    touched = [row for row in rows if row["during"] == "contact"]
-    better = []
-    for recording in dict.fromkeys(row["recording"] for row in touched):
-        here = [row for row in rows if row["recording"] == recording]
-        lead = next(name for name in ESTIMATES if any(r["estimate"] == name for r in here))
-        contact = chosen(here, lead, "contact")
-        mae, zero = (sum(float(row[name]) for row in contact) for name in ("mae", "mean_force"))
-        better.append(mae < zero)
-        if len(better) <= 4:
-            yield in_contact(here, contact, lead)
-    if len(better) > 4:
-        yield [str(sum(better)), str(len(better))]
-    if any(row["determined"] == "no" for row in moments(force)):
-        told = {row["component"] for row in moments(force) if row["determined"] == "yes"}
-        if len(told) < 3:
-            yield []
-    if held := bands(rows):
-        yield held
-    sensed = {row["recording"] for row in force}
-    felt = [name for name, role in roles.items() if role == "contact" and name not in sensed]
-    contacts = [row for row in found if row["kind"] == "contact"]
-    yield from (told for name in felt[:4] if (told := largest(contacts, name)))
-    loads = [row for row in found if row["kind"] == "load" and row["estimate"] == "Fmap"]
-    for row in loads[:4]:
-        numbers = (row["load_mass"], 2), (row["load_mass_std"], 2), (row["start_s"], 1)
-        yield [f"{float(value):.{digits}f}" for value, digits in numbers]
-    yield from detected([row for row in detection if row["estimate"] == "Fmap"], free, roles)
-
-
-def chosen(rows: list[Row], estimate: str, during: str) -> list[Row]:
-    return [row for row in rows if row["estimate"] == estimate and row["during"] == during]
-
-
-def in_contact(rows: list[Row], contact: list[Row], lead: str) -> list[str]:
-    """Errors and their intervals, mean force, bands, the baseline, and errors free of contact."""
-
-    def values(part: list[Row], *names: str, digits: int = 1) -> list[str]:
-        return [shown(float(row[name]), digits) for row in part for name in names]
-
-    numbers = values(contact, "mae")
-    if all(row["mae_low"] for row in contact):
-        numbers += values(contact, "mae_low", "mae_high")
-    numbers += values(contact, "mean_force")
-    if all(row["coverage95"] for row in contact):
-        numbers += [f"{100 * float(row['coverage95']):.0f}" for row in contact]
-    if lead != "least_squares":
-        numbers += values(chosen(rows, "least_squares", "contact"), "mae")
-    return numbers + values(chosen(rows, lead, "free"), "mae", digits=2)
-
-
-def moments(force: list[Row]) -> list[Row]:
-    """Of the leading estimate, in contact."""
-    rows = [r for r in force if r["kind"] == "compensated" and r["during"] == "contact"]
-    lead = next((name for name in ESTIMATES if any(r["estimate"] == name for r in rows)), "")
-    return [r for r in rows if r["estimate"] == lead and r["component"].startswith("n")]
-
-
-def bands(rows: list[Row]) -> list[str]:
-    """What the bands of each new estimate hold in contact, and free of it."""
-    numbers = []
-    for name in NEW:
-        parts = [
-            [float(row["coverage95"]) for row in chosen(rows, name, during)]
-            for during in ("contact", "free")
-        ]
-        if all(parts):
-            numbers += [f"{100 * mean(part):.0f}" for part in parts]
-    return numbers
-
-
-def detected(rows: list[Row], free: set[str], roles: dict[str, str]) -> Iterator[list[str]]:
-    """Contacts found by their force, false alarms, and the smallest pushes."""
-    classes: dict[str, list[Row]] = defaultdict(list)
-    for row in rows:
-        if row["force_class_n"]:
-            classes[row["force_class_n"]].append(row)
-    if classes:
-        yield [
-            number
-            for force, part in sorted(classes.items(), key=lambda item: float(item[0]))
-            for number in (
-                *(f"{sum(float(row[name]) for row in part):.0f}" for name in ("found", "contacts")),
-                f"{float(force):.0f}",
-            )
-        ]
-    quiet = [r for r in rows if roles[r["recording"]] == "validate" and r["recording"] in free]
-    if quiet:
-        yield [f"{mean(float(row['alarms_per_min']) for row in quiet):.1f}"]
-    columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
-    if pushes := [r for r in rows if r["recording"] in free and all(map(r.get, columns))]:
-        yield [f"{median(float(row[c]) for row in pushes):.0f}" for c in columns]
-
-
-def largest(found: list[Row], recording: str) -> list[str]:
-    """How many contacts a recording holds by F̂ᵐᵃᵖ, and the largest force in them."""
-    rows = [r for r in found if r["recording"] == recording and r["estimate"] == "Fmap"]
-    if not rows:
-        return []
-    peak = max(rows, key=lambda row: sum(float(row[name]) ** 2 for name in ("Fx", "Fy", "Fz")))
-    values = [peak[f"{name}{end}"] for name in ("Fx", "Fy", "Fz") for end in ("", "_std")]
-    numbers = [f"{abs(float(value)):.1f}" for value in [*values, peak["peak_s"]]]
-    return [str(len(rows)), *numbers]
-
-
-def quality(rows: list[Row]) -> list[str]:
-    counts = Counter(row["severity"] for row in rows)
-    serious = Counter(row["finding"] for row in rows if row["severity"] != "note")
-    numbers = [str(counts[name]) for name in ("error", "warning", "note") if counts[name]]
-    return numbers + [str(count) for _, count in serious.most_common(4)]
-
-
-def widest(rows: list[Row], estimate: str, figure: str) -> str:
-    part = [row for row in rows if row["estimate"] == estimate]
-    gaps = [abs(float(row[figure]) / float(row[f"printed_{figure}"]) - 1) for row in part]
-    return f"{100 * max(gaps):.1f}"
-
-
-def averages(rows: list[Row], key: str, value: str) -> list[float]:
-    """Means by a key, in the order in which its values come."""
-    groups: dict[str, list[float]] = defaultdict(list)
-    for row in rows:
-        groups[row[key]].append(float(row[value]))
-    return [*map(mean, groups.values())]
 
 
 def read(path: Path) -> list[Row]:

@@ -136,6 +136,14 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     assert list(table["finding"]).count("unknown drift") == 1
 
 
+def test_findings_of_two_meanings_keep_both() -> None:
+    finding = {"recording": "one", "device": "robot", "finding": "apart", "severity": "warning"}
+    details = ["a: b lie apart", "actual_current and target_current lie apart"]
+    rows = [finding | {"count": 1, "detail": detail} for detail in details]
+    (told,) = group_findings(pd.DataFrame(rows))["detail"]
+    assert told == "a: b lie apart; actual_current and target_current lie apart"
+
+
 def test_a_recording_that_a_filter_leaves_as_it_is_is_told() -> None:
     settings = Settings.model_validate({"lowpass": {"motion": {"cutoff_hz": 80}}})
     study = Study.model_construct(settings=settings)

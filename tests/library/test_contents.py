@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import MENTION, SENTENCE_END, view
-from ur5lib.report.contents import Figure, Part, Repeated, Single, Tabular, Text, contents
+from ur5lib.report.compose import MENTION, SENTENCE_END, compose, view
+from ur5lib.report.contents import Contents, Figure, Part, Repeated, Single, Tabular, Text, contents
+from ur5lib.report.document import Document, Paragraph, Reference, Table
 from ur5lib.report.results import Results
 
 TABLES_MADE = {path.stem for path in (PROJECT / "ur5lib/report/tables").glob("[!_]*.py")}
@@ -76,6 +77,51 @@ def test_a_sentence_ends_where_the_next_begins() -> None:
     assert SENTENCE_END.split(text) == [
         "Rows as in 5.6:", "@a shows.", "“Zero” is zero, e.g. 0.5.", "@b too.",
     ]  # fmt: skip
+
+
+FIRST = {"title": "First", "blocks": [{"table": "noise", "caption": "One."}]}
+SAME = "It is in @noise. Bands{thesis| (2.64)} are wide."
+SECOND = {
+    "title": "Second",
+    "blocks": [
+        {"text": SAME},
+        {"table": "noise", "caption": "One."},
+        {"table": "jitter", "caption": "Two."},
+    ],
+}
+
+
+def composed(**study: str) -> Document:
+    names = {
+        "study": "s",
+        "title": "t",
+        "recordings": [{"name": "one", "robot": "ur5", "role": "fit"}],
+    }
+    table = pd.DataFrame({"recording": ["one"], "duration_s": [60.0]})
+    tables = dict.fromkeys(("noise", "jitter", "recordings"), table)
+    parts = Contents.model_validate({"sections": [FIRST, SECOND]})
+    return compose(parts, Results(study=names | study, tables=tables, figures=Path()))
+
+
+def test_what_the_first_section_shows_is_mentioned_and_not_repeated() -> None:
+    document = composed()
+    assert [block.label for block in document.blocks() if isinstance(block, Table)] == [
+        "noise",
+        "jitter",
+    ]
+    mention = next(block for block in document.blocks() if isinstance(block, Paragraph)).spans[1]
+    assert mention == Reference("noise", "Table 1")
+    assert document.subtitle == "Study “s” of ur5, recordings: 1 (1 fit; 1.0 min)"
+
+
+def test_remarks_of_the_thesis_stand_in_its_report_alone() -> None:
+    def said(document: Document) -> str:
+        return "".join(
+            map(str, next(b for b in document.blocks() if isinstance(b, Paragraph)).spans)
+        )
+
+    assert said(composed()).endswith("Bands are wide.")
+    assert said(composed(reference="printed.yaml")).endswith("Bands (2.64) are wide.")
 
 
 def test_a_table_named_alone_is_shown_as_it_is() -> None:

@@ -12,7 +12,7 @@ import yaml
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.cells import extremes, number, signed, significant
+from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -31,6 +31,7 @@ from ur5lib.report.reference import PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.tables.ablation import ablation_rows
+from ur5lib.report.tables.contacts import COLUMNS as CONTACTS
 from ur5lib.report.tables.contacts import contact_rows
 from ur5lib.report.tables.detection import detection_rows
 from ur5lib.report.tables.force_mae import force_errors
@@ -39,6 +40,12 @@ from ur5lib.report.tables.remarks import remark_rows
 from ur5lib.report.tables.torque_mae import torque_errors
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
+from ur5lib.report.views.contacts import (
+    counted,
+    in_contact,
+    largest_contacts,
+    undetermined_moments,
+)
 from ur5lib.report.views.currents import payloads as payload_table
 from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.forces import (
@@ -51,14 +58,7 @@ from ur5lib.report.views.forces import (
     smallest_pushes,
     summary,
 )
-from ur5lib.report.views.found import (
-    contacts_found,
-    in_contact,
-    left_out_fits,
-    loads_found,
-    loads_taken_up,
-    undetermined_moments,
-)
+from ur5lib.report.views.found import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.provenance import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -154,7 +154,7 @@ def test_extremes_are_marked_where_values_differ() -> None:
 def test_numbers_tell_their_sign_and_absence() -> None:
     assert number(1.23456, 3) == Cell("1.235")
     assert number(-1.5, 1) == Cell("−1.5")
-    assert number(float("nan"), 3) == Cell("–")
+    assert number(float("nan"), 3) == with_error(float("nan"), float("nan"), 3) == Cell("–")
     assert signed(-0.5, 1, " %") == Cell("−0.5 %")
     assert signed(0.5, 2) == Cell("+0.50")
 
@@ -163,6 +163,11 @@ def test_significant_digits_have_no_exponent() -> None:
     assert [significant(x, 2) for x in (46771.7, 99.6, 2.649, 0.00134)] == [
         "47000", "100", "2.6", "0.0013"
     ]  # fmt: skip
+
+
+def test_joints_in_a_row_are_named_by_the_first_and_the_last() -> None:
+    told = [joints(numbers) for numbers in ([2], [1, 3], [4, 5], [1, 2, 3, 4, 5, 6])]
+    assert told == ["joint 2", "joints 1, 3", "joints 4, 5", "joints 1 to 6"]
 
 
 def test_columns_of_numbers_stand_right() -> None:
@@ -220,18 +225,32 @@ def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
 # Contacts
 
 
+def searched(name: str, contacts: object) -> Results:
+    """One contact recording without a force sensor, and the contacts found on it."""
+    tables = {
+        "contacts": pd.DataFrame(contacts, columns=CONTACTS),
+        "force_mae": pd.DataFrame({"recording": []}),
+        "detection": pd.DataFrame([{"recording": name, "estimate": "Fmap"}]),
+    }
+    return Results({"recordings": [{"name": name, "role": "contact"}]}, tables, Path())
+
+
+def test_a_recording_without_contacts_is_told_too() -> None:
+    results = searched("quiet", [])
+    assert [*counted(results)] == ["On quiet, which has no force sensor, F̂ᵐᵃᵖ finds no contact."]
+    assert [*largest_contacts(results)] == []
+
+
 def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     alarms = [
         {"start": 1.0, "end": 2.0, "peak": 1.5, "force": [3.0, 0.0, -4.04], "force_std": [1, 2, 3]},
         {"start": 7.0, "end": 8.0, "peak": 7.5, "force": [1.0, 0.0, 0.0], "force_std": [1, 2, 3]},
     ]
     rows = contact_rows("pushed", {"Fmap": {"raised": alarms}})
-    tables = {"contacts": pd.DataFrame(rows), "force_mae": pd.DataFrame({"recording": []})}
-    study = {"recordings": [{"name": "pushed", "role": "contact"}]}
-    results = Results(study, tables, Path())
-    assert [*contacts_found(results)] == [
-        "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts. The largest force is "
-        "3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s."
+    results = searched("pushed", rows)
+    assert [*counted(results), *largest_contacts(results)] == [
+        "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts.",
+        "On pushed, the largest force is 3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s.",
     ]
     first, second = contacts(results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
@@ -248,14 +267,10 @@ def test_a_load_taken_up_is_no_contact() -> None:
     }
     load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
     rows = contact_rows("grasp", {"Fmap": {"raised": [alarm, load]}})
-    tables = {"contacts": pd.DataFrame(rows), "force_mae": pd.DataFrame({"recording": []})}
-    study = {"recordings": [{"name": "grasp", "role": "contact"}]}
-    results = Results(study, tables, Path())
-    (told,) = contacts_found(results)
-    assert told.startswith("On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact.")
-    assert [*loads_taken_up(results)] == [
-        "On grasp, the currents show that the arm carries a load of 2.04 ± 0.05 kg from 4.0 s on."
-    ]
+    results = searched("grasp", rows)
+    (told,) = counted(results)
+    assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."
+    assert [*loads_taken_up(results)] == ["On grasp, the arm takes up a load of 2.04 ± 0.05 kg."]
     header, rows = contacts(results, "grasp")
     assert header[-1] == "load [kg]"
     assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]

@@ -42,6 +42,11 @@ TRUTH: dict[str, Any] = {
 COUNT = 100
 
 
+def test_a_joint_that_did_not_move_has_no_rotor_beside_the_truth() -> None:
+    rows = [*values("rotor_inertia", [1, 2], "kg m2", [0.5, 0.6], [0.5, None], [0.1, None])]
+    assert [row["index"] for row in rows] == [1]
+
+
 def series(value: float) -> Array:
     return np.full((COUNT, 6), value)
 

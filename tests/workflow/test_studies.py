@@ -13,6 +13,7 @@ import yaml
 from pypdf import PdfReader
 
 from tests.artefacts.documents import check_pdf, check_structure
+from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow, copy_project
 from ur5lib.report.compose import compose
 from ur5lib.report.contents import contents
@@ -31,6 +32,25 @@ recordings:
     role: fit
     simulate: {seconds: 10, trajectory: {kind: fourier, draw: 3}, seed: 1}
 """
+STANDSTILL = """\
+study: standstill
+title: An arm at rest
+recordings:
+  - name: rest
+    robot: ur5
+    format: rtde-csv
+    role: fit
+    simulate: {seconds: 10, trajectory: {kind: standstill}, seed: 1}
+  - name: rest_pushed
+    robot: ur5
+    format: rtde-csv
+    role: contact
+    simulate:
+      trajectory: {kind: standstill}
+      seed: 6
+      force_sensor: {}
+      contacts: [{kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}]
+"""
 MANY = 200
 
 
@@ -39,6 +59,15 @@ def alone(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     """A study of one recording of 10 s, without a sensor."""
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("alone") / "project"))
     (workflow.folder / "config.yaml").write_text(STUDY)
+    workflow.build()
+    return workflow
+
+
+@pytest.fixture(scope="module")
+def standstill(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A study in which no joint moves."""
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("standstill") / "project"))
+    (workflow.folder / "config.yaml").write_text(STANDSTILL)
     workflow.build()
     return workflow
 
@@ -62,6 +91,23 @@ def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     assert not re.search(
         r"\b(nan|None(?! is fitted))\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL)
     )
+
+
+def test_the_summary_of_one_recording_tells_the_numbers_of_the_tables(alone: Workflow) -> None:
+    report = alone.folder / "results" / "alone" / "report.html"
+    check_summary(report, yaml.safe_load(STUDY))
+    assert "thesis" not in re.sub(r"data:[^\"]*", "", sentences(report))
+
+
+def test_a_standstill_tells_no_models_apart_and_no_friction(standstill: Workflow) -> None:
+    report = standstill.folder / "results" / "standstill" / "report.html"
+    check_structure(report)
+    check_summary(report, yaml.safe_load(STANDSTILL))
+    text = sentences(report)
+    assert "The arm rests in every recording, which does not tell link models apart." in text
+    assert "closest to the controller" not in text
+    assert '<td class="left">did not move</td>' in text
+    assert not re.search(r"\bnan\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL))
 
 
 def results_of(workflow: Workflow) -> Results:

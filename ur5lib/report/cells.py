@@ -31,13 +31,25 @@ def rounded(value: float, digits: int) -> str:
     return fixed(value, digits)
 
 
+def listed(values: Iterable[float], digits: int = 2) -> str:
+    """Format values with some decimals, one after the other."""
+    return ", ".join(rounded(value, digits) for value in values)
+
+
+def sentence(text: str) -> str:
+    """Return words as a sentence: with a capital and a full stop, or nothing."""
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
 def signed(value: float, digits: int, unit: str = "") -> Cell:
     """Return the cell of a difference, with its sign."""
     return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
 
 
 def with_error(value: float, std: float, digits: int) -> Cell:
-    """Return the cell of a value and its standard error."""
+    """Return the cell of a value and its standard error, or a dash for NaN."""
+    if np.isnan(value):
+        return Cell("–")
     return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
 
 
@@ -47,9 +59,11 @@ def interval(low: float, high: float, digits: int) -> str:
 
 
 def joints(numbers: Iterable[float]) -> str:
-    """Format joint numbers: joint 2; joints 1, 3."""
-    names = [f"{number:.0f}" for number in numbers]
-    return f"joint{'s' if len(names) > 1 else ''} {', '.join(names)}"
+    """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
+    known = [round(number) for number in numbers]
+    row = len(known) > 2 and known == [*range(known[0], known[-1] + 1)]
+    told = f"{known[0]} to {known[-1]}" if row else ", ".join(map(str, known))
+    return f"joint{'s' if len(known) > 1 else ''} {told}"
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

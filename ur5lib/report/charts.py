@@ -79,12 +79,12 @@ def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) ->
 
 
 def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz") -> Drawing:
-    """Draw the gain of filters over frequency, both logarithmic. gains: by label, (K,)."""
+    """Draw the gain of filters over frequency, both logarithmic. gains: six at most, (K,)."""
     with matplotlib.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
         axis = figure.subplots()
         dashes = cycle(["-", "--", ":"])
-        for (label, gain), colour in zip(gains.items(), JOINTS, strict=True):
+        for (label, gain), colour in zip(gains.items(), JOINTS, strict=False):
             axis.loglog(frequency, gain, next(dashes), label=label, color=colour)
         axis.set(xlabel=f"frequency [{unit}]", ylabel="gain", ylim=(1e-4, 2))
         axis.legend(loc="lower left", frameon=False)

@@ -1,7 +1,7 @@
 """The report of a study: its contents, filled from its results."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from types import ModuleType
@@ -11,6 +11,7 @@ from ur5lib.report.contents import (
     Contents,
     Figure,
     Formula,
+    Glance,
     List,
     Listing,
     Part,
@@ -19,6 +20,7 @@ from ur5lib.report.contents import (
     Single,
     Tabular,
     Text,
+    Title,
 )
 from ur5lib.report.document import (
     Block,
@@ -32,17 +34,21 @@ from ur5lib.report.document import (
     Reference,
     Section,
     Table,
+    Verdicts,
 )
 from ur5lib.report.results import MOST_ROWS, Body, Results
 from ur5lib.report.views import (
     audit,
     closed_loop,
+    contacts,
     currents,
     errata,
     forces,
     found,
+    glance,
     models,
     motion,
+    next_steps,
     provenance,
     recordings,
     truth,
@@ -51,17 +57,21 @@ from ur5lib.report.views import (
 VIEWS: dict[str, ModuleType] = {
     "audit": audit,
     "closed_loop": closed_loop,
+    "contacts": contacts,
     "currents": currents,
     "errata": errata,
     "forces": forces,
     "found": found,
+    "glance": glance,
     "models": models,
     "motion": motion,
+    "next_steps": next_steps,
     "provenance": provenance,
     "recordings": recordings,
     "truth": truth,
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
+THESIS = re.compile(r"\{thesis\|(.*?)\}")  # a remark of the thesis's study alone
 SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
@@ -73,9 +83,13 @@ class Draft(NamedTuple):
 
 
 def compose(contents: Contents, results: Results) -> Document:
-    """Compose the report of a study; sections without data are omitted, the first says why."""
+    """Compose the report of a study; sections without data are omitted, the first says why.
+
+    What the first section shows is not shown again in its own section.
+    """
     first, *others = contents.sections
-    sections = [Section(part.title, _blocks(part, results)) for part in others]
+    above = _labels(_drafts(first, results))
+    sections = [Section(part.title, _blocks(part, results, above)) for part in others]
     kept = [part for part in sections if any(map(_is_evidence, part.blocks))]
     left_out = [
         f"{part.title}: {part.absent}."
@@ -87,7 +101,7 @@ def compose(contents: Contents, results: Results) -> Document:
     notice = _notice(study["recordings"])
     return Document(
         title=f"{study['title']} (simulated)" if notice else study["title"],
-        subtitle=f"Study “{study['study']}”, recordings: {len(study['recordings'])}",
+        subtitle=_analysed(results),
         sections=[opening, *kept],
         notice=notice,
     ).numbered()
@@ -105,15 +119,34 @@ def view(name: str) -> Callable[..., Any]:
     return found
 
 
-def _blocks(part: Part, results: Results) -> list[Block]:
-    """Return the blocks of a section, without sentences about missing tables and figures."""
-    drafts = [*_drafts(part, results)]
-    shown = {block.label for block in drafts if isinstance(block, Table | Picture)}
+def _analysed(results: Results) -> str:
+    """Return what was analysed, in a line."""
+    roles = [*results.roles().values()]
+    counts = ", ".join(f"{roles.count(role)} {role}" for role in dict.fromkeys(roles))
+    minutes = results.tables["recordings"]["duration_s"].sum() / 60
+    return (
+        f"Study “{results.study['study']}” of {', '.join(results.robots())}, recordings: "
+        f"{len(roles)} ({counts}; {minutes:.1f} min)"
+    )
+
+
+def _labels(blocks: Iterable[Block | Draft]) -> set[str]:
+    """Return the labels of the tables and figures among blocks."""
+    return {block.label for block in blocks if isinstance(block, Table | Picture)}
+
+
+def _blocks(part: Part, results: Results, above: Set[str] = frozenset()) -> list[Block]:
+    """Return the blocks of a section, without sentences about missing tables and figures.
+
+    above: labels of what an earlier section shows.
+    """
+    drafts = [draft for draft in _drafts(part, results) if not _labels([draft]) & above]
+    shown = above | _labels(drafts)
     blocks = [_said(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
     return [block for block in blocks if block]
 
 
-def _said(draft: Draft, shown: set[str]) -> Paragraph | None:
+def _said(draft: Draft, shown: Set[str]) -> Paragraph | None:
     """Return the sentences of a text that mention only tables and figures that are shown."""
     kept = [
         sentence
@@ -150,10 +183,10 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | 
         case Text():
             sentences = [
                 [
-                    Reference(label(span)) if i % 2 else span.replace("{of}", of)
+                    Reference(label(span)) if i % 2 else span
                     for i, span in enumerate(MENTION.split(sentence))
                 ]
-                for sentence in SENTENCE_END.split(wanted.text.strip())
+                for sentence in SENTENCE_END.split(_filled(wanted.text, results, of).strip())
             ]
             yield Draft(sentences, wanted.beside and label(wanted.beside))
         case Sentences():
@@ -165,19 +198,30 @@ def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | 
         case Tabular():
             body = view(wanted.table)(*given)
             if body.rows:
-                yield _table(wanted, body, label(wanted.table), of)
+                caption = _filled(wanted.caption, results, of)
+                yield _table(wanted, body, label(wanted.table), caption)
         case Figure():
             path = results.figures / of / f"{wanted.figure}.svg"
             if _shows_something(path):
                 yield _picture(wanted, results, path, label(wanted.figure), of)
         case Formula():
             yield Equation(wanted.equation, wanted.alternative)
+        case Glance():
+            yield Verdicts(view(wanted.verdicts)(*given))
+        case Title():
+            yield Heading(wanted.heading)
         case Listing():
             yield Code(view(wanted.listing)(*given))
 
 
-def _table(wanted: Tabular, body: Body, label: str, of: str) -> Table:
-    caption, rows = wanted.caption.replace("{of}", of), body.rows
+def _filled(text: str, results: Results, of: str) -> str:
+    """Return a text of the contents with its recording or arm, and remarks of the thesis if due."""
+    due = results.of_thesis
+    return THESIS.sub(lambda remark: remark[1] if due else "", text).replace("{of}", of)
+
+
+def _table(wanted: Tabular, body: Body, label: str, caption: str) -> Table:
+    rows = body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
     return Table(caption, body.header, rows[:MOST_ROWS], label, wanted.source)
@@ -185,9 +229,9 @@ def _table(wanted: Tabular, body: Body, label: str, of: str) -> Table:
 
 def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -> Picture:
     return Picture(
-        caption=wanted.caption.replace("{of}", of),
+        caption=_filled(wanted.caption, results, of),
         path=path,
-        alternative=wanted.alternative.replace("{of}", of),
+        alternative=_filled(wanted.alternative, results, of),
         label=label,
         source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
         rule=wanted.rule,

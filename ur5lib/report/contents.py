@@ -64,13 +64,25 @@ class Formula(Strict):
     alternative: str
 
 
+class Glance(Strict):
+    """Verdicts that a view makes."""
+
+    verdicts: str
+
+
+class Title(Strict):
+    """Opens a part of a section."""
+
+    heading: str
+
+
 class Listing(Strict):
     """Text shown as typed, that a view writes."""
 
     listing: str
 
 
-Single = Text | Sentences | List | Tabular | Figure | Formula | Listing
+Single = Text | Sentences | List | Tabular | Figure | Formula | Listing | Glance | Title
 
 
 class Repeated(Strict):

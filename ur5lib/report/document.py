@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
 UNDETERMINED = "undetermined"  # replaces a number that the data do not determine
 
@@ -97,6 +98,30 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Verdict:
+    """What the results say about one topic, at a glance.
+
+    evidence: the number behind the sentence, with its interval and its baseline; drawing: an SVG,
+    empty if there is nothing to draw; caption: what the drawing shows.
+    """
+
+    topic: str
+    state: State
+    sentence: str
+    evidence: str = ""
+    drawing: str = ""
+    caption: str = ""
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """Verdicts side by side."""
+
+    verdicts: list[Verdict]
+    kind: str = "verdicts"
+
+
+@dataclass(frozen=True)
 class Equation:
     """An equation in typst's notation, and in words for who cannot see it."""
 
@@ -113,7 +138,7 @@ class Code:
     kind: str = "code"
 
 
-Block = Paragraph | Heading | Items | Table | Picture | Equation | Code
+Block = Paragraph | Heading | Items | Table | Picture | Verdicts | Equation | Code
 NAMES = {"table": "Table", "picture": "Figure"}
 
 

@@ -1,17 +1,34 @@
-"""Grouping of findings of one kind."""
+"""Findings about files: counted, and grouped by kind."""
 
 import pandas as pd
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
+SPOKEN = {"stop": "stop sign"}
+
+
+def count_findings(quality: pd.DataFrame) -> str:
+    """Return how many findings there are of each severity, most serious first."""
+    counts = quality["severity"].value_counts()
+    told = [(counts.get(name, 0), SPOKEN.get(name, name)) for name in SEVERITIES]
+    parts = [f"{count} {name}{'s' if count > 1 else ''}" for count, name in told if count]
+    return ", ".join(parts) or "no findings"
+
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
-    """Group findings of one kind in one row: counts summed, repeated parts of details once."""
+    """Group findings of one kind in one row: counts summed, repeated meanings said once."""
     kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
     grouped = kinds.agg({"count": "sum", "detail": lambda details: _said_once(list(details))})
     return grouped.reset_index()
 
 
 def _said_once(details: list[str]) -> str:
-    places, rests = zip(*(detail.rpartition(": ")[::2] for detail in details), strict=True)
-    return f"{'; '.join(places)}: {rests[0]}" if len(details) > 1 else details[0]
+    """Join details, "place: meaning" or a meaning alone, with the places of each meaning."""
+    places: dict[str, list[str]] = {}
+    for detail in dict.fromkeys(details):
+        place, _, meaning = detail.rpartition(": ")
+        places.setdefault(meaning, []).extend([place] if place else [])
+    return "; ".join(
+        ": ".join(["; ".join(named), meaning] if named else [meaning])
+        for meaning, named in places.items()
+    )

@@ -44,6 +44,11 @@ def write_pdf(document: Document, path: str | Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(TEMPLATES / "report.typ", root)
+        verdicts = [one for block in _blocks(data, "verdicts") for one in block["verdicts"]]
+        for i, verdict in enumerate(verdicts):
+            verdict["path"] = f"verdict_{i}.svg" if verdict["drawing"] else ""
+            if verdict["path"]:
+                (root / verdict["path"]).write_text(verdict["drawing"], encoding="utf-8")
         for block in _blocks(data, "picture"):
             picture = f"figure_{block['number']}.svg"
             shutil.copy(block["path"], root / picture)

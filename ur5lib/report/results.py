@@ -55,6 +55,26 @@ class Results:
         rows = self.tables[table]
         return [*rows.loc[rows[column].notna(), "recording"].unique()]
 
+    @property
+    def of_thesis(self) -> bool:
+        """Whether the study is compared with published values."""
+        return "reference" in self.study
+
+    def moving(self, recording: str) -> set[int]:
+        """Return the joints, from 1, that move on a recording."""
+        told = self.rows("recordings", recording=recording)["moving_joints"].dropna()
+        return {int(float(joint)) for joints in told for joint in str(joints).split()}
+
+    def stopped(self) -> bool:
+        """Return whether a stop sign stands, on a recording or an arm."""
+        signs = self.rows("quality", severity="stop"), self.rows("remarks", step="stop sign")
+        return any(map(len, signs))
+
+    def file_of(self, recording: str) -> str:
+        """Return the robot's file of a recording, or its name where it is a folder of files."""
+        entries = {one["name"]: one for one in self.study["recordings"]}
+        return str(entries[recording].get("file", recording))
+
     def robots(self) -> list[str]:
         """Return the arms of the study."""
         return sorted({*self.arms().values()})

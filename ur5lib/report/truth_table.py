@@ -39,11 +39,14 @@ def values(
 ) -> Iterator[Row]:
     """Yield a row for each estimated value, with whether its 95 % interval contains the truth.
 
-    index: joints, axes or a device; truth, estimate, std: as many numbers, std NaN where not
-    stated; freedom: degrees of freedom of the standard errors.
+    index: joints, axes or a device; truth, estimate, std: as many numbers, estimate None where
+    there is none (a joint that did not move), std NaN where not stated; freedom: degrees of freedom
+    of the standard errors.
     """
     half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
     for name, true, found, error, half in zip(index, truth, estimate, std, half_width, strict=True):
+        if found is None:
+            continue
         known = np.isfinite(half)
         inside = abs(found - true) <= half
         yield {

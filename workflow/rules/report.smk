@@ -108,6 +108,8 @@ rule draw_friction:
 
 
 rule draw_filters:
+    input:
+        **REFERENCE,
     output:
         **drawings(f"{RESULTS}/figures", ["filters"]),
     log:

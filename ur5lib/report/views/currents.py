@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.report.cells import extremes, interval, joints, number, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import NOTHING, Body, Results
 
 MODELS = {
     "fitted": "fitted",
@@ -29,23 +30,46 @@ def predicted(results: Results) -> list[str]:
 def constants(results: Results) -> Body:
     """Return torque constants, offsets and friction, with the thesis's values."""
     rows = results.tables["friction"]
+    moved = {robot: _moved(results, robot) for robot in rows["robot"].unique()}
     body = [
         [
             Cell(row.robot),
             Cell(str(row.joint)),
             Cell(row.parameter.replace("_", " ")),
-            with_error(row.value, row.std_error, 3),
-            Cell(interval(row.low, row.high, 2)),
-            Cell(f"{100 * row.prior_share:.0f} %"),
-            Cell(_source(row)),
+            *(_constant(row) if _is_known(row, moved[row.robot]) else REST),
         ]
         for row in rows.itertuples()
     ]
     header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "mainly from"]
-    if rows["thesis"].isna().all():
+    if not results.of_thesis:
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
+
+
+REST = [Cell("did not move"), *[Cell("–")] * 3]  # of what only motion tells
+
+
+def _moved(results: Results, robot: str) -> set[int]:
+    """Return the joints of an arm that move on its fit recordings."""
+    arms = results.arms()
+    fitted = [name for name in results.with_role("fit") if arms[name] == robot]
+    return set().union(*map(results.moving, fitted))
+
+
+def _is_known(row: Any, moved: set[int]) -> bool:
+    """Whether recordings tell a constant: offset and friction need motion."""
+    return row.joint in moved or row.parameter == "torque_constant"
+
+
+def _constant(row: Any) -> list[Cell]:
+    """Return a constant, its interval, and where it comes from."""
+    return [
+        with_error(row.value, row.std_error, 3),
+        Cell(interval(row.low, row.high, 2)),
+        Cell(f"{100 * row.prior_share:.0f} %"),
+        Cell(_source(row)),
+    ]
 
 
 def _source(row: Any) -> str:
@@ -60,6 +84,40 @@ def remarks(results: Results) -> Iterator[str]:
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield f"{robot}, {joints(group['joint'])}: {remark}."
+
+
+def unseen(results: Results) -> pd.DataFrame:
+    """Return the errors of moving joints on validate recordings without an undeclared load.
+
+    zero: the error of a constant current, its standard deviation: R² = 1 − RMSE² / zero².
+    """
+    names = {*results.with_role("validate")} - {*loaded(results)["recording"]}
+    rows = results.tables["current_rmse"]
+    rows = rows[rows["recording"].isin(names)]
+    moves = [row.joint in results.moving(row.recording) for row in rows.itertuples()]
+    rows = rows[np.array(moves, dtype=bool)]
+    return rows.assign(zero=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
+
+
+def unseen_errors(results: Results) -> Body:
+    """Return the mean errors on validate recordings: fitted, the controller's, a constant."""
+    rows = unseen(results)
+    models = [model for model in ("fitted", "i_target") if model in {*rows["model"]}]
+    if not models:
+        return NOTHING
+    mean = rows.pivot_table("rmse_2hz", "joint", "model", aggfunc="mean")
+    fitted = rows[rows["model"] == "fitted"].groupby("joint")[["zero", "coverage95"]].mean()
+    body = [
+        [
+            Cell(str(joint)),
+            *(number(mean.loc[joint, model], 2) for model in models),
+            number(fitted.loc[joint, "zero"], 2),
+            number(100 * fitted.loc[joint, "coverage95"], 0),
+        ]
+        for joint in mean.index
+    ]
+    header = ["joint", *(MODELS[model] for model in models), "constant", "in 95 % band [%]"]
+    return Body(header, body)
 
 
 def prediction(results: Results, of: str) -> Body:
@@ -89,6 +147,8 @@ def cross_validation(results: Results, of: str) -> Body:
     rows = results.rows("cross_validation", robot=of)
     mean = rows.pivot_table("rmse_2hz", "fitted_on", "tested_on", aggfunc="mean", sort=False)
     names = [*mean.index][:MOST_COMPARED]
+    if len(names) < 2:  # a recording on itself says nothing
+        return NOTHING
     body = [
         [Cell(f"{i + 1} {name}")]
         + [number(mean.loc[name].get(other, float("nan")), 2) for other in names]

@@ -30,6 +30,15 @@ def printed(results: Results) -> list[str]:
     return results.printed("force_mae", "printed_mae")
 
 
+def published(results: Results) -> Iterator[str]:
+    """Say what the published estimates are, where they are compared."""
+    if {"F", "F*"} & {*results.tables["force_mae"]["estimate"]}:
+        yield (
+            "Two more estimates are published for the UR5, with fixed constants: F̂, from "
+            "motor currents without friction, and F̂*, with friction."
+        )
+
+
 def headline(results: Results) -> Body:
     """Return the leading estimate in contact, the mean force there, and the free errors."""
     rows = leading(results.rows("force_mae", kind="compensated"))

@@ -96,7 +96,7 @@ def excitation(results: Results) -> Body:
         + [number(row[group], 1) for group in groups]
         for _, row in results.tables["excitation"].iterrows()
     ]
-    return Body(["arm", "combinations", "undetermined", *groups], body)
+    return Body(["arm", "combinations", "not excited", *groups], body)
 
 
 def advice(results: Results) -> Iterator[str]:
@@ -111,7 +111,14 @@ def identified(results: Results) -> Iterator[str]:
         determined = (parameters["determined"] == "yes").sum()
         yield (
             f"The model “identified” of {robot} was fitted to the controller's torques of the fit "
-            f"recordings, which determine {determined} of its {len(parameters)} base parameters. "
+            f"recordings, which determine {determined} of its {len(parameters)} base parameters."
+        )
+        if determined < len(parameters):
+            yield (
+                "The others move the torque too little to be told from its errors, even where the "
+                "motion excites them."
+            )
+        yield (
             f"parameters/{robot}/arm.yaml contains it and every other model; arm.urdf beside it is "
             "the same as URDF."
         )

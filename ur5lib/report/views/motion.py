@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ur5lib.report.cells import number, signed, with_error
+from ur5lib.report.cells import listed, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
 
@@ -49,6 +49,19 @@ def printed_errors(results: Results, of: str) -> Body:
         for row in rows[rows["printed"].notna()].itertuples()
     ]
     return Body(["component", "printed", "rebuilt", "diff."], body)
+
+
+def beside_imu(results: Results) -> Iterator[str]:
+    """Report the error of the encoders against the IMU, averaged over recordings with one."""
+    rows = results.rows("acceleration_mae", estimate="encoders")
+    if len(rows):
+        mean = rows.groupby("component", sort=False)[["mae", "zero_mae"]].mean()
+        yield (
+            "The end effector's acceleration, computed from the joint encoders alone, differs from "
+            f"the IMU's by {listed(mean['mae'][:3], 3)} m/s² in x, y, z, averaged over "
+            f"{rows['recording'].nunique()} recordings (an acceleration of zero: "
+            f"{listed(mean['zero_mae'][:3], 3)} m/s²)."
+        )
 
 
 def calibration(results: Results) -> Body:

@@ -1,10 +1,12 @@
 """The recordings, their defects and their clocks."""
 
+from collections.abc import Iterator
+
 import pandas as pd
 
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.findings import SEVERITIES, group_findings
+from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Body, Results
 
 MOST_NAMED = 4  # recordings of one finding
@@ -29,6 +31,17 @@ def files(results: Results) -> Body:
     ]
     header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
     return Body([*header, "jitter [ms]", "devices used"], rows)
+
+
+def counted(results: Results) -> Iterator[str]:
+    """Report how many findings there are, and the most frequent serious ones."""
+    found = results.tables["quality"]
+    serious = found[found["severity"] != "note"]["finding"].value_counts()
+    worst = ", ".join(f"{name} on {count}" for name, count in serious[:MOST_NAMED].items())
+    yield (
+        f"The recordings' files: {count_findings(found)}"
+        f"{f'. Most frequent errors and warnings: {worst}' if worst else ''}."
+    )
 
 
 def findings(results: Results) -> Body:

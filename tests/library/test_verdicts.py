@@ -1,0 +1,337 @@
+"""Verdicts and next steps: each rule at its borders, on tables with a known answer."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.report.document import Verdict
+from ur5lib.report.results import Results
+from ur5lib.report.verdicts import currents, data_quality, force, link_model, motion
+from ur5lib.report.verdicts.drawings import bars, error_bar
+from ur5lib.report.verdicts.states import state
+from ur5lib.report.views.currents import constants, cross_validation
+from ur5lib.report.views.found import NOTHING, findings
+from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
+from ur5lib.report.views.models import excitation, identified
+from ur5lib.report.views.next_steps import steps
+
+EVERY_JOINT = "1 2 3 4 5 6"
+COLUMNS = {
+    "recordings": ["recording", "duration_s", "frames", "moving_joints"],
+    "quality": ["recording", "device", "finding", "severity", "count", "detail"],
+    "remarks": ["robot", "step", "joint", "remark"],
+    "torque_mae": ["recording", "motion", "model", "joint", "mae", "printed", "zero_mae"],
+    "current_rmse": ["model", "recording", "joint", "rmse_2hz", "r2", "coverage95"],
+    "friction": ["joint", "parameter", "value", "std_error", "prior_share", "thesis"],
+    "payload": ["recording", "mass", "std_error", "configured", "taken"],
+    "force_mae": [
+        *("recording", "kind", "estimate", "during", "component", "mae", "mae_low", "mae_high"),
+        *("mean_force", "coverage95", "determined", "max", "printed_mae", "printed_max"),
+    ],
+    "detection": [
+        *("recording", "estimate", "force_class_n", "contacts", "found", "alarms_per_min"),
+        *("smallest_force_95_x", "smallest_force_95_y", "smallest_force_95_z"),
+    ],
+    "contacts": ["recording", "estimate", "kind", "load_mass", "load_mass_std"],
+    "acceleration_mae": ["recording", "estimate", "component", "mae", "zero_mae"],
+    "excitation": ["robot", "combinations", "undetermined", "advice"],
+    "audit": ["recording", "quantity", "verdict"],
+    "parameters": ["robot", "determined"],
+    "cross_validation": ["robot", "fitted_on", "tested_on", "joint", "rmse_2hz"],
+}
+ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}
+RESTING = {"fitted": None, "seen": None, "pushed": None}
+
+
+def study(moving: dict[str, Any] | None = None, **tables: list[dict[str, Any]]) -> Results:
+    """A study of one recording of each role, of 1000 frames; tables not given are empty."""
+    joints = dict.fromkeys(ROLES, EVERY_JOINT) | (moving or {})
+    tables["recordings"] = [
+        {"recording": name, "duration_s": 60.0, "frames": 1000, "moving_joints": told}
+        for name, told in joints.items()
+    ]
+    entries = [{"name": name, "robot": "ur5", "role": role} for name, role in ROLES.items()]
+    entries[0]["file"] = "wave.csv"
+    return Results(
+        {"recordings": entries},
+        {name: pd.DataFrame(tables.get(name), columns=known) for name, known in COLUMNS.items()},
+        Path(),
+        drawn=frozenset(ROLES),
+    )
+
+
+def said(verdict: Verdict | None) -> str:
+    assert verdict is not None
+    return f"{verdict.state}: {verdict.sentence} {verdict.evidence}".strip()
+
+
+# States
+
+
+@pytest.mark.parametrize(
+    ("error", "more", "expected"),
+    [
+        (0.49, {}, "good"),
+        (0.5, {}, "usable"),
+        (0.99, {}, "usable"),
+        (1.0, {}, "do not use"),
+        (0.1, {"held": 0.9}, "good"),
+        (0.1, {"held": 0.89}, "usable"),
+        (0.1, {"tested": False}, "usable"),
+        (2.0, {"tested": False}, "do not use"),
+        (np.nan, {}, "not determined"),
+    ],
+)
+def test_a_state_follows_from_the_error_beside_zero(
+    error: float, more: dict[str, Any], expected: str
+) -> None:
+    assert state(error, 1.0, **more) == expected
+
+
+def test_nothing_is_judged_where_nothing_acts() -> None:
+    assert state(0.0, 0.0) == "not determined"
+
+
+# Data quality
+
+
+def finding(severity: str, name: str = "lost frames", count: int = 1, **more: Any) -> dict:
+    row = {"recording": "seen", "device": "robot", "finding": name, "severity": severity}
+    return row | {"count": count, "detail": "why"} | more
+
+
+def test_the_worst_file_is_named() -> None:
+    rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
+    told = said(data_quality.verdict(study(quality=[*rows, finding("note")])))
+    assert told == (
+        "usable: wave.csv lost 250 of 1,000 frames (interpolated). "
+        "2 warnings, 1 note; errors or warnings on 2 of 3 recordings."
+    )
+
+
+@pytest.mark.parametrize(
+    ("severity", "expected"),
+    [("note", "good"), ("warning", "usable"), ("error", "usable"), ("stop", "do not use")],
+)
+def test_the_most_serious_finding_decides(severity: str, expected: str) -> None:
+    rows = [finding("note", "jitter"), finding(severity, "contradiction")]
+    assert data_quality.verdict(study(quality=rows)).state == expected
+
+
+# Link models
+
+
+def torques(errors: dict[str, float], recordings: tuple[str, ...] = ("seen",)) -> list[dict]:
+    return [
+        {"recording": name, "motion": "measured", "model": model, "joint": joint, "mae": error,
+         "zero_mae": 1.0}
+        for name in recordings for model, error in errors.items() for joint in range(1, 7)
+    ]  # fmt: skip
+
+
+def test_a_link_model_is_judged_on_unseen_recordings() -> None:
+    rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
+    told = said(link_model.verdict(study(torque_mae=rows)))
+    assert told == (
+        "good: Model B computes the controller's torques on recordings that no fit has seen. "
+        "Worst on joint 1: 0.100 Nm; an estimate of zero: 1.000 Nm."
+    )
+
+
+def test_the_fit_recordings_alone_make_no_good_model() -> None:
+    verdict = link_model.verdict(study(torque_mae=torques({"A": 0.1}, ("fitted",))))
+    assert verdict.state == "usable"
+    assert "on the fit recordings alone" in verdict.sentence
+
+
+def test_a_standstill_tells_no_models_apart() -> None:
+    results = study(RESTING, torque_mae=torques({"A": 0.2, "B": 0.1}))
+    assert said(link_model.verdict(results)) == (
+        "not determined: The arm rests in every recording, which does not tell link models apart."
+    )
+    assert findings(results) == [NOTHING]
+
+
+def test_equal_models_have_no_nearest() -> None:
+    assert findings(study(torque_mae=torques({"A": 0.1, "B": 0.1}))) == [
+        "The link models compute the same torques: these recordings do not tell them apart."
+    ]
+
+
+def test_without_the_controllers_torques_nothing_is_judged() -> None:
+    assert link_model.verdict(study()).state == "not determined"
+
+
+# Currents
+
+
+def predicted(error: float, held: float = 0.95, recording: str = "seen") -> list[dict]:
+    """Errors beside a constant current's of 1 A, on every joint."""
+    row = {"model": "fitted", "recording": recording, "rmse_2hz": error, "coverage95": held}
+    return [row | {"joint": joint, "r2": 1 - error**2} for joint in range(1, 7)]
+
+
+@pytest.mark.parametrize(
+    ("error", "held", "expected", "words"),
+    [
+        (0.2, 0.95, "good", "their 95 % bands hold"),
+        (0.2, 0.8, "usable", "their 95 % bands are too narrow"),
+        (0.7, 0.95, "usable", "their 95 % bands hold"),
+        (1.5, 0.95, "do not use", "no better predicted than by a constant"),
+    ],
+)
+def test_currents_are_judged_beside_a_constant(
+    error: float, held: float, expected: str, words: str
+) -> None:
+    verdict = currents.verdict(study(current_rmse=predicted(error, held)))
+    assert (verdict.state, words in verdict.sentence) == (expected, True)
+    assert f"{error:.2f} A; a constant current: 1.00 A" in verdict.evidence
+
+
+def test_joints_at_rest_and_loaded_recordings_judge_no_currents() -> None:
+    load = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.0, "taken": "yes"}
+    friction = [{"joint": 1, "parameter": "coulomb"}]
+    told = "No validate recording tests the predicted currents: none moves without a load."
+    for results in (
+        study({"seen": None}, current_rmse=predicted(0.2), friction=friction),
+        study(current_rmse=predicted(0.2), payload=[load], friction=friction),
+    ):
+        assert said(currents.verdict(results)) == f"not determined: {told}"
+
+
+# Force
+
+
+def touched(mae: float, recording: str = "pushed", **more: float) -> list[dict]:
+    row = {"recording": recording, "kind": "compensated", "estimate": "Fmap", "during": "contact"}
+    row |= {"mae": mae, "mae_low": 0.8 * mae, "mae_high": 1.2 * mae, "mean_force": 10.0}
+    return [row | {"coverage95": 0.95, **more, "component": f"F{axis}"} for axis in "xyz"]
+
+
+def test_the_force_is_judged_where_it_is_worst() -> None:
+    rows = touched(2.0) + touched(4.0, "seen") + touched(9.0, "fitted")
+    assert said(force.verdict(study(force_mae=rows))) == (
+        "good: In contact, the force F̂ᵐᵃᵖ is off by 4.0 N per axis at worst, where the sensor "
+        "reads 10.0 N. seen, mean over x, y, z: 4.0 N (95 %: 3.2\u00a0to\u00a04.8); an estimate of "
+        "zero: 10.0 N. The 95 % band holds 95 % at worst."
+    )
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        (touched(4.9), "good"),
+        (touched(5.0), "usable"),
+        (touched(10.0), "do not use"),
+        (touched(4.0, coverage95=0.89), "usable"),
+        (touched(4.0, mae_low=np.nan, mae_high=np.nan), "usable"),
+        (touched(4.0, "fitted"), "not determined"),
+    ],
+)
+def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: str) -> None:
+    searched = [{"recording": "pushed", "estimate": "Fmap"}]
+    assert force.verdict(study(force_mae=rows, detection=searched)).state == expected
+
+
+def test_a_stop_sign_forbids_the_force() -> None:
+    stopped = study(force_mae=touched(1.0), quality=[finding("stop", "contradiction")])
+    assert force.verdict(stopped).state == "do not use"
+
+
+def test_without_a_sensor_contacts_are_plausible_only() -> None:
+    searched = [{"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0} for name in ROLES]
+    contact = {"recording": "pushed", "estimate": "Fmap", "kind": "contact"}
+    told = said(force.verdict(study(detection=searched, contacts=[contact] * 4)))
+    assert told == (
+        "not determined: No force sensor was recorded: contacts are plausible only, their size is "
+        "untested. Contacts found: 4, on 1 of 1 recordings; 0.0 false alarms per minute on "
+        "validate recordings."
+    )
+
+
+# Motion
+
+
+def test_motion_is_judged_beside_an_imu_alone() -> None:
+    assert motion.verdict(study()) is None
+    row = {"recording": "seen", "estimate": "encoders", "zero_mae": 0.2}
+    rows = [row | {"component": name, "mae": mae} for name, mae in (("x", 0.02), ("rz", 0.05))]
+    assert said(motion.verdict(study(acceleration_mae=rows))) == (
+        "good: The acceleration from the joint encoders agrees with the IMU. "
+        "Worst along rz: 0.050 rad/s²; an estimate of zero: 0.200 rad/s²."
+    )
+
+
+# Drawings, first figure, next steps
+
+
+def test_drawings_say_in_words_what_they_show() -> None:
+    assert 'aria-label="1: 50 %, &lt;2&gt;: 200 %"' in bars({"1": 0.5, "<2>": 2.0})
+    assert "error 4, zero 10" in error_bar(4.0, 3.0, 5.0, 10.0)
+    assert "nan" not in bars({}) + error_bar(4.0, np.nan, np.nan, 10.0)
+
+
+def test_the_first_figure_shows_what_the_study_is_about() -> None:
+    sensor = study(
+        force_mae=touched(1.0), current_rmse=predicted(0.2), torque_mae=torques({"A": 1})
+    )
+    without = study(current_rmse=predicted(0.2), torque_mae=torques({"A": 1}))
+    alone = study(torque_mae=torques({"A": 1}))
+    drawn = [force_drawn, current_drawn, torque_drawn]
+    assert [view(sensor) for view in drawn] == [["pushed"], [], []]
+    assert [view(without) for view in drawn] == [[], ["seen"], []]
+    assert [view(alone) for view in drawn] == [[], [], ["seen"]]
+    assert [view(study()) for view in drawn] == [[], [], []]
+
+
+def test_three_steps_are_named_and_the_most_urgent_first() -> None:
+    load = {"recording": "seen", "mass": 2.0, "std_error": 0.1, "configured": 0.5, "taken": "yes"}
+    remark = {
+        "robot": "ur5",
+        "step": "friction",
+        "remark": "moves along one path only: so; record another path",
+    }
+    results = study(
+        quality=[finding("warning", count=500)],
+        force_mae=touched(1.0, "fitted"),
+        payload=[load],
+        remarks=[remark | {"joint": joint} for joint in (1, 2, 3)],
+    )  # fmt: skip
+    first, second, third = steps(results)
+    assert first.startswith("Check fitted: its role is fit")
+    assert second.endswith("the currents show 2.50 ± 0.10 kg on seen.")
+    assert third.startswith("Look at the logging of seen: 50 % of the frames")
+    quiet = study(force_mae=touched(1.0))
+    assert steps(quiet) == ["No finding asks for a correction or another recording."]
+    asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
+    assert steps(asked) == ["On ur5, joints 1 to 3 move along one path only: record another path."]
+
+
+# Tables that used to contradict themselves
+
+
+def test_a_joint_that_never_moved_has_no_friction() -> None:
+    known = {"robot": "ur5", "joint": 6, "value": 0.0, "std_error": 59.792, "prior_share": 1.0}
+    known |= {"low": -100.0, "high": 100.0, "determined": "no", "thesis": np.nan}
+    rows = pd.DataFrame([known | {"parameter": name} for name in ("torque_constant", "coulomb")])
+    results = study({"fitted": "1 2 3"})
+    results = Results(results.study, {**results.tables, "friction": rows}, Path())
+    constant, coulomb = ([cell.text for cell in row] for row in constants(results).rows)
+    assert constant[3] == "0.000 ± 59.792"
+    assert coulomb[3:] == ["did not move", "–", "–", "–"]
+
+
+def test_a_recording_is_not_validated_on_itself() -> None:
+    row = {"robot": "ur5", "fitted_on": "one", "tested_on": "one", "joint": 1, "rmse_2hz": 0.1}
+    assert not cross_validation(study(cross_validation=[row]), "ur5").rows
+
+
+def test_excited_is_not_called_determined() -> None:
+    known = [{"robot": "ur5", "determined": told} for told in ("yes", "no")]
+    told = [*identified(study(parameters=known))]
+    assert "determine 1 of its 2 base parameters" in told[0]
+    assert told[1].startswith("The others move the torque too little")
+    assert "not excited" in excitation(study()).header

@@ -1,0 +1,30 @@
+"""Whether the motion from encoders agrees with an IMU."""
+
+from ur5lib.report.document import Verdict
+from ur5lib.report.results import Results
+from ur5lib.report.verdicts.drawings import bars
+from ur5lib.report.verdicts.errors import by_joint, ratios, with_range, worst
+from ur5lib.report.verdicts.states import state
+
+TOPIC = "Motion"
+UNITS = {True: "rad/s²", False: "m/s²"}  # by whether a component is angular
+
+
+def verdict(results: Results) -> Verdict | None:
+    """Judge the acceleration from encoders by its worst component; None without an IMU."""
+    rows = results.rows("acceleration_mae", estimate="encoders")
+    errors = by_joint(rows, "mae", "zero_mae", "component")
+    if errors.empty:
+        return None
+    component = str(worst(errors))
+    shown = with_range(errors.loc[component], 3, UNITS[component.startswith("r")])
+    judged = state(errors["error"][component], errors["zero"][component])
+    agrees = "agrees" if judged in ("good", "usable") else "does not agree"
+    return Verdict(
+        topic=TOPIC,
+        state=judged,
+        sentence=f"The acceleration from the joint encoders {agrees} with the IMU.",
+        evidence=f"Worst along {component}: {shown}.",
+        drawing=bars(ratios(errors)),
+        caption="Error in x, y, z, rx, ry, rz; a full bar is the error of no acceleration.",
+    )

@@ -1,0 +1,63 @@
+"""The first screen: verdicts, and the figure that shows what the study is about."""
+
+from collections.abc import Callable, Iterator
+
+from ur5lib.report.document import Verdict
+from ur5lib.report.results import Results
+from ur5lib.report.verdicts import currents as current_verdict
+from ur5lib.report.verdicts import data_quality, force, link_model, motion
+from ur5lib.report.views.currents import loaded, predicted
+from ur5lib.report.views.models import compared
+
+VERDICTS: list[Callable[[Results], Verdict | None]] = [
+    data_quality.verdict,
+    link_model.verdict,
+    current_verdict.verdict,
+    force.verdict,
+    motion.verdict,
+]
+
+
+def verdicts(results: Results) -> list[Verdict]:
+    """Return the verdicts, in the order of the pipeline."""
+    return [told for judge in VERDICTS if (told := judge(results))]
+
+
+def force_drawn(results: Results) -> list[str]:
+    """Return the recording whose forces are drawn first, if forces are."""
+    return _drawn(results, "forces")
+
+
+def current_drawn(results: Results) -> list[str]:
+    """Return the recording whose currents are drawn first, if currents are."""
+    return _drawn(results, "currents")
+
+
+def torque_drawn(results: Results) -> list[str]:
+    """Return the recording whose torques are drawn first, if torques are."""
+    return _drawn(results, "torques")
+
+
+def _drawn(results: Results, wanted: str) -> list[str]:
+    """Return the recording of the first figure, if that is the wanted one."""
+    kind, name = next(_figures(results), ("", ""))
+    return [name] if kind == wanted else []
+
+
+def _figures(results: Results) -> Iterator[tuple[str, str]]:
+    """Yield figures and their recordings, the most telling first.
+
+    Forces beside a sensor that is touched; currents in motion, if possible without a load;
+    torques in motion; forces that nothing judges.
+    """
+    for name in results.shown([*force.errors_in_contact(results).index]):
+        yield "forces", name
+    carrying = {*loaded(results)["recording"]}
+    for name in sorted(predicted(results), key=carrying.__contains__):
+        if results.moving(name):
+            yield "currents", name
+    for name in compared(results):
+        if results.moving(name):
+            yield "torques", name
+    for name in results.shown([*results.tables["contacts"]["recording"]]):
+        yield "forces", name
