@@ -102,6 +102,13 @@ def test_the_clocks_of_all_devices_agree_within_two_milliseconds(
         assert np.abs(error).max() < 0.002, name
 
 
+def test_a_session_ends_without_a_word(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Of its processes, which end while their devices still send."""
+    with lab() as (devices, _), Session(devices.devices(), tmp_path / "run") as session:
+        until(lambda: all(status.samples for status in session.statuses().values()))
+    assert capfd.readouterr().err == ""
+
+
 def test_nothing_is_lost_and_the_manifest_says_what_recorded(
     recorded: tuple[Lab, Path, EmulatedController],
 ) -> None:

@@ -79,8 +79,10 @@ def _record(
     """Write samples until `stop`, or until the recorder itself is gone."""
     file = growing_file(path, device.columns)
     came: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    over = threading.Event()
     # A disk may block for seconds, a device's buffer be full after less: a thread of its own reads.
-    threading.Thread(target=_read, args=(device, came), daemon=True).start()
+    reader = threading.Thread(target=_read, args=(device, came, over), daemon=True)
+    reader.start()
     first: float | None = None
     reported = 0.0
     try:
@@ -98,13 +100,15 @@ def _record(
     except BrokenPipeError:  # the recorder was killed; what came is in the file
         return
     finally:
+        over.set()
+        reader.join()
         file.close()
 
 
-def _read(device: Any, came: queue.SimpleQueue[Any]) -> None:
-    """Pass on what a device sends, until it is lost or closed."""
+def _read(device: Any, came: queue.SimpleQueue[Any], over: threading.Event) -> None:
+    """Pass on what a device sends, until it is lost or `over`."""
     try:
-        while True:
+        while not over.is_set():
             came.put(device.read())
     except DeviceLost as lost:
         came.put(lost)
