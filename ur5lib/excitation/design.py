@@ -21,7 +21,7 @@ class Effort:
 
     starts: int = 4
     first: int = 40
-    rounds: tuple[tuple[float, int], ...] = ((1e2, 100), (1e3, 100), (1e4, 100))
+    rounds: tuple[tuple[float, int], ...] = ((1e2, 120), (1e3, 60), (1e4, 60))
 
 
 @dataclass(frozen=True)

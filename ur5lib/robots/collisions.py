@@ -84,9 +84,10 @@ class Capsules:
         sample, distance, slopes, pairs = [], [], [], []
         for k, self._data.qpos in enumerate(q):
             mujoco.mj_kinematics(self._model, self._data)
-            mujoco.mj_comPos(self._model, self._data)
             mujoco.mj_collision(self._model, self._data)
-            for contact in self._data.contact:
+            if gradient and self._data.ncon:
+                mujoco.mj_comPos(self._model, self._data)  # what Jacobians need
+            for contact in self._data.contact[: self._data.ncon] if self._data.ncon else ():
                 sample.append(k)
                 distance.append(contact.dist)
                 pairs.append(self._names(contact))
