@@ -32,6 +32,7 @@ CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque consta
 NOMINAL = (0.06, 0.06, 0.05)  # Coulomb and viscous friction over the largest torque, load friction
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
 UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
+LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # as names begin
 LINK_6 = slice(50, 60)  # of the columns of Y: a payload moves as link 6 does
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that tell the base parameters
 
@@ -86,6 +87,12 @@ class Problem:
         links = [NAMES[column] for column in self.base.columns]
         joints = [f"{name} of joint {k}" for k in range(1, 7) for name in PER_JOINT]
         return [*links, *joints, *(f"payload: {NAMES[k]}" for k in _payload(self.has_payload))]
+
+    def units(self) -> list[str]:
+        """Return the units of the parameters, in the order of `names`."""
+        links = [NAMES[column] for column in [*self.base.columns, *_payload(self.has_payload)]]
+        units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in links]
+        return [*units[: self.count], *UNITS * 6, *units[self.count :]]
 
     def measured(self, theta: Array, Y: Array, qd: Array) -> Array:
         """Return target torques and currents (N, 12) [Nm, A] over their noise, for θ (P,).
