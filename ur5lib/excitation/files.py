@@ -1,6 +1,5 @@
 """The files of a designed trajectory: for `ur5 record`, for the arm's controller, for the stand."""
 
-from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path as File
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from ur5lib.excitation.design import Design
 from ur5lib.excitation.limits import Cell
 from ur5lib.excitation.objective import Task
 from ur5lib.excitation.path import Path
@@ -30,28 +30,28 @@ def write_files(folder: File, robot: str, task: Task, path: Path, summary: dict[
     Raises InputError where they cannot be written.
     """
     time, states = path.sampled(RATE)
-    texts: dict[str, Callable[[], str]] = {
-        "trajectory.csv": lambda: _csv(np.column_stack([time, states.q])),
-        "way_points.csv": lambda: _csv(way_points(task.cell, path)),
-        "trajectory.script": lambda: script(states.q),
-        "stand.yaml": lambda: stand_study(robot, path),
-        "excitation.json": lambda: json_text(summary),
+    texts = {
+        "trajectory.csv": _csv(np.column_stack([time, states.q])),
+        "way_points.csv": _csv(way_points(task.cell, path)),
+        "trajectory.script": script(states.q),
+        "stand.yaml": stand_study(robot, path),
+        "excitation.json": json_text(summary),
     }
-    for text, name in [(make(), name) for name, make in texts.items()]:
+    for name, text in texts.items():  # all of them are made before the first is written
         write_text(text, folder / name)
 
 
-def summary_of(task: Task, path: Path, worth: Worth, **more: object) -> dict[str, Any]:
-    """Return a trajectory and its worth as plain data; more: what else the summary tells."""
-    problem, margins = task.problem, task.cell.margins(path.sampled(RATE)[1])
+def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
+    """Return a trajectory, its margins and its worth as plain data."""
+    problem = task.problem
     rows = zip(problem.names(), problem.units(), worth.before, worth.after, strict=True)
     parameters = [
         {"parameter": name, "unit": unit, "std_error_before": before, "std_error_after": after}
         for name, unit, before, after in rows
     ]
-    return more | {
-        "path": asdict(path),
-        "limits": asdict(margins.limits),
+    return {
+        "path": asdict(found.path),
+        "margins": asdict(found.margins),
         "noise": asdict(problem.noise),
         "log_det": worth.log_det,
         "log_det_gain": worth.gain,

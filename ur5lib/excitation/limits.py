@@ -26,8 +26,9 @@ PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a trajectory: (6,) each, on both sides of zero [rad, rad/s, rad/s², rad/s³, Nm].
+    """The limits of a trajectory, on both sides of zero.
 
+    position, velocity, acceleration, jerk, torque: (6,) [rad, rad/s, rad/s², rad/s³, Nm];
     clearance: least distance between parts [m]; singular_value: least of the Jacobian.
     """
 

@@ -151,9 +151,9 @@ class Problem:
         return of_Y
 
     def information(self, Y: Array, qd: Array, step: float) -> Array:
-        """Return the information (P, P) of a recording, samples every `step` [s]: Jᵀ J step/INDEPENDENT.
+        """Return Fisher's information (P, P) of a recording with samples every `step` [s].
 
-        Fisher's, for normal errors that are independent every INDEPENDENT.
+        Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
         """
         J = self.rows(self.theta, Y, qd).reshape(-1, len(self.theta))
         return J.T @ J * (step / INDEPENDENT)
@@ -180,7 +180,9 @@ class Problem:
     def _torques(self, theta: Array, Y: Array) -> tuple[Array, Array]:
         """Return the link model's torque τ and the torque T with the payload, (N, 6) each [Nm]."""
         torque = Y[..., self.base.columns] @ theta[: self.count]
-        return torque, torque + Y[..., LINK_6] @ theta[self.of_payload] if self.has_payload else torque
+        if not self.has_payload:
+            return torque, torque
+        return torque, torque + Y[..., LINK_6] @ theta[self.of_payload]
 
     def _gain(self, theta: Array, load: Array, qd: Array) -> tuple[Array, Array]:
         """Return z and ∂i/∂T = a + l z sign T, (N, 6) each."""

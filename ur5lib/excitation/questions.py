@@ -37,7 +37,7 @@ def i_optimality(rows: Array) -> Criterion:
     def of(information: Array) -> tuple[float, Array]:
         covariance = np.linalg.inv(information)
         mean = float(np.sum(weight * covariance))
-        return -half * np.log(mean), half / mean * covariance @ weight @ covariance
+        return -half * float(np.log(mean)), half / mean * covariance @ weight @ covariance
 
     return of
 

@@ -1,5 +1,7 @@
 """The figure of a designed trajectory: its path, margins, sweep, and what it would tell."""
 
+from typing import Any
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
@@ -18,7 +20,7 @@ from ur5lib.timeseries.arrays import Array
 RATE = 20.0  # Hz, of the states that are drawn
 POSTURES = 25  # of the arm in each view of its sweep
 VIEWS = {"from above": (0, 1), "from the side": (0, 2), "from the front": (1, 2)}  # axes of each
-LAYOUT = [["path"] * 3, ["margins"] * 3, ["errors"] * 3, [*VIEWS]]
+LAYOUT: Any = [["path"] * 3, ["margins"] * 3, ["errors"] * 3, [*VIEWS]]
 HEIGHTS = (1.2, 0.8, 1.2, 1.6)
 
 

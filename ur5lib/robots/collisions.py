@@ -6,7 +6,6 @@ coarse, and meant for a warning before an arm moves, not for planning close to t
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Annotated
 
 import mujoco
 import numpy as np
@@ -41,7 +40,7 @@ class Surroundings(Strict):
     model_config = ConfigDict(allow_inf_nan=False)
 
     table: float | None = None
-    boxes: Annotated[list[Box], Field(max_length=100)] = []
+    boxes: list[Box] = Field([], max_length=100)
 
 
 @dataclass(frozen=True)
@@ -112,9 +111,7 @@ class Capsules:
     def _jacobian(self, geom: int, point: Array) -> Array:
         """Return J_v (3, 6) of a point [m] that a part carries."""
         jacobian = np.zeros((3, 6))
-        mujoco.mj_jac(
-            self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom]
-        )
+        mujoco.mj_jac(self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom])
         return jacobian
 
 

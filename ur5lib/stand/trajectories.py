@@ -30,9 +30,7 @@ class Targets:
     qdd: Array
 
 
-def plan_targets(
-    plan: Movej | Fourier | Series | Standstill, robot: Robot, time: Array
-) -> Targets:
+def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time: Array) -> Targets:
     """Return the targets of a trajectory at times (N,) [s].
 
     Raises InputError when it exceeds the joints' limits or its file of way-points is wrong.

@@ -68,8 +68,8 @@ def excite(wish: Wish, folder: Path) -> Iterator[str]:
     task = task_of(wish)
     found = design(task, wish.seed)
     worth = Worth.of(task, found.path)
-    told = {"robot": wish.robot, "question": wish.question, "seed": wish.seed}
-    summary = summary_of(task, found.path, worth, **told, margins=vars(found.margins))
+    asked = {"robot": wish.robot, "question": wish.question, "seed": wish.seed}
+    summary = asked | summary_of(task, found, worth)
     drawing = excitation_figure(task.cell.robot, found.path, found.margins, task.problem, worth)
     write_files(folder, wish.robot, task, found.path, summary)
     save(drawing, folder / "excitation.svg")
@@ -128,9 +128,7 @@ def _kept(joint: JointFit) -> list[float]:
     return [known.get(name, 0.0) for name in KEPT]
 
 
-def earlier_information(
-    problem: Problem, model: LinkModel, robot: str, results: Path
-) -> Array:
+def earlier_information(problem: Problem, model: LinkModel, robot: str, results: Path) -> Array:
     """Return the information (P, P) of the recordings that a study fitted to."""
     folder = results / "parameters" / robot
     fitted = [
