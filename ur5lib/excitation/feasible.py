@@ -10,10 +10,10 @@ from ur5lib.excitation.path import Path
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.fourier import resting_series
 
-RATE, COARSE = 1000.0, 50.0  # Hz, at which a result is checked, and an attempt
+RATE, COARSE = 1000.0, 25.0  # Hz, at which a result is checked, and an attempt
 POSTURES = 1000  # random ones that are tried for a start
 TURNED = 2.6  # rad, to either side, of random postures
-HALVINGS = 12  # of the interval in which the largest share of a path is sought
+HALVINGS = 8  # of the interval in which the largest share of a path is sought
 CAUTION = 0.99  # by which a path that fails the fine check is shrunk again
 LEAST = 1e-3  # share of a path below which nothing of it is left
 

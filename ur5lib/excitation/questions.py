@@ -22,7 +22,7 @@ def d_optimality(wanted: Mask) -> Criterion:
     others = np.ix_(~wanted, ~wanted)
 
     def of(information: Array) -> tuple[float, Array]:
-        gradient = np.linalg.inv(information)
+        gradient = np.asarray(np.linalg.inv(information), np.float64)
         gradient[others] -= np.linalg.inv(information[others])
         value = np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[others])[1]
         return float(value), gradient

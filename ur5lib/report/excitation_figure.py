@@ -46,7 +46,7 @@ def _draw_path(panel: Axes, time: Array, q: Array) -> None:
     for joint, color in enumerate(JOINTS):
         panel.plot(time, q[:, joint], color=color, label=f"joint {joint + 1}")
     panel.set(xlabel="time [s]", ylabel="angle [rad]")
-    panel.legend(ncols=6, fontsize=6, loc="upper center")
+    panel.legend(ncols=6, fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
 
 def _draw_margins(panel: Axes, margins: Margins) -> None:
