@@ -31,12 +31,12 @@ from ur5lib.timeseries.arrays import Array
 
 ROBOTS = ("ur5", "ur5e")
 SECONDS, RANDOM = 20.0, 1000
-USUAL, QUICK, OF_CELLS = Effort(), Effort(1, 3, ((1e3, 5),)), Effort(1, 10, ((1e3, 20),))
+USUAL, QUICK, OF_CELLS = Effort(), Effort(1, 3, ((1e3, 5),)), Effort(1, 3, ((1e3, 6),))
 TURN = 0.8  # rad, by which each joint leaves the posture in turn
 MISJUDGED = 0.2  # of the prior's standard deviations: by how much the truth differs from nominal
 UNSEEN, FITS = 5, 20  # motions, and draws of truth and noise
 ROUNDS = 6  # of Gauss and Newton's
-CELL_SECONDS = 6.0
+CELL_SECONDS = 5.0
 
 
 @dataclass(frozen=True)
