@@ -14,7 +14,7 @@ def test_gradients_of_distances_are_those_of_finite_differences(ur5: Robot) -> N
     q = np.random.default_rng(1).uniform(-2, 2, (100, 6))
     near, compared = capsules.near(q, gradient=True), set()
     for sample, gradient, pair in zip(near.sample, near.gradient, near.pairs, strict=True):
-        if near.pairs[: len(near.sample)].count(pair) and (near.sample == sample).sum() == 1:
+        if (near.sample == sample).sum() == 1:
             ends = [capsules.near(q[sample] + sign * step * np.eye(6)) for sign in (-1, 1)]
             if all(end.pairs == [pair] * 6 for end in ends):
                 slopes = (ends[1].distance - ends[0].distance) / (2 * step)
@@ -32,9 +32,6 @@ def test_only_what_is_within_reach_is_near(ur5: Robot) -> None:
 
 
 def test_an_arm_that_reaches_down_hits_the_table(ur5: Robot) -> None:
-    down = np.array([[0.0, -1.6, 1.6, -1.5, 1.5, 0.0], [0.0, 0.3, 0.3, 0.0, 1.5, 0.0]])
-    assert {
-        pair for sample, *pair in map(tuple, collisions(ur5, down, 0.0)) if sample == 0
-    } == set()  # type: ignore[misc]
-    assert any("table" in parts for _, *parts in collisions(ur5, down, 0.0))
-    assert not any("table" in parts for _, *parts in collisions(ur5, down, None))
+    path = np.array([[0.0, -1.6, 1.6, -1.5, 1.5, 0.0], [0.0, 0.3, 0.3, 0.0, 1.5, 0.0]])
+    assert {sample for sample, *parts in collisions(ur5, path, 0.0) if "table" in parts} == {1}
+    assert not any("table" in parts for _, *parts in collisions(ur5, path, None))

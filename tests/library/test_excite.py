@@ -79,8 +79,8 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     assert isinstance(plan, SimulatedRecording)
     simulate(ur5e, plan, "rtde-csv", tmp_path, tmp_path / "truth")
     (file,) = tmp_path.glob("*.csv")
-    table = read_rtde_csv(file)["robot"] if False else read_rtde_csv(file)
-    frames = getattr(table, "robot", table)
+    entry = {"name": "designed", "folder": str(tmp_path), "file": file.name}
+    frames = read_rtde_csv(entry).robot.table
     time = frames["time"].to_numpy() - frames["time"].iloc[0] - REST
     moving = (time > 0) & (time < SECONDS)
     states = designed(folder).at(time[moving])
