@@ -32,7 +32,7 @@ from ur5lib.study.excite import Wish, task_of
 from ur5lib.timeseries.arrays import Array
 
 TABLE = -0.05  # m
-SHORT = Effort(1, 0, ((1e2, 40), (1e4, 15)))
+SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
 RANDOM, CELLS, SEEDS = 10, 50, 300
 
 

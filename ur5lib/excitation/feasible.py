@@ -14,8 +14,7 @@ RATE, COARSE = 1000.0, 25.0  # Hz, at which a result is checked, and an attempt
 POSTURES = 1000  # random ones that are tried for a start
 TURNED = 2.6  # rad, to either side, of random postures
 HALVINGS = 8  # of the interval in which the largest share of a path is sought
-CAUTION = 0.99  # by which a path that fails the fine check is shrunk again
-LEAST = 1e-3  # share of a path below which nothing of it is left
+CAUTION, ATTEMPTS = 0.97, 30  # by which a path that fails the fine check is shrunk, how often
 
 
 def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]:
@@ -25,10 +24,10 @@ def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]
     """
     path = path.shrunk(_within_rates(cell, path))
     path = path.shrunk(_largest_share(cell, path))
-    margins = cell.margins(path.sampled(rate)[1])
-    left = 1.0
-    while margins.broken() and left > LEAST:
-        left *= CAUTION
+    margins = cell.margins(path.sampled(rate if path.coefficients.any() else COARSE)[1])
+    for _ in range(ATTEMPTS):
+        if not margins.broken() or not path.coefficients.any():
+            break
         path = path.shrunk(CAUTION)
         margins = cell.margins(path.sampled(rate)[1])
     if margins.broken():
