@@ -151,6 +151,38 @@ def compare(
 
 
 @app.command()
+def excite(
+    robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5e")],
+    write: Annotated[Path, typer.Option(help="folder to write to")],
+    seconds: Annotated[float, typer.Option(help="length of the motion", min=5, max=60)] = 20.0,
+    question: Annotated[
+        str, typer.Option(help="what it is to determine: model, friction, payload, force-bands")
+    ] = "model",
+    results: Annotated[
+        Path | None,
+        typer.Option(help="results of a study that recorded this arm before: results/<study>"),
+    ] = None,
+    table: Annotated[
+        float | None, typer.Option(help="height of a table in the base frame [m]")
+    ] = None,
+    boxes: Annotated[
+        Path | None, typer.Option(help="YAML list of boxes around the arm (docs/excitation.md)")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
+) -> None:
+    """Design the motion that tells most about an arm, within its limits and its surroundings."""
+    from rich.console import Console
+
+    from ur5lib.study.excite import Wish, excite
+
+    wish = Wish(robot, seconds, question, results, table, boxes, seed)
+    with Console(stderr=True).status("searching, a minute or two"):
+        lines = list(excite(wish, write))
+    for line in lines:
+        typer.echo(line)
+
+
+@app.command()
 def audit(
     study: Annotated[
         Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")

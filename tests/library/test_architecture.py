@@ -25,9 +25,10 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
     "comparing": BASE,
+    "excitation": BASE | {"dynamics", "identification"},
     "pipeline": BASE | ROOMS,
-    "report": BASE | ROOMS | {"pipeline"},
-    "study": BASE | ROOMS | {"pipeline", "recorder", "report"},
+    "report": BASE | ROOMS | {"excitation", "pipeline"},
+    "study": BASE | ROOMS | {"excitation", "pipeline", "recorder", "report"},
     "importing": BASE | {"recordings", "study"},
     "cli": BASE
     | ROOMS

@@ -5,6 +5,7 @@ import torch
 
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.gradients import PullBack, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.chunks import in_chunks
@@ -22,6 +23,18 @@ def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
 
     rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
     return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(-1, 6, 6)
+
+
+def differentiable_singular_value(robot: Robot, q: Array) -> tuple[Array, PullBack]:
+    """Return the smallest singular value of J_g (N,), in which metres and radians count alike, and
+    the pull-back of its derivative to q. q: (N, 6) [rad].
+    """
+    arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
+
+    def smallest(q: torch.Tensor) -> torch.Tensor:
+        return torch.linalg.svdvals(kinematics.jacobian(arm, q))[:, -1]
+
+    return with_pull_back(smallest, q)
 
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:

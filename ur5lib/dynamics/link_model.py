@@ -1,9 +1,12 @@
 """An arm under one of its link models: arrays in, arrays out."""
 
+from functools import partial
+
 import torch
 
 from ur5lib.dynamics import regressor, rigid_body
 from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.gradients import PullBack, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.chunks import in_chunks
@@ -32,6 +35,10 @@ class LinkModel:
     def regressor(self, q: Array, qd: Array, qdd: Array) -> Array:
         """Return Y (N, 6, 66) of τ = Y π."""
         return regressor.regressor(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
+
+    def differentiable_regressor(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, PullBack]:
+        """Return Y (N, 6, 66) of τ = Y π, and the pull-back of its derivative to q, qd and qdd."""
+        return with_pull_back(partial(regressor.regressor, self.arm), q, qd, qdd)
 
     def momentum(self, q: Array, qd: Array) -> Array:
         """Return the generalised momentum p = D(q) q̇ (N, 6) [Nm s]."""

@@ -1,21 +1,60 @@
-"""Collisions of an arm with itself and with the table, by capsules around its links, in MuJoCo.
+"""Collisions of an arm with itself and its surroundings, by capsules around its links, in MuJoCo.
 
 A capsule reaches from one Denavit-Hartenberg frame to the next, as thick as the joint's housing:
 coarse, and meant for a warning before an arm moves, not for planning close to things.
 """
 
+from dataclasses import dataclass
 from itertools import combinations
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import ConfigDict, Field
 
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Positive, Robot, Vector3
 from ur5lib.robots.mjcf import add_arm
+from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array
 
 THICKNESS = 0.09  # radius of a capsule as a share of the longest link's length, at joint 1
 THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # of the further links
 TABLE = "table"
+
+
+class Box(Strict):
+    """Something that stands around an arm: a box with edges along the base axes [m]."""
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+    center: Vector3 = Field(description="of the box, base frame [m]")
+    size: tuple[Positive, Positive, Positive] = Field(description="lengths of its edges [m]")
+
+
+class Surroundings(Strict):
+    """What an arm must not touch, in the base frame.
+
+    table: height of a horizontal plane [m], None for none.
+    """
+
+    model_config = ConfigDict(allow_inf_nan=False)
+
+    table: float | None = None
+    boxes: list[Box] = Field([], max_length=100)
+
+
+@dataclass(frozen=True)
+class Clearances:
+    """Pairs of parts that come near each other along a path, M in all.
+
+    sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, 6) [m/rad], of the
+    distance, empty where it was not asked for; pairs: (M,), names of the parts.
+    """
+
+    sample: NDArray[np.intp]
+    distance: Array
+    gradient: Array
+    pairs: list[tuple[str, str]]
 
 
 def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, str, str]]:
@@ -24,17 +63,59 @@ def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, s
     q: (N, 6) [rad], so dense that nothing is skipped; table: height of a horizontal plane in the
     base frame [m], None for none. Links are `link_1` to `link_6`; `table` is the plane.
     """
-    model = _capsules(robot, table)
-    data, found = mujoco.MjData(model), dict[tuple[str, str], int]()
-    for sample, data.qpos in enumerate(q):
-        mujoco.mj_fwdPosition(model, data)
-        for contact in data.contact:
-            names = sorted(model.geom(geom).name for geom in contact.geom)
-            found.setdefault((names[0], names[1]), sample)
+    found = dict[tuple[str, str], int]()
+    near = Capsules(robot, Surroundings(table=table), reach=0.0).near(q)
+    for sample, pair in zip(near.sample, near.pairs, strict=True):
+        found.setdefault(pair, int(sample))
     return [(sample, *pair) for pair, sample in found.items()]
 
 
-def _capsules(robot: Robot, table: float | None) -> mujoco.MjModel:
+class Capsules:
+    """An arm as capsules, in its surroundings."""
+
+    def __init__(self, robot: Robot, surroundings: Surroundings, reach: float) -> None:
+        """Build the model; reach: distance [m] below which two parts count as near."""
+        self._model = _capsules(robot, surroundings, reach)
+        self._data = mujoco.MjData(self._model)
+
+    def near(self, q: Array, gradient: bool = False) -> Clearances:
+        """Return the parts that are near each other along a path q (N, 6) [rad]."""
+        sample, distance, slopes, pairs = [], [], [], []
+        for k, self._data.qpos in enumerate(q):
+            mujoco.mj_kinematics(self._model, self._data)
+            mujoco.mj_collision(self._model, self._data)
+            if gradient and self._data.ncon:
+                mujoco.mj_comPos(self._model, self._data)  # what Jacobians need
+            for contact in self._data.contact[: self._data.ncon] if self._data.ncon else ():
+                sample.append(k)
+                distance.append(contact.dist)
+                pairs.append(self._names(contact))
+                if gradient:
+                    slopes.append(self._gradient(contact))
+        return Clearances(
+            np.array(sample, dtype=np.intp),
+            np.array(distance),
+            np.array(slopes).reshape(-1, 6),
+            pairs,
+        )
+
+    def _names(self, contact: mujoco.MjContact) -> tuple[str, str]:
+        first, second = sorted(self._model.geom(geom).name for geom in contact.geom)
+        return first, second
+
+    def _gradient(self, contact: mujoco.MjContact) -> Array:
+        """Return ∂distance/∂q (6,) = n · (J_2 - J_1), with n from the first part to the second."""
+        first, second = (self._jacobian(geom, contact.pos) for geom in contact.geom)
+        return np.asarray(contact.frame[:3] @ (second - first))
+
+    def _jacobian(self, geom: int, point: Array) -> Array:
+        """Return J_v (3, 6) of a point [m] that a part carries."""
+        jacobian = np.zeros((3, 6))
+        mujoco.mj_jac(self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom])
+        return jacobian
+
+
+def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.MjModel:
     spec = mujoco.MjSpec()
     add_arm(spec, robot, robot.chosen_model)
     poses = [np.array(pose.position) for pose in robot.link_poses()]
@@ -49,11 +130,23 @@ def _capsules(robot: Robot, table: float | None) -> mujoco.MjModel:
             fromto=[*near, *_far_end(near)],
         )
     _exclude_neighbours(spec, [body.name for body in links])
-    if table is not None:
-        plane = mujoco.mjtGeom.mjGEOM_PLANE
-        spec.worldbody.add_geom(name=TABLE, type=plane, size=[5, 5, 1], pos=[0, 0, table])
-        spec.add_exclude(bodyname1="world", bodyname2="link_1")
+    _add_surroundings(spec, surroundings)
+    for geom in spec.geoms:
+        geom.margin = reach / 2  # MuJoCo adds those of both parts
     return spec.compile()
+
+
+def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings) -> None:
+    """Add the table, on which link 1 stands, and the boxes, each a body of its own."""
+    if surroundings.table is not None:
+        plane = mujoco.mjtGeom.mjGEOM_PLANE
+        height = [0, 0, surroundings.table]
+        spec.worldbody.add_geom(name=TABLE, type=plane, size=[5, 5, 1], pos=height)
+        spec.add_exclude(bodyname1="world", bodyname2="link_1")
+    for k, box in enumerate(surroundings.boxes, start=1):
+        body = spec.worldbody.add_body(name=f"box_{k}", pos=box.center)
+        half = [edge / 2 for edge in box.size]
+        body.add_geom(name=f"box_{k}", type=mujoco.mjtGeom.mjGEOM_BOX, size=half)
 
 
 def _far_end(near: Array) -> Array:

@@ -1,13 +1,16 @@
 """The plan of one simulated recording: what a study may request from the virtual test stand."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
+import numpy as np
+from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from ur5lib.robots.description import Payload, PerJoint, Positive, Vector3
 from ur5lib.strict import Strict, existing_file
+from ur5lib.timeseries.fourier import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
+RESTING = 1e-6  # rad, of a series' conditions to begin at rest: rounding of written coefficients
 
 Share = Annotated[float, Field(ge=0, le=0.5)]
 NotNegative = Annotated[float, Field(ge=0)]
@@ -73,6 +76,32 @@ class Fourier(Planned):
     )
 
 
+class Series(Planned):
+    """A given Fourier series about a posture, for example one that `ur5 excite` designed.
+
+    It repeats after its period.
+    """
+
+    kind: Literal["series"]
+    posture: PerJoint = Field(description="start of the motion [rad]")
+    period_s: float = Field(gt=0, le=600, description="period of the series")
+    coefficients: list[PerJoint] = Field(
+        min_length=8,
+        max_length=400,
+        description="of each joint [rad]: of the sines of all harmonics of 1/period_s, then of the "
+        "cosines; such that the series begins at rest",
+    )
+
+    @model_validator(mode="after")
+    def _begins_at_rest(self) -> Self:
+        if len(self.coefficients) % 2:
+            raise ValueError("`coefficients` needs as many lines for cosines as for sines")
+        conditions = rest_conditions(self.period_s, len(self.coefficients) // 2)
+        if np.abs(conditions @ np.array(self.coefficients)).max() > RESTING:
+            raise ValueError("`coefficients` of a series that begins at the posture, at rest")
+        return self
+
+
 class Standstill(Planned):
     """The arm holds a posture."""
 
@@ -80,7 +109,7 @@ class Standstill(Planned):
     posture: PerJoint = Field(POSTURE, description="joint angles [rad]")
 
 
-Trajectory = Annotated[Movej | Fourier | Standstill, Field(discriminator="kind")]
+Trajectory = Annotated[Movej | Fourier | Series | Standstill, Field(discriminator="kind")]
 
 
 class OnArm(Planned):

@@ -10,9 +10,10 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import PerJoint, Robot
-from ur5lib.stand.plan import Fourier, Movej, Standstill
+from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.fourier import fourier_terms, rest_conditions
 
 REST = 1.0  # s at rest at the beginning of every recording
 SHORTEST = 0.008  # s, shortest duration of a command, even without motion
@@ -29,7 +30,7 @@ class Targets:
     qdd: Array
 
 
-def plan_targets(plan: Movej | Fourier | Standstill, robot: Robot, time: Array) -> Targets:
+def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time: Array) -> Targets:
     """Return the targets of a trajectory at times (N,) [s].
 
     Raises InputError when it exceeds the joints' limits or its file of way-points is wrong.
@@ -41,6 +42,8 @@ def plan_targets(plan: Movej | Fourier | Standstill, robot: Robot, time: Array) 
             targets = _movej(plan, time - REST)
         case Fourier():
             targets = _fourier(plan, robot, time - REST)
+        case Series():
+            targets = _series(plan, time - REST)
     _expect_within_limits(targets, robot)
     return targets
 
@@ -161,8 +164,9 @@ def trapezoid(time: Array, way: Array, top: float, gain: float) -> tuple[Array, 
 def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     """Return a series that starts at rest, scaled to the limits joint by joint."""
     fine = np.linspace(0, plan.period_s, 2001)
-    coefficients = _coefficients(plan)
-    parts = [series @ coefficients for series in _series(plan, fine)]
+    coefficients = _drawn_coefficients(plan)
+    terms = fourier_terms(plan.period_s, plan.harmonics, fine)[:3]
+    parts = [term @ coefficients for term in terms]
     motors = [robot.motor(joint) for joint in range(1, 7)]
     limits = [
         np.full(6, plan.amplitude_rad),
@@ -171,24 +175,22 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     ]
     scales = [limit / np.abs(part).max(axis=0) for limit, part in zip(limits, parts, strict=True)]
     coefficients *= np.minimum.reduce(scales)
-    q, qd, qdd = (series @ coefficients for series in _series(plan, time.clip(min=0)))
-    return Targets(q + plan.posture, qd, qdd)
+    return _targets(plan.posture, plan.period_s, coefficients, time)
 
 
-def _coefficients(plan: Fourier) -> Array:
+def _drawn_coefficients(plan: Fourier) -> Array:
     """Draw coefficients (2 H, 6) subject to q = posture, qd = qdd = 0 at the start."""
-    start = np.concatenate(_series(plan, np.zeros(1)))
-    start /= np.linalg.norm(start, axis=1, keepdims=True)
+    start = rest_conditions(plan.period_s, plan.harmonics)
     drawn = np.random.default_rng(plan.draw).normal(size=(2 * plan.harmonics, 6))
     return drawn - np.linalg.pinv(start) @ (start @ drawn)
 
 
-def _series(plan: Fourier, time: Array) -> tuple[Array, Array, Array]:
-    """Return sines and cosines (N, 2 H) at times (N,), and their first and second derivatives."""
-    omega = 2 * np.pi / plan.period_s * np.arange(1, plan.harmonics + 1)
-    sin, cos = np.sin(np.outer(time, omega)), np.cos(np.outer(time, omega))
-    return (
-        np.hstack([sin, cos]),
-        np.hstack([omega * cos, -omega * sin]),
-        np.hstack([-(omega**2) * sin, -(omega**2) * cos]),
-    )
+def _series(plan: Series, time: Array) -> Targets:
+    return _targets(plan.posture, plan.period_s, np.array(plan.coefficients), time)
+
+
+def _targets(posture: PerJoint, period: float, coefficients: Array, time: Array) -> Targets:
+    """Return the targets of a series about a posture (6,) [rad]; it rests before time zero."""
+    terms = fourier_terms(period, len(coefficients) // 2, time.clip(min=0))[:3]
+    q, qd, qdd = (term @ coefficients for term in terms)
+    return Targets(q + posture, qd, qdd)

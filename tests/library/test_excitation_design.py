@@ -1,0 +1,185 @@
+"""Designed trajectories: gradients, limits, optimality, and what they promise."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.excitation import (
+    STEP,
+    along,
+    fit,
+    keeps_limits,
+    one_joint_after_the_other,
+    random_motions,
+    regressed,
+    thinned,
+    unseen_error,
+    worth,
+)
+from ur5lib.errors import InputError
+from ur5lib.excitation.design import Design, Effort, design
+from ur5lib.excitation.feasible import feasible, free_postures, random_path
+from ur5lib.excitation.limits import Cell
+from ur5lib.excitation.objective import Objective, Task
+from ur5lib.excitation.path import Path
+from ur5lib.excitation.questions import QUESTIONS
+from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
+from ur5lib.robots.collisions import Box, Surroundings
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.study.excite import Wish, task_of
+from ur5lib.timeseries.arrays import Array
+
+TABLE = -0.05  # m
+SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
+RANDOM, CELLS, SEEDS = 10, 50, 300
+
+
+@functools.cache
+def task(robot: str = "ur5e", question: str = "model", seconds: float = 20.0) -> Task:
+    return task_of(Wish(robot, seconds, question, None, TABLE, None, 0))
+
+
+@functools.cache
+def designed(seed: int = 0) -> Design:
+    return design(task(), seed, SHORT)
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+@pytest.mark.parametrize("weight", [0.0, 100.0])
+def test_the_gradient_is_that_of_finite_differences(question: str, weight: float) -> None:
+    """Also where limits are broken: the path is wide enough to break all of them."""
+    own, random = task("ur5", question, 6.0), np.random.default_rng(1)
+    own = replace(own, cell=replace(own.cell, limits=replace(own.cell.limits, singular_value=0.2)))
+    objective = Objective(own)
+    path = random_path(own, random, free_postures(own.cell, random))
+    x = objective.variables(path) * 1.4
+    _, gradient = objective(x, weight)
+    for _ in range(3):
+        way, step = random.normal(size=len(x)), 1e-6
+        ends = [objective(x + sign * step * way, weight)[0] for sign in (-1, 1)]
+        assert gradient @ way == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-4, abs=1e-4)
+
+
+def test_a_path_becomes_variables_and_back() -> None:
+    objective = Objective(task())
+    path = objective.path(np.random.default_rng(0).normal(size=6 + 6 * 21))
+    again = objective.path(objective.variables(path))
+    np.testing.assert_allclose(again.coefficients, path.coefficients, atol=1e-12)
+    np.testing.assert_array_equal(again.posture, path.posture)
+
+
+def test_the_trajectory_begins_and_ends_at_rest() -> None:
+    states = designed().path.at(np.array([0.0, 20.0]))
+    np.testing.assert_allclose(states.q, designed().path.posture + np.zeros((2, 6)), atol=1e-9)
+    assert np.abs(states.qd).max() < 1e-9
+    assert np.abs(states.qdd).max() < 1e-9
+
+
+def test_all_limits_are_kept_at_1_khz() -> None:
+    assert designed().margins.broken() == []
+    margins = task().cell.margins(designed().path.sampled(1000)[1])
+    assert margins.broken() == []
+    assert max(share.max() for share in margins.used.values()) > 0.9  # and used
+
+
+def test_the_recorder_would_accept_it() -> None:
+    """Its own checks differ: steps between samples, collisions without a margin."""
+    time, states = designed().path.sampled(125)
+    motion = CommandedMotion(states.q, time, 1.0)
+    assert list(refusals(motion, task().cell.robot, states.q[0], TABLE)) == []
+
+
+@pytest.mark.parametrize("seed", range(CELLS))
+def test_trajectories_of_random_cells_keep_all_limits(seed: int) -> None:
+    try:
+        kept = keeps_limits(seed)
+    except InputError as error:
+        kept = "room" in str(error)
+    assert kept
+
+
+def test_the_same_seed_gives_the_same_trajectory() -> None:
+    again = design(task(), 0, SHORT)
+    np.testing.assert_array_equal(again.path.coefficients, designed().path.coefficients)
+    other = designed(1)
+    assert not np.allclose(other.path.coefficients, designed().path.coefficients)
+
+
+def test_it_is_better_than_the_best_of_random_ones() -> None:
+    log_det, condition, _ = worth(task(), along(designed().path))
+    random = np.array([worth(task(), motion) for motion in random_motions(task(), RANDOM)])
+    assert log_det > random[:, 0].max() + 20
+    assert condition < random[:, 1].min()
+
+
+def test_unseen_motions_are_predicted_better_than_after_way_points() -> None:
+    ours = unseen_error(task(), along(designed().path))
+    assert (ours < 0.7 * unseen_error(task(), one_joint_after_the_other(task()))).all()
+
+
+def test_predicted_standard_errors_are_those_observed() -> None:
+    """Of all parameters that the recording determines, in physical units."""
+    problem, random = task().problem, np.random.default_rng(3)
+    Y, qd = thinned(*regressed(task(), along(designed().path)))
+    true = problem.measured(problem.theta, Y, qd)
+    fitted = np.array(
+        [physical(fit(problem, Y, qd, true + random.normal(size=true.shape))) for _ in range(SEEDS)]
+    )
+    information = problem.prior + problem.information(Y, qd, 2 * STEP)
+    predicted = problem.standard_errors(information)
+    determined = predicted < 0.1 * problem.standard_errors(problem.prior)
+    ratio = fitted.std(axis=0, ddof=1)[determined] / predicted[determined]
+    assert determined.sum() > 50
+    assert np.abs(ratio - 1).max() < 0.2
+
+
+def physical(theta: Array) -> Array:
+    """Parameters θ with torque constants, offsets and friction in their own units."""
+    values = theta.copy()
+    maps = values[task().problem.of_currents].reshape(6, 5)
+    maps[:, 1:] /= maps[:, :1]
+    maps[:, 0] = 1 / maps[:, 0]
+    values[task().problem.of_currents] = maps.ravel()
+    return values
+
+
+def test_the_next_recording_complements_the_last() -> None:
+    first = task("ur5", "model", 6.0)
+    last = design(first, 0, Effort(1, 15, ((1e3, 15),)))
+    second = replace(first, earlier=last.information)
+    following = design(second, 0, Effort(1, 15, ((1e3, 15),)))
+    errors = [first.problem.standard_errors(m) for m in (last.information, following.information)]
+    assert (errors[1] <= errors[0]).all()
+    assert (errors[1] / errors[0]).min() < 0.6
+
+
+def test_each_question_is_answered_best_by_its_own_design() -> None:
+    """Of payload and friction, which ask for the most different motions."""
+    own, other = (task("ur5e", question, 6.0) for question in ("payload", "friction"))
+    effort = Effort(1, 0, ((1e3, 40),))
+    for asked, besides in ((own, other), (other, own)):
+        values = [
+            asked.criterion(asked.information(design(one, 0, effort).path))[0]
+            for one in (asked, besides)
+        ]
+        assert values[0] > values[1]
+
+
+# Where there is no room
+
+
+def test_a_box_around_the_arm_leaves_no_room() -> None:
+    cage = Surroundings(boxes=[Box(center=(0.0, 0.0, 0.5), size=(3.0, 3.0, 3.0))])
+    cell = Cell.of(load_robot(robot_path("ur5e")), cage)
+    with pytest.raises(InputError, match=r"no room to move: in 100% .* link_\d come within 0.03 m"):
+        free_postures(cell, np.random.default_rng(0))
+
+
+def test_a_posture_that_breaks_a_limit_is_told() -> None:
+    folded = Path(np.zeros(6), np.full((24, 6), 1e-3), 20.0)
+    with pytest.raises(
+        InputError, match=r"no motion about the posture keeps the limits .*singular"
+    ):
+        feasible(task().cell, folded)

@@ -1,0 +1,113 @@
+"""`ur5 excite`: its files, what reads them, and what it says of wrong options."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from ur5lib.cli import app
+from ur5lib.errors import InputError
+from ur5lib.excitation import design as search
+from ur5lib.excitation.path import Path as Motion
+from ur5lib.recorder.commanded_motion import read_motion, refusals
+from ur5lib.recordings.rtde_csv import read_rtde_csv
+from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
+from ur5lib.stand.trajectories import REST
+from ur5lib.study import excite
+from ur5lib.study.check import read_study
+from ur5lib.tables import channel, read_json
+
+SECONDS = 6.0
+
+
+@pytest.fixture(scope="module")
+def ur5e() -> Robot:
+    return load_robot(robot_path("ur5e"))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the command writes after a short search."""
+    written = tmp_path_factory.mktemp("excite")
+    with pytest.MonkeyPatch.context() as patch:
+        quick = search.Effort(1, 0, ((1e3, 10),))
+        patch.setattr(excite, "design", lambda task, seed: search.design(task, seed, quick))
+        words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS), "--table", "0"]
+        done = CliRunner().invoke(app, [*words, "--write", str(written)])
+    assert done.exit_code == 0, done.output
+    assert "smallest singular value" in done.output
+    assert "log det" in done.output
+    return written
+
+
+def designed(folder: Path) -> Motion:
+    path = read_json(folder / "excitation.json")["path"]
+    return Motion(np.array(path["posture"]), np.array(path["coefficients"]), path["seconds"])
+
+
+def test_the_recorder_reads_and_accepts_both_motions(folder: Path, ur5e: Robot) -> None:
+    trajectory = read_motion(folder / "trajectory.csv", 1.0)
+    assert trajectory.duration() == pytest.approx(SECONDS)
+    np.testing.assert_allclose(trajectory.q, designed(folder).sampled(125)[1].q, atol=1e-6)
+    way_points = read_motion(folder / "way_points.csv", 1.0)
+    assert way_points.time is None
+    for motion in (trajectory, way_points):
+        assert list(refusals(motion, ur5e, motion.q[0], 0.0)) == []
+
+
+def test_the_program_streams_every_state(folder: Path) -> None:
+    lines = (folder / "trajectory.script").read_text().splitlines()
+    assert lines[0] == "def excite():"
+    assert lines[-2:] == ["end", "excite()"]
+    assert len([line for line in lines if line.startswith("  servoj([")]) == 1 + SECONDS * 125
+
+
+def test_the_summary_tells_each_parameter(folder: Path) -> None:
+    rows = read_json(folder / "excitation.json")["parameters"]
+    assert len(rows) == 40 + 30
+    assert all(row["std_error_after"] <= row["std_error_before"] for row in rows)
+    assert {row["unit"] for row in rows} >= {"kg m", "kg m²", "Nm/A", "Nm", "Nm s/rad"}
+    assert (folder / "excitation.svg").is_file()
+
+
+def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Path) -> None:
+    (recording,) = read_study(folder / "stand.yaml").recordings
+    plan = recording.simulate
+    assert isinstance(plan, SimulatedRecording)
+    simulate(ur5e, plan, "rtde-csv", tmp_path, tmp_path / "truth")
+    (file,) = tmp_path.glob("*.csv")
+    entry = {"name": "designed", "folder": str(tmp_path), "file": file.name}
+    frames = read_rtde_csv(entry).robot.table
+    time = frames["time"].to_numpy() - frames["time"].iloc[0] - REST
+    moving = (time > 0) & (time < SECONDS)
+    states = designed(folder).at(time[moving])
+    np.testing.assert_allclose(channel(frames, "actual_q")[moving], states.q, atol=0.02)
+    most = [ur5e.motor(joint).torque_max for joint in range(1, 7)]
+    assert (np.abs(channel(frames, "target_moment")) < most).all()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--robot", "ur6"], "no description of `ur6`"),
+        (["--question", "tea"], "--question 'tea': give one of model, friction"),
+        (["--table", "nan"], "--table nan: give its height"),
+        (["--boxes", "none.yaml"], "--boxes none.yaml cannot be read"),
+        (["--boxes", "wrong.yaml"], "wrong.yaml: boxes.0.size"),
+        (["--results", "results/none"], "results/none"),
+        (["--write", "wrong.yaml"], "--write wrong.yaml is a file"),
+    ],
+)
+def test_wrong_options_are_told_and_nothing_is_written(
+    words: list[str], message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("wrong.yaml").write_text("[{center: [0, 0, 0], size: [1, 0, 1]}]")
+    given = ["excite", "--robot", "ur5e", "--write", "out", *words]
+    done = CliRunner().invoke(app, given)
+    assert isinstance(done.exception, InputError)
+    assert message in str(done.exception)
+    assert not Path("out").exists()

@@ -1,0 +1,62 @@
+"""The design of a trajectory: as informative as an arm's limits and its surroundings allow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from ur5lib.excitation.feasible import feasible, free_postures, random_path
+from ur5lib.excitation.limits import Margins
+from ur5lib.excitation.objective import Objective, Task
+from ur5lib.excitation.path import Path
+from ur5lib.timeseries.arrays import Array
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long to search: random starts, iterations from each, and rounds from the best of them.
+
+    rounds: the weight of broken limits in each, ever larger, and its iterations.
+    """
+
+    starts: int = 4
+    first: int = 40
+    rounds: tuple[tuple[float, int], ...] = ((1e2, 120), (1e3, 60), (1e4, 60))
+
+
+@dataclass(frozen=True)
+class Design:
+    """A trajectory that keeps all limits, by its margins, and the information (P, P) with it."""
+
+    path: Path
+    margins: Margins
+    information: Array
+
+
+USUAL = Effort()
+
+
+def design(task: Task, seed: int, effort: Effort = USUAL) -> Design:
+    """Return the most informative trajectory that several starts find; the same for a seed.
+
+    A penalty method with exact gradients (L-BFGS-B); what then is left beyond a limit at 1 kHz is
+    removed by shrinking. Raises InputError where the arm has no room.
+    """
+    random, objective = np.random.default_rng(seed), Objective(task)
+    postures = free_postures(task.cell, random)
+    starts = [random_path(task, random, postures) for _ in range(effort.starts)]
+    weight = effort.rounds[0][0]
+    found = [_improved(objective, objective.variables(p), weight, effort.first) for p in starts]
+    best = min(found, key=lambda x: objective(x, weight)[0])
+    for weight, iterations in effort.rounds:
+        best = _improved(objective, best, weight, iterations)
+    path, margins = feasible(task.cell, objective.path(best))
+    return Design(path, margins, task.information(path))
+
+
+def _improved(objective: Objective, start: Array, weight: float, iterations: int) -> Array:
+    """Return what L-BFGS-B makes of a start in some iterations."""
+    options = {"maxiter": iterations, "maxfun": 2 * iterations, "ftol": 0.0, "gtol": 0.0}
+    return np.asarray(
+        minimize(objective, start, (weight,), "L-BFGS-B", jac=True, options=options).x
+    )

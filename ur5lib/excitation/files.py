@@ -1,0 +1,106 @@
+"""The files of a designed trajectory: for `ur5 record`, for the arm's controller, for the stand."""
+
+from dataclasses import asdict
+from pathlib import Path as File
+from typing import Any
+
+import numpy as np
+import yaml
+
+from ur5lib.excitation.design import Design
+from ur5lib.excitation.limits import Cell
+from ur5lib.excitation.objective import Task
+from ur5lib.excitation.path import Path
+from ur5lib.excitation.worth import Worth
+from ur5lib.tables import json_text, write_text
+from ur5lib.timeseries.arrays import Array
+
+RATE = 125.0  # Hz, of all controllers' servoj
+BESIDE = 3.0  # s that the stand records besides the motion: rest before it, and the last samples
+DENSE = 20  # states between two way-points that are checked
+SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points, the widest that keeps clear is taken
+APPROACH = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start
+SERVO = "t=0.008, lookahead_time=0.1, gain=300"
+STUDY = "excitation"
+
+
+def write_files(folder: File, robot: str, task: Task, path: Path, summary: dict[str, Any]) -> None:
+    """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
+
+    Raises InputError where they cannot be written.
+    """
+    time, states = path.sampled(RATE)
+    texts = {
+        "trajectory.csv": _csv(np.column_stack([time, states.q])),
+        "way_points.csv": _csv(way_points(task.cell, path)),
+        "trajectory.script": script(states.q),
+        "stand.yaml": stand_study(robot, path),
+        "excitation.json": json_text(summary),
+    }
+    for name, text in texts.items():  # all of them are made before the first is written
+        write_text(text, folder / name)
+
+
+def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
+    """Return a trajectory, its margins and its worth as plain data."""
+    problem = task.problem
+    rows = zip(problem.names(), problem.units(), worth.before, worth.after, strict=True)
+    parameters = [
+        {"parameter": name, "unit": unit, "std_error_before": before, "std_error_after": after}
+        for name, unit, before, after in rows
+    ]
+    return {
+        "path": asdict(found.path),
+        "margins": asdict(found.margins),
+        "noise": asdict(problem.noise),
+        "log_det": worth.log_det,
+        "log_det_gain": worth.gain,
+        "condition_number_of_regressor": worth.regressor_condition,
+        "condition_number": worth.condition,
+        "parameters": parameters,
+    }
+
+
+def way_points(cell: Cell, path: Path) -> Array:
+    """Return postures (M, 6) [rad] along a path, close enough that straight moves keep clear."""
+    for spacing in SPACINGS:
+        points = path.sampled(1 / spacing)[1].q
+        steps = np.linspace(points[:-1], points[1:], DENSE, axis=1).reshape(-1, 6)
+        if not (cell.capsules.near(steps).distance < cell.limits.clearance / 2).any():
+            break
+    return points
+
+
+def script(q: Array) -> str:
+    """Return a URScript program that moves to the start and streams q (N, 6) [rad] at 125 Hz."""
+    lines = [f"  servoj({_list(row)}, {SERVO})" for row in q]
+    start = f"  movej({_list(q[0])}, {APPROACH})"
+    return "\n".join(["def excite():", start, *lines, "  stopj(2.0)", "end", "excite()", ""])
+
+
+def stand_study(robot: str, path: Path) -> str:
+    """Return a study that simulates the recording on the virtual test stand."""
+    trajectory = {
+        "kind": "series",
+        "posture": path.posture.tolist(),
+        "period_s": path.seconds,
+        "coefficients": path.coefficients.tolist(),
+    }
+    recording = {
+        "name": "designed",
+        "robot": robot,
+        "format": "rtde-csv",
+        "role": "fit",
+        "simulate": {"trajectory": trajectory, "seconds": path.seconds + BESIDE},
+    }
+    study = {"study": STUDY, "title": "A designed trajectory", "recordings": [recording]}
+    return yaml.safe_dump(study, sort_keys=False, default_flow_style=None)
+
+
+def _csv(rows: Array) -> str:
+    """Return rows of numbers without a header, as `ur5 record --move` reads them."""
+    return "".join(",".join(f"{value:.6f}" for value in row) + "\n" for row in rows)
+
+
+def _list(angles: Array) -> str:
+    return f"[{', '.join(f'{angle:.6f}' for angle in angles)}]"

@@ -1,0 +1,139 @@
+"""What a trajectory must keep, and by how much it does."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from ur5lib.dynamics.flange import differentiable_singular_value
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.excitation.path import States
+from ur5lib.robots.collisions import Capsules, Surroundings
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+# Shares of the arm's limits that a trajectory may use.
+POSITION, VELOCITY, ACCELERATION, TORQUE = 0.95, 0.5, 0.5, 0.8
+USUAL_ACCELERATION = 15.0  # rad/s², limit of motors without a published one
+JERK = 200.0  # rad/s³; no description states a limit
+TURN = 2 * np.pi  # rad, to either side, of a joint that turns without end
+CLEARANCE = 0.03  # m, between capsules
+SINGULAR_VALUE = 0.03  # the smallest of J_g, in which metres and radians count alike
+REACH = 0.1  # m, up to which distances are measured
+
+PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The limits of a trajectory, on both sides of zero.
+
+    position, velocity, acceleration, jerk, torque: (6,) [rad, rad/s, rad/s², rad/s³, Nm];
+    clearance: least distance between parts [m]; singular_value: least of the Jacobian.
+    """
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+    jerk: Array
+    torque: Array
+    clearance: float = CLEARANCE
+    singular_value: float = SINGULAR_VALUE
+
+    @classmethod
+    def of(cls, robot: Robot) -> Self:
+        """Return the shares of an arm's limits that a trajectory may use."""
+        motors = [robot.motor(joint) for joint in range(1, 7)]
+        return cls(
+            POSITION * np.nan_to_num(robot.position_limits(), posinf=TURN),
+            VELOCITY * np.array([motor.velocity_max for motor in motors]),
+            ACCELERATION * np.array([m.acceleration_max or USUAL_ACCELERATION for m in motors]),
+            np.full(6, JERK),
+            TORQUE * np.array([motor.torque_max for motor in motors]),
+        )
+
+    def of_states(self) -> list[Array]:
+        """Return the limits of q, q̇, q̈ and jerk, (6,) each."""
+        return [self.position, self.velocity, self.acceleration, self.jerk]
+
+
+@dataclass(frozen=True)
+class Margins:
+    """How much of its limits a trajectory uses; it keeps them where `broken` is empty.
+
+    used: by name, the largest share of a limit, (6,); clearance: least distance between parts [m],
+    at most REACH; nearest: which parts, empty beyond REACH; singular_value: least of the Jacobian.
+    """
+
+    limits: Limits
+    used: dict[str, Array]
+    clearance: float
+    nearest: str
+    singular_value: float
+
+    def broken(self) -> list[str]:
+        """Return a phrase on each limit that is not kept."""
+        over = [
+            f"{name} of joint {joint + 1} is {share:.0%} of its limit"
+            for name, shares in self.used.items()
+            for joint, share in enumerate(shares)
+            if not share <= 1  # also finds NaN
+        ]
+        if self.clearance < self.limits.clearance:
+            over.append(
+                f"{self.nearest} come within {self.clearance:.3f} m, nearer than "
+                f"{self.limits.clearance:g} m"
+            )
+        if not self.singular_value >= self.limits.singular_value:
+            over.append(
+                f"the smallest singular value {self.singular_value:.3f} is below "
+                f"{self.limits.singular_value:g}"
+            )
+        return over
+
+    def lines(self) -> list[str]:
+        """Return the margins as lines of text."""
+        shares = [
+            f"{name + ', share of its limit by joint':<42}"
+            + "".join(f"{share:>7.0%}" for share in shares)
+            for name, shares in self.used.items()
+        ]
+        distance = f"{self.clearance:.3f} m ({self.nearest})" if self.nearest else f"over {REACH} m"
+        return [
+            *shares,
+            f"least distance between parts: {distance}, allowed {self.limits.clearance:g} m",
+            f"smallest singular value: {self.singular_value:.3f}, "
+            f"allowed {self.limits.singular_value:g}",
+        ]
+
+
+@dataclass(frozen=True)
+class Cell:
+    """An arm in its place: what is needed to check a trajectory there."""
+
+    robot: Robot
+    model: LinkModel
+    limits: Limits
+    capsules: Capsules
+
+    @classmethod
+    def of(cls, robot: Robot, surroundings: Surroundings) -> Self:
+        """Return an arm, with its fullest link model and its limits, in its surroundings."""
+        model = LinkModel(robot, robot.fullest_model())
+        return cls(robot, model, Limits.of(robot), Capsules(robot, surroundings, REACH))
+
+    def margins(self, states: States) -> Margins:
+        """Return how much of the limits a trajectory uses."""
+        parts = zip(PER_JOINT, states, self.limits.of_states(), strict=False)
+        used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in parts}
+        torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)
+        used["torque"] = np.abs(torque).max(axis=0) / self.limits.torque
+        near = self.capsules.near(states.q)
+        nearest = int(np.argmin(near.distance)) if len(near.distance) else None
+        return Margins(
+            self.limits,
+            used,
+            REACH if nearest is None else float(near.distance[nearest]),
+            "" if nearest is None else " and ".join(near.pairs[nearest]),
+            float(differentiable_singular_value(self.robot, states.q)[0].min()),
+        )

@@ -1,0 +1,129 @@
+"""What the optimisation of a trajectory minimises, with its exact gradient."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ur5lib.dynamics.flange import differentiable_singular_value
+from ur5lib.excitation.limits import REACH, Cell
+from ur5lib.excitation.path import Path, States
+from ur5lib.excitation.problem import INDEPENDENT, Problem
+from ur5lib.excitation.questions import Criterion
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.fourier import fourier_terms, resting_series
+
+FASTEST = 0.6  # Hz, of the series' highest harmonic; faster ones excite elastic joints
+FEWEST, MOST = 4, 30  # harmonics
+STEP = 0.05  # s between the states that the optimisation looks at
+INNER = 0.97  # share of the limits within which the optimisation keeps
+
+
+@dataclass(frozen=True)
+class Task:
+    """What to design: in which cell, to determine what, in how many seconds.
+
+    earlier: the information (P, P) of earlier recordings and the prior.
+    """
+
+    cell: Cell
+    problem: Problem
+    criterion: Criterion
+    earlier: Array
+    seconds: float
+
+    @property
+    def harmonics(self) -> int:
+        """Return the number of harmonics, the highest at most FASTEST."""
+        return int(np.clip(self.seconds * FASTEST, FEWEST, MOST))
+
+    def information(self, path: Path) -> Array:
+        """Return the information (P, P) of earlier recordings and one along a path."""
+        _, states = path.sampled(1 / STEP)
+        Y = self.cell.model.regressor(states.q, states.qd, states.qdd)
+        return self.earlier + self.problem.information(Y, states.qd, STEP)
+
+
+class Objective:
+    """The criterion of a path less the penalty of the limits that it breaks, with its gradient.
+
+    A path is given as x: its posture (6,), then coefficients (K, 6) of the series that rest at both
+    ends (`resting_series`).
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        time = np.arange(0, task.seconds, STEP)
+        self._basis = resting_series(task.seconds, task.harmonics)
+        terms = fourier_terms(task.seconds, task.harmonics, time)
+        self._terms = [term @ self._basis for term in terms]  # (N, K) each
+
+    def path(self, x: Array) -> Path:
+        """Return the path of x."""
+        return Path(x[:6], self._basis @ x[6:].reshape(-1, 6), self._task.seconds)
+
+    def variables(self, path: Path) -> Array:
+        """Return x of a path that rests at both ends."""
+        weights = np.linalg.lstsq(self._basis, path.coefficients, rcond=None)[0]
+        return np.concatenate([path.posture, weights.ravel()])
+
+    def states(self, x: Array) -> States:
+        """Return the states that are looked at, every STEP."""
+        q, qd, qdd, jerk = (term @ x[6:].reshape(-1, 6) for term in self._terms)
+        return States(q + x[:6], qd, qdd, jerk)
+
+    def __call__(self, x: Array, weight: float) -> tuple[float, Array]:
+        """Return the criterion less the weighted penalty, and its gradient, both negated."""
+        task, states = self._task, self.states(x)
+        Y, pull_back = task.cell.model.differentiable_regressor(*states[:3])
+        value, of_Y, of_qd = self._informed(Y, states.qd)
+        penalty, of_states, of_torque = self._penalties(states, task.problem.torque(Y))
+        of_Y -= weight * task.problem.pull_back_torque(of_torque)
+        slopes = [-weight * part for part in of_states]
+        for slope, part in zip(slopes, pull_back(of_Y), strict=False):
+            slope += part
+        slopes[1] += of_qd
+        of_weights = sum(term.T @ slope for term, slope in zip(self._terms, slopes, strict=True))
+        gradient = np.concatenate([slopes[0].sum(axis=0), np.ravel(of_weights)])
+        return weight * penalty - value, -gradient
+
+    def _informed(self, Y: Array, qd: Array) -> tuple[float, Array, Array]:
+        """Return the criterion and its derivatives by Y and q̇."""
+        task, problem = self._task, self._task.problem
+        information = task.earlier + problem.information(Y, qd, STEP)
+        value, of_information = task.criterion(information)
+        J = problem.rows(problem.theta, Y, qd)
+        return value, *problem.pull_back(Y, qd, 2 * STEP / INDEPENDENT * J @ of_information)
+
+    def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
+        """Return the squares of what is beyond the limits, and derivatives by states and torque."""
+        cell, total, slopes = self._task.cell, 0.0, []
+        limits = [*cell.limits.of_states(), cell.limits.torque]
+        for part, limit in zip([*states, torque], limits, strict=True):
+            value, slope = _beyond(part, INNER * limit)
+            total += value
+            slopes.append(slope)
+        for value, slope in (self._nearness(states.q), self._singularity(states.q)):
+            total += value
+            slopes[0] += slope
+        return total, slopes[:4], slopes[4]
+
+    def _nearness(self, q: Array) -> tuple[float, Array]:
+        """Return the penalty of parts that are too near each other, in units of REACH."""
+        near = self._task.cell.capsules.near(q, gradient=True)
+        missing = np.maximum(self._task.cell.limits.clearance / INNER - near.distance, 0) / REACH
+        slope = np.zeros_like(q)
+        np.add.at(slope, near.sample, -2 / REACH * missing[:, None] * near.gradient)
+        return float(missing @ missing), slope
+
+    def _singularity(self, q: Array) -> tuple[float, Array]:
+        """Return the penalty of the Jacobian's singular values that are too small."""
+        least = self._task.cell.limits.singular_value / INNER
+        value, pull_back = differentiable_singular_value(self._task.cell.robot, q)
+        missing = np.maximum(1 - value / least, 0)
+        return float(missing @ missing), pull_back(-2 / least * missing)[0]
+
+
+def _beyond(values: Array, limit: Array) -> tuple[float, Array]:
+    """Return Σ (|v|/limit - 1)² of values (N, 6) beyond a limit (6,), and its derivative."""
+    over = np.maximum(np.abs(values) / limit - 1, 0)
+    return float(np.sum(over**2)), 2 * over * np.sign(values) / limit

@@ -1,0 +1,236 @@
+"""What a recording is to determine: the parameters of an arm's torques and motor currents.
+
+The controller's target torques are those of its link model, τ = Y β. Motor currents are
+i = a T + b + c z + v q̇ + l |T| z with T = τ + Y_6 p, as `identification/currents.py` fits them:
+a = 1/k is the inverse torque constant, b an offset, z = tanh(q̇/ε) the direction of dry friction, c,
+v and l Coulomb, viscous and load-dependent friction over k, and p a payload's ten parameters.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.identification.base_parameters import (
+    NAMES,
+    BaseParameters,
+    base_parameters,
+    prior_width,
+)
+from ur5lib.identification.excitation import candidate_motions
+from ur5lib.identification.friction import BASE
+from ur5lib.identification.prior import JointPrior
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+INDEPENDENT = 0.1  # s between samples whose errors are independent, as `samples.py` takes them
+DIRECTION = 0.05  # rad/s, ε: below it, dry friction has not reached its full size
+TORQUE_NOISE = 0.02  # Nm, of target torques where no study tells it
+CURRENT_NOISE = 0.01  # of the current at the motor's largest torque, where no study tells it
+CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque constants
+NOMINAL = (0.06, 0.06, 0.05)  # Coulomb and viscous friction over the largest torque, load friction
+PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
+UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
+LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # as names begin
+LINK_6 = slice(50, 60)  # of the columns of Y: a payload moves as link 6 does
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that tell the base parameters
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviations of target torques (6,) [Nm] and currents (6,) [A], every INDEPENDENT."""
+
+    torque: Array
+    current: Array
+
+
+@dataclass(frozen=True)
+class Maps:
+    """The joints' maps from torque to current, (6, 5): a [A/Nm], b [A], c, v, l over k."""
+
+    coefficients: Array
+    noise: Noise
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The parameters θ = (β, the joints' a b c v l in turn, p) and how they are measured.
+
+    base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
+    has_payload: whether p, whose nominal value is zero, is among the parameters.
+    """
+
+    base: BaseParameters
+    theta: Array
+    noise: Noise
+    prior: Array
+    has_payload: bool
+
+    @property
+    def count(self) -> int:
+        """Return the number of base parameters, B."""
+        return len(self.base.columns)
+
+    @property
+    def of_currents(self) -> slice:
+        """Return where the joints' maps to currents lie in θ."""
+        return slice(self.count, self.count + 30)
+
+    @property
+    def of_payload(self) -> slice:
+        """Return where the payload's parameters lie in θ; empty where none is sought."""
+        return slice(self.count + 30, None)
+
+    def names(self) -> list[str]:
+        """Return the parameters' names, in physical terms."""
+        links = [NAMES[column] for column in self.base.columns]
+        joints = [f"{name} of joint {k}" for k in range(1, 7) for name in PER_JOINT]
+        return [*links, *joints, *(f"payload: {NAMES[k]}" for k in _payload(self.has_payload))]
+
+    def units(self) -> list[str]:
+        """Return the units of the parameters, in the order of `names`."""
+        links = [NAMES[column] for column in [*self.base.columns, *_payload(self.has_payload)]]
+        units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in links]
+        return [*units[: self.count], *UNITS * 6, *units[self.count :]]
+
+    def measured(self, theta: Array, Y: Array, qd: Array) -> Array:
+        """Return target torques and currents (N, 12) [Nm, A] over their noise, for θ (P,).
+
+        Y: (N, 6, 66); qd: (N, 6) [rad/s].
+        """
+        torque, load = self._torques(theta, Y)
+        a, b, c, v, per_load = theta[self.of_currents].reshape(6, 5).T
+        z = np.tanh(qd / DIRECTION)
+        current = a * load + b + c * z + v * qd + per_load * np.abs(load) * z
+        return np.hstack([torque / self.noise.torque, current / self.noise.current])
+
+    def rows(self, theta: Array, Y: Array, qd: Array) -> Array:
+        """Return J = ∂measured/∂θ (N, 12, P); see `measured`."""
+        _, load = self._torques(theta, Y)
+        z, gain = self._gain(theta, load, qd)
+        J = np.zeros((len(Y), 12, len(theta)))
+        J[:, :6, : self.count] = Y[..., self.base.columns]
+        J[:, 6:, : self.count] = Y[..., self.base.columns] * gain[..., None]
+        for joint, columns in enumerate(self._joint_columns()):
+            own = load[:, joint], z[:, joint]
+            terms = [own[0], np.ones(len(Y)), own[1], qd[:, joint], np.abs(own[0]) * own[1]]
+            J[:, 6 + joint, columns] = np.stack(terms, axis=1)
+        if self.has_payload:
+            J[:, 6:, self.of_payload] = Y[..., LINK_6] * gain[..., None]
+        return J / np.concatenate([self.noise.torque, self.noise.current])[:, None]
+
+    def pull_back(self, Y: Array, qd: Array, sensitivity: Array) -> tuple[Array, Array]:
+        """Return ∂f/∂Y (N, 6, 66) and ∂f/∂q̇ (N, 6) from ∂f/∂J (N, 12, P), J at the nominal θ."""
+        theta, columns = self.theta, self.base.columns
+        _, load = self._torques(theta, Y)
+        z, gain = self._gain(theta, load, qd)
+        of_torque = sensitivity[:, :6] / self.noise.torque[:, None]
+        of_current = sensitivity[:, 6:] / self.noise.current[:, None]
+        # J of currents = gain Y, with gain = a + l z sign T
+        of_Y = np.zeros_like(Y)
+        of_Y[..., columns] = of_torque[..., : self.count]
+        of_Y[..., columns] += of_current[..., : self.count] * gain[..., None]
+        of_gain = np.sum(of_current[..., : self.count] * Y[..., columns], axis=2)
+        if self.has_payload:
+            of_Y[..., LINK_6] += of_current[..., self.of_payload] * gain[..., None]
+            of_gain += np.sum(of_current[..., self.of_payload] * Y[..., LINK_6], axis=2)
+        # J of currents by the map of each joint = (T, 1, z, q̇, |T| z)
+        own = np.stack([of_current[:, j, c] for j, c in enumerate(self._joint_columns())], axis=1)
+        per_load, sign = theta[self.of_currents].reshape(6, 5)[:, 4], np.sign(load)
+        of_Y += self.pull_back_torque(own[..., 0] + own[..., 4] * z * sign)
+        of_z = own[..., 2] + own[..., 4] * np.abs(load) + of_gain * per_load * sign
+        return of_Y, own[..., 3] + of_z * (1 - z**2) / DIRECTION
+
+    def pull_back_torque(self, sensitivity: Array) -> Array:
+        """Return ∂f/∂Y (N, 6, 66) from ∂f/∂T (N, 6), T the torque of arm and nominal payload."""
+        of_Y = np.zeros((*sensitivity.shape, 66))
+        of_Y[..., self.base.columns] = sensitivity[..., None] * self.theta[: self.count]
+        if self.has_payload:
+            of_Y[..., LINK_6] += sensitivity[..., None] * self.theta[self.of_payload]
+        return of_Y
+
+    def information(self, Y: Array, qd: Array, step: float) -> Array:
+        """Return Fisher's information (P, P) of a recording with samples every `step` [s].
+
+        Jᵀ J step/INDEPENDENT, for normal errors that are independent every INDEPENDENT.
+        """
+        J = self.rows(self.theta, Y, qd).reshape(-1, len(self.theta))
+        return J.T @ J * (step / INDEPENDENT)
+
+    def torque(self, Y: Array) -> Array:
+        """Return T (N, 6) [Nm] of arm and nominal payload."""
+        return self._torques(self.theta, Y)[1]
+
+    def standard_errors(self, information: Array) -> Array:
+        """Return the standard errors (P,) of the parameters in physical units, see `UNITS`."""
+        rotated = self._to_physical()
+        return np.sqrt(np.diag(rotated @ np.linalg.inv(information) @ rotated.T))
+
+    def _to_physical(self) -> Array:
+        """Return ∂physical/∂θ (P, P): k = 1/a, and b, c, v, l times k."""
+        D = np.eye(len(self.theta))
+        for columns in self._joint_columns():
+            a, *others = self.theta[columns]
+            own = np.diag([-1 / a**2, *[1 / a] * 4])
+            own[1:, 0] = -np.array(others) / a**2
+            D[columns, columns] = own
+        return D
+
+    def _torques(self, theta: Array, Y: Array) -> tuple[Array, Array]:
+        """Return the link model's torque τ and the torque T with the payload, (N, 6) each [Nm]."""
+        torque = Y[..., self.base.columns] @ theta[: self.count]
+        if not self.has_payload:
+            return torque, torque
+        return torque, torque + Y[..., LINK_6] @ theta[self.of_payload]
+
+    def _gain(self, theta: Array, load: Array, qd: Array) -> tuple[Array, Array]:
+        """Return z and ∂i/∂T = a + l z sign T, (N, 6) each."""
+        a, _, _, _, per_load = theta[self.of_currents].reshape(6, 5).T
+        z = np.tanh(qd / DIRECTION)
+        return z, a + per_load * z * np.sign(load)
+
+    def _joint_columns(self) -> list[slice]:
+        """Return where each joint's map lies in θ."""
+        return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(6)]
+
+
+def nominal_maps(robot: Robot) -> Maps:
+    """Return the maps and the noise that are expected of an arm before any recording of it."""
+    constants = np.array(robot.maker_torque_constants())
+    constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
+    largest = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
+    coulomb, viscous, load = NOMINAL
+    torques = [np.ones(6), np.zeros(6), coulomb * largest, viscous * largest, np.full(6, load)]
+    noise = Noise(np.full(6, TORQUE_NOISE), CURRENT_NOISE * largest / constants)
+    return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
+
+
+def random_states(speed: float, acceleration: float) -> tuple[Array, Array, Array]:
+    """Return random q, q̇, q̈ of all joints, (300, 6) each, up to a speed and an acceleration."""
+    *_, states = candidate_motions(speed, acceleration, count=300).values()
+    return states
+
+
+def build_problem(robot: Robot, model: LinkModel, maps: Maps, has_payload: bool) -> Problem:
+    """Return the problem of an arm under a link model; has_payload: whether a load is sought."""
+    base = base_parameters(model.regressor(*random_states(SPEED, ACCELERATION)))
+    beta = base.groups @ model.parameters
+    theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
+    return Problem(base, theta, maps.noise, _prior(robot, base, maps, has_payload), has_payload)
+
+
+def _prior(robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool) -> Array:
+    """Return the information before any recording: that of the priors of the fits."""
+    spread = base.groups * prior_width()
+    blocks = [np.linalg.inv(spread @ spread.T)]
+    for joint, (inverse, *_) in enumerate(maps.coefficients, start=1):
+        known = JointPrior(inverse, CONSTANT_WIDTH * inverse, robot.motor(joint).torque_max)
+        blocks.append(known.over(BASE).precision)
+    width = prior_width()[_payload(has_payload)]
+    return np.asarray(block_diag(*blocks, np.diag(width**-2.0)))
+
+
+def _payload(has_payload: bool) -> range:
+    """Return the columns of Y of a payload, none where no load is sought."""
+    return range(LINK_6.start, LINK_6.stop) if has_payload else range(0)

@@ -1,0 +1,79 @@
+"""The figure of a designed trajectory: its path, margins, sweep, and what it would tell."""
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ur5lib.dynamics.flange import link_frames
+from ur5lib.excitation.limits import Margins
+from ur5lib.excitation.path import Path
+from ur5lib.excitation.problem import Problem
+from ur5lib.excitation.worth import Worth
+from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+
+RATE = 20.0  # Hz, of the states that are drawn
+POSTURES = 25  # of the arm in each view of its sweep
+VIEWS = {"from above": (0, 1), "from the side": (0, 2), "from the front": (1, 2)}  # axes of each
+LAYOUT: Any = [["path"] * 3, ["margins"] * 3, ["errors"] * 3, [*VIEWS]]
+HEIGHTS = (1.2, 0.8, 1.2, 1.6)
+
+
+def excitation_figure(
+    robot: Robot, path: Path, margins: Margins, problem: Problem, worth: Worth
+) -> Drawing:
+    """Return the figure; its data are the angles that are drawn."""
+    time, states = path.sampled(RATE)
+    with plt.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(WIDTH, 1.35 * WIDTH), layout="constrained")
+        panels = figure.subplot_mosaic(LAYOUT, height_ratios=HEIGHTS)
+        _draw_path(panels["path"], time, states.q)
+        _draw_margins(panels["margins"], margins)
+        _draw_errors(panels["errors"], problem, worth)
+        _, origins = link_frames(robot, states.q)
+        for view, axes in VIEWS.items():
+            _draw_sweep(panels[view], view, origins[..., list(axes)], ["xyz"[k] for k in axes])
+    columns = {f"q_{joint + 1}": states.q[:, joint] for joint in range(6)}
+    return Drawing(figure, pd.DataFrame({"time": time} | columns))
+
+
+def _draw_path(panel: Axes, time: Array, q: Array) -> None:
+    for joint, color in enumerate(JOINTS):
+        panel.plot(time, q[:, joint], color=color, label=f"joint {joint + 1}")
+    panel.set(xlabel="time [s]", ylabel="angle [rad]")
+    panel.legend(ncols=6, fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _draw_margins(panel: Axes, margins: Margins) -> None:
+    """Draw the largest share of each limit, a bar for each joint."""
+    for joint, color in enumerate(JOINTS):
+        shares = [100 * share[joint] for share in margins.used.values()]
+        panel.bar(np.arange(len(shares)) + (joint - 2.5) / 8, shares, 1 / 8, color=color)
+    panel.axhline(100, color="black", linewidth=0.8)
+    panel.set_xticks(range(len(margins.used)), list(margins.used))
+    panel.set_ylabel("share of the limit [%]")
+
+
+def _draw_errors(panel: Axes, problem: Problem, worth: Worth) -> None:
+    """Draw by how much each standard error falls, in the order of the parameters."""
+    place = np.arange(len(worth.before))
+    panel.semilogy(place, worth.after / worth.before, "o", color=JOINTS[0], markersize=2.5)
+    panel.axvspan(-0.5, problem.count - 0.5, color="black", alpha=0.06, linewidth=0)
+    panel.axhline(1, color="black", linewidth=0.8)
+    panel.set(
+        xlabel="parameter, as in excitation.json (shaded: base parameters)",
+        ylabel="std. error after / before",
+    )
+
+
+def _draw_sweep(panel: Axes, title: str, origins: Array, axes: list[str]) -> None:
+    """Draw the arm at some times, and the flange's path; origins: (N, 7, 2) [m]."""
+    for arm in origins[:: max(1, len(origins) // POSTURES)]:
+        panel.plot(*arm.T, color="black", linewidth=0.6, alpha=0.35)
+    panel.plot(*origins[:, 6].T, color=JOINTS[1], linewidth=0.8)
+    panel.set(title=title, xlabel=f"{axes[0]} [m]", ylabel=f"{axes[1]} [m]", aspect="equal")
