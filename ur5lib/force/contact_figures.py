@@ -77,24 +77,37 @@ def resampled_figures(estimate: Array, reference: Array, force: Array) -> dict[s
     """Bootstrap the 95 % interval (6,) of the error in contact, and the lower end of the skill.
 
     estimate, reference: wrenches (N, 6), NaN where unknown; force: (N,) [N], of the sensor.
-    Whole contacts are resampled, because errors of neighbouring samples are correlated. Empty with
-    fewer than three contacts.
+    Empty with fewer than three contacts.
     """
-    known = np.isfinite(estimate - reference).all(axis=1) & in_contact(force)
-    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
-    if len(spans) < FEWEST:
+    columns = estimate.shape[1]
+    # |reference - estimate| and |reference|, the error of zero
+    errors = np.abs(np.concatenate([reference - estimate, reference + 0 * estimate], axis=1))
+    means = resampled_means(errors, force)
+    if means is None:
         return {}
-    # sums over each contact of |reference - estimate| and of |reference|, the error of zero
-    pair = np.where(known[:, None], (reference - estimate, reference), 0.0)  # (2, N, 6)
-    sums = np.array([np.abs(pair[:, a:b]).sum(axis=1) for a, b in spans])  # (contacts, 2, 6)
-    counts = np.array([known[a:b].sum() for a, b in spans])
-    # MAE = Σ sums / Σ counts of the contacts drawn
-    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
-    means = sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None, None]  # (DRAWS, 2, 6)
-    error, zero = means[:, 0], means[:, 1]
+    error, zero = means[:, :columns], means[:, columns:]
     low, high = np.quantile(error, TAILS, axis=0)
     skill_low = np.quantile(1 - error / np.maximum(zero, TINY), TAILS[0], axis=0)
     return {"mae_low": low, "mae_high": high, "skill_low": skill_low}
+
+
+def resampled_means(values: Array, force: Array) -> Array | None:
+    """Return means (DRAWS, K) of values (N, K) in contact, over resamples of whole contacts.
+
+    Rows of NaN are unknown; force: (N,) [N], of the sensor. Neighbouring samples have similar
+    errors, which is why whole contacts are drawn, the same ones for all columns and in every call
+    with the same contacts. None with fewer than three of them.
+    """
+    known = np.isfinite(values).all(axis=1) & in_contact(force)
+    spans = [span for span in contacts(force, CONTACT) if known[slice(*span)].any()]
+    if len(spans) < FEWEST:
+        return None
+    filled = np.where(known[:, None], values, 0.0)
+    sums = np.array([filled[a:b].sum(axis=0) for a, b in spans])  # (contacts, K)
+    counts = np.array([known[a:b].sum() for a, b in spans])
+    # mean = Σ sums / Σ counts of the contacts drawn
+    drawn = np.random.default_rng(0).integers(len(spans), size=(DRAWS, len(spans)))
+    return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
 
 
 def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[dict[str, Any]]:

@@ -1,0 +1,91 @@
+"""The disturbance Kalman filter [Hu and Xiong 2018]: the external torque as a random walk.
+
+    z_k = z_k-1 + T (d_k-1 + w),   d_k = d_k-1 + v,   measured: z + n
+
+The stationary gains depend on the ratios of the noises alone; w has the unit 1. Causal, and offline
+through the smoother of Rauch, Tung and Striebel with the same noises. The paper's semiparametric
+model of the friction is left out: all estimators are given the same friction.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+from scipy.linalg import solve_discrete_are
+
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.momentum import Corrections, MomentumObserver, added_momentum
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import tuned, untuned
+from ur5lib.timeseries import kalman
+from ur5lib.timeseries.arrays import Array
+
+WANDERINGS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0)  # of d in a second, in units of w
+MEASURED = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
+
+
+@dataclass(frozen=True)
+class DisturbanceKalman(MomentumObserver):
+    """wandering: of d in a second; measured: noise of z."""
+
+    wandering: float
+    measured: float
+
+    def correct(self, innovation: Array, period: float) -> Corrections:
+        """Return the innovation times the stationary Kalman gain."""
+        of_momentum, of_torque = self.gain(period)
+        return of_momentum * innovation, of_torque * innovation
+
+    def system(self, period: float) -> tuple[Array, Array, float]:
+        """Return transition (2, 2), process noise (2, 2) and the variance of the measurement."""
+        process = np.diag([period**2, self.wandering**2 * period])
+        return np.array([[1.0, period], [0.0, 1.0]]), process, (self.measured * period) ** 2
+
+    @lru_cache(maxsize=64)  # noqa: B019 - frozen, and few
+    def gain(self, period: float) -> Array:
+        """Return the stationary gain (2,) [1, 1/s]: P Hᵀ (H P Hᵀ + R)⁻¹, by Riccati's equation."""
+        transition, process, variance = self.system(period)
+        predicted = solve_discrete_are(
+            transition.T, np.array([[1.0], [0.0]]), process, np.array([[variance]])
+        )
+        return np.asarray(predicted[:, 0] / (predicted[0, 0] + variance))
+
+    def smoothed(self, run: Run) -> Array:
+        """Return the external torque (N, 6) [Nm] given all samples."""
+        result = np.full_like(run.momentum, np.nan)
+        for rows in run.known():
+            added = added_momentum(run, rows)
+            transition, process, variance = self.system(run.period)
+
+            def system(part: slice, added: Array = added) -> kalman.LinearSystem:
+                measured = added[part, :, None]  # (n, 6, 1): each joint on its own
+                repeated = [
+                    np.broadcast_to(own, (len(measured), 6, *own.shape))
+                    for own in (transition, process, np.array([[1.0, 0.0]]))
+                ]
+                noise = np.full_like(measured, variance)
+                return kalman.LinearSystem(*repeated, measured, noise)
+
+            for own in kalman.smooth(system, len(added)):
+                result[rows][own.rows] = own.states.mean[..., 1]
+        return result
+
+
+def learn_causal(runs: Sequence[Run]) -> Learned:
+    """Tune the two ratios."""
+    return tuned([DisturbanceKalman(*own) for own in product(WANDERINGS, MEASURED)], runs)
+
+
+def learn_offline(runs: Sequence[Run]) -> Learned:
+    """Take the ratios of the causal filter."""
+    constants = learn_causal(runs).constants
+    return untuned(DisturbanceKalman(**constants).smoothed, runs)._replace(constants=constants)
+
+
+SOURCE = "Hu and Xiong 2018"
+ESTIMATORS = [
+    Estimator("disturbance Kalman filter", SOURCE, True, learn_causal),
+    Estimator("disturbance Kalman filter, smoothed", SOURCE, False, learn_offline),
+]

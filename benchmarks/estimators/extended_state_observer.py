@@ -1,0 +1,39 @@
+"""The extended state observer of the momentum, of second order [Ren et al. 2018; Gao 2003].
+
+    dẑ/dt = d + 2 ω (z - ẑ),   dd/dt = ω² (z - ẑ)
+
+Both poles lie at the bandwidth ω, in discrete time at exp(-ω T).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.momentum import Corrections, MomentumObserver
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import tuned
+from ur5lib.timeseries.arrays import Array
+
+BANDWIDTHS = (20.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0, 80.0, 120.0)  # rad/s
+
+
+@dataclass(frozen=True)
+class ExtendedState(MomentumObserver):
+    """bandwidth: ω [rad/s]."""
+
+    bandwidth: float
+
+    def correct(self, innovation: Array, period: float) -> Corrections:
+        """Place both poles at a = exp(-ω T): ẑ by 1 - a², d by (1 - a)² / T."""
+        pole = np.exp(-self.bandwidth * period)
+        return (1 - pole**2) * innovation, (1 - pole) ** 2 / period * innovation
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """Tune the bandwidth."""
+    return tuned([ExtendedState(own) for own in BANDWIDTHS], runs)
+
+
+ESTIMATORS = [Estimator("extended state observer", "Ren et al. 2018; Gao 2003", True, learn)]

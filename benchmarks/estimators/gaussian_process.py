@@ -1,0 +1,100 @@
+"""A Gaussian process for what friction and model leave [Rasmussen and Williams 2006].
+
+Exact, on samples 0.4 s apart. The kernel is a squared exponential with one length each for q, q̇ and
+the model's torque, common to all joints; lengths, amplitude and noise maximise the marginal
+likelihood of the contact-free torque (their Equation 5.8) times a lognormal prior, without which
+few paths let the lengths run away. On top of least squares (offline) and of the momentum observer
+(causal).
+"""
+
+from collections.abc import Sequence
+
+import torch
+
+from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import untuned
+from ur5lib.timeseries.arrays import Array
+
+STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
+ROUNDS = 60  # of L-BFGS
+GROUP = torch.tensor([0] * 6 + [1] * 6 + [2] * 6)  # which length an input has
+# Logarithms of the lengths, amplitude and noise, in units of the standard deviations: where the
+# search starts, and the prior's centre; its width is a factor of e.
+START = [1.5, 1.5, 1.5, 0.0, -0.5]
+
+
+def kernel(first: torch.Tensor, second: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
+    """Return the covariances (n, m) between inputs (n, 18) and (m, 18)."""
+    length = logs[:3].exp()[GROUP]
+    exact = "donot_use_mm_for_euclid_dist"
+    squares = torch.cdist(first / length, second / length, compute_mode=exact) ** 2
+    return (2 * logs[3]).exp() * torch.exp(-squares / 2)
+
+
+def factor(points: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
+    """Return the Cholesky factor (n, n) of K + σ² I."""
+    noise = (2 * logs[4]).exp() + 1e-6
+    return torch.linalg.cholesky(kernel(points, points, logs) + noise * torch.eye(len(points)))
+
+
+def negative_log_likelihood(
+    points: torch.Tensor, values: torch.Tensor, logs: torch.Tensor
+) -> torch.Tensor:
+    """Return Σ ½ yᵀ (K + σ² I)⁻¹ y + ½ log |K + σ² I| over the joints, up to a constant."""
+    root = factor(points, logs)
+    whitened = torch.linalg.solve_triangular(root, values, upper=False)
+    return (whitened**2).sum() / 2 + values.shape[1] * root.diagonal().log().sum()
+
+
+def train(learnt: Samples, _: Samples) -> Predict:
+    """Fit the process; the path that is left out is not needed."""
+    of_inputs, of_torque = Scale.of(learnt.inputs), Scale.of(learnt.torque)
+    points = torch.as_tensor(of_inputs.normalised(learnt.inputs), dtype=torch.float64)
+    values = torch.as_tensor(of_torque.normalised(learnt.torque), dtype=torch.float64)
+    logs = most_likely(points, values)
+    weights = torch.cholesky_solve(values, factor(points, logs))
+
+    def predict(new: Array) -> Array:
+        at = torch.as_tensor(of_inputs.normalised(new), dtype=torch.float64)
+        return of_torque.restored((kernel(at, points, logs) @ weights).numpy())
+
+    return predict
+
+
+def most_likely(points: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
+    """Return the logarithms (5,) of lengths, amplitude and noise."""
+    logs = torch.tensor(START, dtype=torch.float64, requires_grad=True)
+    optimiser = torch.optim.LBFGS([logs], max_iter=ROUNDS, line_search_fn="strong_wolfe")
+
+    def closure() -> torch.Tensor:
+        optimiser.zero_grad()
+        unlikely = ((logs - logs.new_tensor(START)) ** 2).sum() / 2
+        loss = negative_log_likelihood(points, values, logs) + unlikely
+        loss.backward()
+        return loss
+
+    optimiser.step(closure)
+    return logs.detach()
+
+
+def learn_offline(runs: Sequence[Run]) -> Learned:
+    """On top of least squares."""
+    left = cross_fitted(train, runs, STEP)
+    return untuned(lambda run: run.smoothed - left(run), runs)
+
+
+def learn_observed(runs: Sequence[Run]) -> Learned:
+    """On top of the momentum observer."""
+    left, observer = cross_fitted(train, runs, STEP), learn_causal(runs)
+    below = FirstOrder(**observer.constants)
+    return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
+
+
+SOURCE = "Rasmussen and Williams 2006"
+ESTIMATORS = [
+    Estimator("least squares + Gaussian process", SOURCE, False, learn_offline),
+    Estimator("momentum observer + Gaussian process", SOURCE, True, learn_observed),
+]

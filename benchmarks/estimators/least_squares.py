@@ -1,0 +1,51 @@
+"""Weighted least squares without a prior: F = (J_v S⁻¹ J_vᵀ)⁻¹ J_v S⁻¹ τ [Aitken 1936].
+
+Offline from the torque that passed the study's zero-phase low-pass, at all times or, as the study
+holds it, only in the contacts that F̂ᵐᵃᵖ finds; causal from the torque through a first-order low-pass.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import lfilter
+
+from benchmarks.harness.estimator import Estimator, Learned, ready
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import tuned, untuned
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import by_segment
+
+TIME_CONSTANTS = (0.015, 0.02, 0.03, 0.04, 0.045, 0.05, 0.06)  # s
+
+
+@dataclass(frozen=True)
+class LowPassed:
+    """The external torque through a first-order low-pass; time_constant: [s]."""
+
+    time_constant: float
+
+    def torque(self, run: Run) -> Array:
+        """Return the external torque (N, 6) [Nm]; it begins at zero in each stretch."""
+        kept = np.exp(-run.period / self.time_constant)
+        return by_segment(
+            lambda values: lfilter([1 - kept], [1, -kept], values, axis=0), run.torque, run.segment
+        )
+
+
+def learn_offline(runs: Sequence[Run]) -> Learned:
+    """The low-pass is the study's, so that only the noise is learnt."""
+    return untuned(lambda run: run.smoothed, runs)
+
+
+def learn_causal(runs: Sequence[Run]) -> Learned:
+    """Tune the time constant."""
+    return tuned([LowPassed(own) for own in TIME_CONSTANTS], runs)
+
+
+SOURCE = "Aitken 1936"
+ESTIMATORS = [
+    Estimator("least squares", SOURCE, False, learn_offline),
+    Estimator("least squares behind our gate", SOURCE, False, ready("least_squares")),
+    Estimator("least squares, causal", SOURCE, True, learn_causal),
+]

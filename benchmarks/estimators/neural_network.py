@@ -1,0 +1,96 @@
+"""A small neural network for what friction and model leave [Yilmaz et al. 2020].
+
+Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on, one
+network learns from the others and stops where its error on that path is least; the same seed gives
+the same network. On top of least squares (offline) and of the momentum observer (causal).
+"""
+
+from collections.abc import Sequence
+
+import torch
+from torch import nn
+
+from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import untuned
+from ur5lib.timeseries.arrays import Array
+
+STEP = 0.1  # s between samples
+HIDDEN, ROUNDS = 32, 400  # units of a layer; steps of Adam, each over all samples
+RATE, DECAY = 3e-3, 1e-2  # of Adam
+
+
+def network() -> nn.Sequential:
+    """Return a network from 18 inputs to 6 torques, with weights by a fixed seed.
+
+    Its output begins at zero, so that a network that learns nothing subtracts next to nothing.
+    """
+    torch.manual_seed(0)
+    layers = nn.Sequential(
+        nn.Linear(18, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, 6)
+    ).double()
+    nn.init.zeros_(layers[-1].weight)
+    nn.init.zeros_(layers[-1].bias)
+    return layers
+
+
+def train(learnt: Samples, left_out: Samples) -> Predict:
+    """Minimise the squared error; keep the weights that predict the path left out best."""
+    scales = Scale.of(learnt.inputs), Scale.of(learnt.torque)
+    learnt_pair, left_pair = (_normalised(own, *scales) for own in (learnt, left_out))
+    layers = network()
+    optimiser = torch.optim.AdamW(layers.parameters(), lr=RATE, weight_decay=DECAY)
+    best, kept = float("inf"), layers.state_dict()
+    for _ in range(ROUNDS):
+        with torch.no_grad():
+            error = _error(layers, left_pair).item()
+        if error < best:
+            best, kept = error, {name: own.clone() for name, own in layers.state_dict().items()}
+        optimiser.zero_grad()
+        _error(layers, learnt_pair).backward()
+        optimiser.step()
+    layers.load_state_dict(kept)
+    return _predictor(layers, *scales)
+
+
+def _predictor(layers: nn.Module, of_inputs: Scale, of_torque: Scale) -> Predict:
+    """Return the network between quantities in their own units."""
+
+    def predict(new: Array) -> Array:
+        with torch.no_grad():
+            return of_torque.restored(layers(torch.as_tensor(of_inputs.normalised(new))).numpy())
+
+    return predict
+
+
+def _normalised(own: Samples, of_inputs: Scale, of_torque: Scale) -> tuple[torch.Tensor, ...]:
+    """Return inputs and torques as the network uses them."""
+    pair = of_inputs.normalised(own.inputs), of_torque.normalised(own.torque)
+    return tuple(torch.as_tensor(values, dtype=torch.float64) for values in pair)
+
+
+def _error(layers: nn.Module, pair: tuple[torch.Tensor, ...]) -> torch.Tensor:
+    """Return the mean squared error, in units of the torques' variance."""
+    return ((layers(pair[0]) - pair[1]) ** 2).mean()
+
+
+def learn_offline(runs: Sequence[Run]) -> Learned:
+    """On top of least squares."""
+    left = cross_fitted(train, runs, STEP)
+    return untuned(lambda run: run.smoothed - left(run), runs)
+
+
+def learn_observed(runs: Sequence[Run]) -> Learned:
+    """On top of the momentum observer."""
+    left, observer = cross_fitted(train, runs, STEP), learn_causal(runs)
+    below = FirstOrder(**observer.constants)
+    return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
+
+
+SOURCE = "Yilmaz et al. 2020"
+ESTIMATORS = [
+    Estimator("least squares + neural network", SOURCE, False, learn_offline),
+    Estimator("momentum observer + neural network", SOURCE, True, learn_observed),
+]

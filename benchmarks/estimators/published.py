@@ -1,0 +1,13 @@
+"""The controller's own estimate, and the thesis's, as the study rebuilds them. Neither has a band.
+
+`actual_TCP_force` is what Universal Robots' controller streams; its method and its latency are not
+published. F̂* = J⁻ᵀ (k i + b - τ_C - τ_fr) is Equation 6.9 of the thesis, with its printed constants
+and its low-pass without delay.
+"""
+
+from benchmarks.harness.estimator import Estimator, ready
+
+ESTIMATORS = [
+    Estimator("controller, F̂ᵘ", "`actual_TCP_force`, Universal Robots", True, ready("Fu")),
+    Estimator("thesis, F̂*", "thesis 2014, Equation 6.9", False, ready("F*")),
+]

@@ -1,0 +1,55 @@
+"""The sliding-mode momentum observer with linear terms, SOSML [Garofalo et al. 2019].
+
+    dẑ/dt = d + T₁ |e|^½ sign(e) + T₂ e,   dd/dt = S₁ sign(e) + S₂ e,   e = z - ẑ
+    T₁ = 2 √S₁,   T₂ = 2 √S₂
+
+The steps are those of Euler. S₁ bounds how quickly the external torque may change; it is given in
+units of each joint's torque without contact, so that one number serves joints of all sizes.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.momentum import Corrections, MomentumObserver
+from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import tuned
+from ur5lib.timeseries.arrays import Array
+
+SWITCHING = (0.1, 0.3, 1.0, 3.0, 10.0)  # 1/s
+BANDWIDTHS = (10.0, 20.0, 30.0, 40.0, 50.0)  # rad/s, √S₂
+
+
+@dataclass(frozen=True)
+class SlidingMode(MomentumObserver):
+    """switching: S₁ [1/s] in units of `scale`; bandwidth: √S₂ [rad/s]; scale: (6,) [Nm]."""
+
+    switching: float
+    bandwidth: float
+    scale: Array = field(repr=False)
+
+    def correct(self, innovation: Array, period: float) -> Corrections:
+        """Return one step of Euler."""
+        switching, sign = self.switching * self.scale, np.sign(innovation)
+        of_momentum = 2 * np.sqrt(switching * np.abs(innovation)) * sign
+        of_momentum = of_momentum + 2 * self.bandwidth * innovation
+        of_torque = switching * sign + self.bandwidth**2 * innovation
+        return period * of_momentum, period * of_torque
+
+
+def usual_torque(runs: Sequence[Run]) -> Array:
+    """Return the root mean square (6,) [Nm] of the external torque on contact-free runs."""
+    torque = np.concatenate([run.smoothed for run in runs])
+    return np.sqrt(np.nanmean(torque**2, axis=0))
+
+
+def learn(runs: Sequence[Run]) -> Learned:
+    """Tune the switching gain and the bandwidth."""
+    scale = usual_torque(runs)
+    return tuned([SlidingMode(*own, scale) for own in product(SWITCHING, BANDWIDTHS)], runs)
+
+
+ESTIMATORS = [Estimator("sliding-mode observer, SOSML", "Garofalo et al. 2019", True, learn)]

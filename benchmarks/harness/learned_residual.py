@@ -1,0 +1,91 @@
+"""The external torque without contact, learnt as a function of the motion, and subtracted.
+
+The regression sees (q, q̇, torque of the rigid-body model) at one instant, so that it can take away
+what friction and model leave, and it can be part of a causal estimate.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.harness.force import TorqueEstimate
+from benchmarks.harness.run import Run
+from ur5lib.errors import InputError
+from ur5lib.timeseries.arrays import Array
+
+
+class Samples(NamedTuple):
+    """Inputs (n, 18) [rad, rad/s, Nm] and external torques (n, 6) [Nm]."""
+
+    inputs: Array
+    torque: Array
+
+
+Predict = Callable[[Array], Array]
+"""Returns the torque (N, 6) [Nm] at inputs (N, 18)."""
+Train = Callable[[Samples, Samples], Predict]
+"""Takes the samples to learn from, and those of a path that is left out, to stop or to choose by."""
+
+
+def inputs(run: Run) -> Array:
+    """Return (q, q̇, τ_model), (N, 18)."""
+    return np.concatenate([run.q, run.qd, run.model], axis=1)
+
+
+def samples(runs: Sequence[Run], step: float) -> Samples:
+    """Return the samples of runs every `step` seconds, where all is known."""
+    parts = []
+    for run in runs:
+        rows = slice(None, None, max(1, round(step / run.period)))
+        known = np.isfinite(inputs(run)[rows]).all(axis=1)
+        known &= np.isfinite(run.smoothed[rows]).all(axis=1)
+        parts.append((inputs(run)[rows][known], run.smoothed[rows][known]))
+    return Samples(*(np.concatenate(own) for own in zip(*parts, strict=True)))
+
+
+def cross_fitted(train: Train, runs: Sequence[Run], step: float) -> TorqueEstimate:
+    """Return the learnt torque of a run, for each path by the regression that has not seen it.
+
+    A path beyond those is predicted by the mean of the regressions. Raises InputError if all runs
+    follow one path.
+    """
+    paths = sorted({run.path for run in runs})
+    if len(paths) < 2:
+        raise InputError("a learnt residual needs two paths to fit on; record another")
+    without = {
+        path: train(
+            samples([run for run in runs if run.path != path], step),
+            samples([run for run in runs if run.path == path], step),
+        )
+        for path in paths
+    }
+
+    def predicted(run: Run) -> Array:
+        chosen = [without[run.path]] if run.path in without else [*without.values()]
+        values, known = np.full_like(run.q, np.nan), np.isfinite(inputs(run)).all(axis=1)
+        values[known] = np.mean([predict(inputs(run)[known]) for predict in chosen], axis=0)
+        return values
+
+    return predicted
+
+
+class Scale(NamedTuple):
+    """Mean and standard deviation of each column, (M,) each."""
+
+    mean: Array
+    std: Array
+
+    @classmethod
+    def of(cls, values: Array) -> "Scale":
+        """Return those of values (N, M); a column that does not vary keeps its unit."""
+        std = values.std(axis=0)
+        return cls(values.mean(axis=0), np.where(std > 1e-9, std, 1.0))
+
+    def normalised(self, values: Array) -> Array:
+        """Return the values in units of the deviations."""
+        return (values - self.mean) / self.std
+
+    def restored(self, values: Array) -> Array:
+        """Return normalised values in their own unit."""
+        return values * self.std + self.mean

@@ -1,0 +1,71 @@
+"""One recording as every estimator of the benchmark is given it."""
+
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from ur5lib.force.external_torque import States
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.segments import unbroken
+
+
+class Estimate(NamedTuple):
+    """Wrench (N, 6) [N, Nm], the environment acting on the arm, base axes, at frame 6's origin,
+    NaN where there is none, and its standard deviation (N, 6), None if none is stated.
+    """
+
+    wrench: Array
+    std: Array | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
+
+    path: label of the trajectory; period: [s]; segment: (N,) labels of unbroken stretches; states:
+    of motion, by joint; q, qd: [rad, rad/s]; model: torque of the rigid-body model [Nm]; jacobian:
+    J_g (N, 6, 6), base frame; torque: external, k (i_predicted - i), unfiltered [Nm]; smoothed: the
+    same through the study's zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm
+    without contact, tau_m - tau_f + Cᵀ q̇ - g [Nm]; ready: estimates that the study already holds;
+    sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
+    """
+
+    name: str
+    path: int
+    period: float
+    segment: Labels
+    states: States
+    q: Array
+    qd: Array
+    model: Array
+    jacobian: Array
+    torque: Array
+    smoothed: Array
+    momentum: Array
+    rate: Array
+    ready: dict[str, Estimate] = field(default_factory=dict)
+    sensor: Array | None = None
+
+    def part(self, rows: slice) -> Self:
+        """Return some samples, without sensor and ready estimates."""
+        sampled = ("segment", "states", "q", "qd", "model", "jacobian", "torque", "smoothed")
+        taken = {name: getattr(self, name)[rows] for name in (*sampled, "momentum", "rate")}
+        return replace(self, **taken, ready={}, sensor=None)
+
+    def pushed(self, torque: Array) -> Self:
+        """Return the same motion under an additional external torque (N, 6) [Nm].
+
+        The motors then carry that much less, and the motion stays as it is.
+        """
+        return replace(
+            self,
+            torque=self.torque + torque,
+            smoothed=self.smoothed + torque,
+            rate=self.rate - torque,
+        )
+
+    def known(self) -> list[slice]:
+        """Return the stretches without a gap in which momentum and its rate are known."""
+        finite = np.isfinite(self.momentum + self.rate).all(axis=1)
+        return [rows for rows in unbroken(self.segment, finite) if finite[rows.start]]

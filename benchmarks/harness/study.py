@@ -1,0 +1,119 @@
+"""The recordings of a built study as runs: to fit on, with a force sensor, and free of contact."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from benchmarks.harness.run import Estimate, Run
+from ur5lib.force.observer import momentum_rate
+from ur5lib.identification.currents import fit_for, torque_constants
+from ur5lib.pipeline.current_samples import current_record
+from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.tables import read_json
+from ur5lib.timeseries.trajectories import Passed, group_by_path
+
+EVERY = 0.1  # s between the samples by which paths are compared
+
+
+@dataclass(frozen=True)
+class Arm:
+    """The runs of one arm that carry no undeclared load.
+
+    fit: contact-free, of the role `fit`; sensed: of the role `contact`, with a force sensor; free:
+    contact-free, of the role `validate`, which no fit has seen.
+    """
+
+    study: str
+    robot: str
+    fit: list[Run]
+    sensed: list[Run]
+    free: list[Run]
+
+
+def read_arms(folder: Path) -> list[Arm]:
+    """Return the arms of a built study."""
+    plan = yaml.safe_load((folder / "configuration.yaml").read_text())
+    names = dict.fromkeys(entry["robot"] for entry in plan["recordings"])
+    return [read_arm(folder, plan, name) for name in names]
+
+
+def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
+    """Return the runs of an arm, the paths of all of them labelled together."""
+    parameters = folder / "parameters" / name
+    robot, friction = load_robot(parameters / "arm.yaml"), read_json(parameters / "friction.json")
+    found = [
+        (entry["role"], run)
+        for entry in plan["recordings"]
+        if entry["robot"] == name
+        and (run := read_run(folder / "recordings" / entry["name"], robot, friction)) is not None
+    ]
+    roles, runs = [role for role, _ in found], label_paths([run for _, run in found])
+    by_role = {
+        role: [run for own, run in zip(roles, runs, strict=True) if own == role]
+        for role in ("fit", "contact", "validate")
+    }
+    sensed = [run for run in by_role["contact"] if run.sensor is not None]
+    return Arm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
+
+
+def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | None:
+    """Return a recording, None where its external torque is unknown or it carries a load."""
+    signals, motion = (kind.read(folder / f"{kind.__name__.lower()}.parquet")
+                       for kind in (Signals, Motion))  # fmt: skip
+    currents, torques = (kind.read(folder / f"{kind.__name__.lower()}.parquet")
+                         for kind in (Currents, Torques))  # fmt: skip
+    load = read_json(folder / "currents.json").get("load")
+    record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
+    if record is None or currents.external_torque is None or (load and load["taken"]):
+        return None
+    constant = torque_constants(fit_for(folder.name, friction))
+    assert currents.predicted_current is not None
+    return Run(
+        name=folder.name,
+        path=0,
+        period=motion.period,
+        segment=motion.segment,
+        states=force_input(motion, currents.external_torque, currents).states,
+        q=motion.q,
+        qd=motion.qd,
+        model=record.torque,
+        jacobian=Kinematics.read(folder / "kinematics.parquet").jacobian,
+        torque=constant * (currents.predicted_current - record.current),
+        smoothed=currents.external_torque,
+        momentum=torques.momentum,
+        rate=momentum_rate(
+            motor=constant * record.current,
+            friction=constant * currents.predicted_current - record.torque,
+            coriolis=torques.coriolis_torque,
+            gravity=torques.gravity_torque,
+        ),
+        ready=ready_estimates(folder),
+        sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),
+    )
+
+
+def ready_estimates(folder: Path) -> dict[str, Estimate]:
+    """Return the estimates that the study holds, the published ones as corrected."""
+    forces = Forces.read(folder / "forces.parquet")
+    published = PublishedForces.read(folder / "published_forces.parquet").corrected
+    return {name: Estimate(wrench) for name, wrench in published.items()} | {
+        name: Estimate(wrench, forces.std[name]) for name, wrench in forces.wrench.items()
+    }
+
+
+def label_paths(runs: list[Run]) -> list[Run]:
+    """Return the runs with the labels of their trajectories."""
+    passed = [Passed.of(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs]
+    labels = group_by_path(passed) if runs else np.empty(0, int)
+    return [replace(run, path=int(label)) for run, label in zip(runs, labels, strict=True)]

@@ -1,0 +1,95 @@
+"""One rule for the constants of all rivals, by contact-free recordings to fit on alone.
+
+Of the candidates whose latency is at most 50 ms, the one with the least false force is taken: the
+mean of |F| where nothing touches the arm. An estimate that uses later samples has no latency.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from benchmarks.harness.estimator import Learned, Method
+from benchmarks.harness.force import TorqueEstimate, force, learned_noise
+from benchmarks.harness.run import Run
+from ur5lib.errors import InputError
+from ur5lib.timeseries.arrays import Array
+
+MOST = 0.05  # s, latency that a causal estimate may have
+REACHED = 1 - np.exp(-1)  # share of a step, after which its latency is counted
+PUSH = 15.0  # N, a usual push by hand
+BEFORE, AFTER = 3.0, 1.0  # s around the start of a trial push
+PLACES = (0.25, 0.5, 0.75)  # of the longest run, at which trial pushes start
+
+
+class Candidate(Protocol):
+    """An estimate of the external torque with its constants filled in: a dataclass of them."""
+
+    __dataclass_fields__: dict[str, Any]
+
+    def torque(self, run: Run) -> Array:
+        """Return the external torque (N, 6) [Nm] of a run, NaN where unknown."""
+
+
+class Fitted(NamedTuple):
+    """A method and its mean false force [N] on the runs that it was fitted to."""
+
+    method: Method
+    false_force: float
+
+
+def tuned(candidates: Iterable[Candidate], runs: Sequence[Run]) -> Learned:
+    """Return the candidate with the least false force among those with a latency of at most MOST.
+
+    Raises InputError if none is as quick.
+    """
+    delays = [(latency(own.torque, runs), own) for own in candidates]
+    prompt = [
+        (fitted(own.torque, runs), delay, own) for delay, own in delays if delay <= MOST + 1e-9
+    ]
+    if not prompt:
+        raise InputError(f"no candidate has a latency of at most {1000 * MOST:.0f} ms; add others")
+    best, delay, chosen = min(prompt, key=lambda one: one[0].false_force)
+    return Learned(best.method, asdict(chosen), delay)  # type: ignore[call-overload]
+
+
+def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None = None) -> Learned:
+    """Return a torque estimate without constants of its own, with its noise on the runs."""
+    return Learned(fitted(torque, runs).method, {}, latency)
+
+
+def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Fitted:
+    """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
+    noise = learned_noise(torque, runs)
+    falsely = [
+        np.linalg.norm(force(run, torque(run), noise).wrench[:, :3], axis=1) for run in runs
+    ]
+    method = lambda run: force(run, torque(run), noise)  # noqa: E731
+    return Fitted(method, float(np.nanmean(np.concatenate(falsely))))
+
+
+def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:
+    """Return after which time [s] the estimate shows 63 % of a push that starts within one sample.
+
+    Median over three places of the longest run and three directions; infinite where most pushes
+    never show.
+    """
+    run = max(runs, key=lambda own: len(own.q))
+    starts = [round(place * len(run.q)) for place in PLACES]
+    return float(np.median([_delay(torque, run, at, axis) for at in starts for axis in range(3)]))
+
+
+def _delay(torque: TorqueEstimate, run: Run, start: int, axis: int) -> float:
+    """Return the latency [s] at one push along an axis of the base."""
+    before, after = (round(seconds / run.period) for seconds in (BEFORE, AFTER))
+    first = max(0, start - before)
+    part = run.part(slice(first, start + after))
+    push = PUSH * part.jacobian[:, axis]  # Jᵀ F (n, 6)
+    push[: start - first] = 0.0
+    change = torque(part.pushed(push)) - torque(part)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = (change * push).sum(axis=1) / (push**2).sum(axis=1)
+    shown = np.flatnonzero(share[start - first :] >= REACHED)
+    # the sample at which the push starts already is one period of it
+    return (shown[0] + 1) * run.period if len(shown) else np.inf
