@@ -57,20 +57,23 @@ class DisturbanceKalman(MomentumObserver):
         result = np.full_like(run.momentum, np.nan)
         for rows in run.known():
             added = added_momentum(run, rows)
-            transition, process, variance = self.system(run.period)
-
-            def system(part: slice, added: Array = added) -> kalman.LinearSystem:
-                measured = added[part, :, None]  # (n, 6, 1): each joint on its own
-                repeated = [
-                    np.broadcast_to(own, (len(measured), 6, *own.shape))
-                    for own in (transition, process, np.array([[1.0, 0.0]]))
-                ]
-                noise = np.full_like(measured, variance)
-                return kalman.LinearSystem(*repeated, measured, noise)
-
-            for own in kalman.smooth(system, len(added)):
+            for own in kalman.smooth(self.on(added, run.period), len(added)):
                 result[rows][own.rows] = own.states.mean[..., 1]
         return result
+
+    def on(self, added: Array, period: float) -> kalman.System:
+        """Return the system that measures z (n, 6) [Nm s], each joint on its own."""
+        transition, process, variance = self.system(period)
+
+        def part(rows: slice) -> kalman.LinearSystem:
+            measured = added[rows, :, None]  # (n, 6, 1)
+            repeated = [
+                np.broadcast_to(own, (len(measured), 6, *own.shape))
+                for own in (transition, process, np.array([[1.0, 0.0]]))
+            ]
+            return kalman.LinearSystem(*repeated, measured, np.full_like(measured, variance))
+
+        return part
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:

@@ -1,8 +1,8 @@
 """A small neural network for what friction and model leave [Yilmaz et al. 2020].
 
-Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on, one
-network learns from the others and stops where its error on that path is least; the same seed gives
-the same network. On top of least squares (offline) and of the momentum observer (causal).
+Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on,
+one network learns from the others and stops where its error on that path is least; the same seed
+gives the same network. On top of least squares (offline) and of the momentum observer (causal).
 """
 
 from collections.abc import Sequence

@@ -25,7 +25,7 @@ class Samples(NamedTuple):
 Predict = Callable[[Array], Array]
 """Returns the torque (N, 6) [Nm] at inputs (N, 18)."""
 Train = Callable[[Samples, Samples], Predict]
-"""Takes the samples to learn from, and those of a path that is left out, to stop or to choose by."""
+"""Takes the samples to learn from, and those of a path that is left out, to stop by."""
 
 
 def inputs(run: Run) -> Array:

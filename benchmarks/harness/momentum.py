@@ -2,7 +2,8 @@
 
     z(t) = p(t) - ∫ (τ_m - τ_f + Cᵀ q̇ - g) dt,   dz/dt = τ_ext
 
-[De Luca and Mattone 2003]. An observer follows z by a state ẑ and its rate d, the estimate of τ_ext:
+[De Luca and Mattone 2003]. An observer follows z by a state ẑ and its rate d, the estimate of the
+external torque:
 
     ẑ⁻ = ẑ + T d,   e = z - ẑ⁻,   ẑ = ẑ⁻ + (momentum's correction),   d = d + (torque's correction)
 """

@@ -69,10 +69,10 @@ def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
 
 def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | None:
     """Return a recording, None where its external torque is unknown or it carries a load."""
-    signals, motion = (kind.read(folder / f"{kind.__name__.lower()}.parquet")
-                       for kind in (Signals, Motion))  # fmt: skip
-    currents, torques = (kind.read(folder / f"{kind.__name__.lower()}.parquet")
-                         for kind in (Currents, Torques))  # fmt: skip
+    signals = Signals.read(folder / "signals.parquet")
+    motion = Motion.read(folder / "motion.parquet")
+    currents = Currents.read(folder / "currents.parquet")
+    torques = Torques.read(folder / "torques.parquet")
     load = read_json(folder / "currents.json").get("load")
     record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
     if record is None or currents.external_torque is None or (load and load["taken"]):

@@ -1,7 +1,8 @@
 """One rule for the constants of all rivals, by contact-free recordings to fit on alone.
 
 Of the candidates whose latency is at most 50 ms, the one with the least false force is taken: the
-mean of |F| where nothing touches the arm. An estimate that uses later samples has no latency.
+median of |F| where nothing touches the arm. (Near a singularity, |F| without a prior has no bound,
+and a mean would judge those postures alone.) An estimate that uses later samples has no latency.
 """
 
 from collections.abc import Iterable, Sequence
@@ -33,7 +34,7 @@ class Candidate(Protocol):
 
 
 class Fitted(NamedTuple):
-    """A method and its mean false force [N] on the runs that it was fitted to."""
+    """A method and its median false force [N] on the runs that it was fitted to."""
 
     method: Method
     false_force: float
@@ -62,11 +63,9 @@ def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None =
 def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Fitted:
     """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
     noise = learned_noise(torque, runs)
-    falsely = [
-        np.linalg.norm(force(run, torque(run), noise).wrench[:, :3], axis=1) for run in runs
-    ]
+    falsely = [np.linalg.norm(force(run, torque(run), noise).wrench[:, :3], axis=1) for run in runs]
     method = lambda run: force(run, torque(run), noise)  # noqa: E731
-    return Fitted(method, float(np.nanmean(np.concatenate(falsely))))
+    return Fitted(method, float(np.nanmedian(np.concatenate(falsely))))
 
 
 def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:
