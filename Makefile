@@ -21,6 +21,9 @@ lint: .venv/ready ## check style and types
 bench: .venv/ready ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python benchmarks/$$name.py || exit 1; done
 
+leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md
+	python -m benchmarks.leaderboard --page
+
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
 	ur5 settings > docs/settings.md
@@ -47,4 +50,4 @@ help: ## list these commands
 	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: all thesis test lint bench schema lock clean help
+.PHONY: all thesis test lint bench leaderboard schema lock clean help

@@ -27,6 +27,7 @@ from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
 from benchmarks.harness.study import Arm, read_arms
 from ur5lib.errors import InputError
+from ur5lib.tables import write_csv, write_text
 
 STUDIES = ["thesis", "ur10e"]
 QUICK = (OURS, "zero", "least squares", "momentum observer")
@@ -56,10 +57,10 @@ def main() -> None:
     chosen = [own for own in all_estimators() if not given.quick or own.name in QUICK]
     arms = [arm for folder in folders for arm in read_arms(folder)]
     table = pd.DataFrame([row for arm in arms for row in arm_rows(arm, chosen)])
-    table.to_csv(RESULTS / "leaderboard.csv", index=False, float_format="%.6g")
+    write_csv(table, RESULTS / "leaderboard.csv")
     print(page.tables(table))
     if given.page:
-        PAGE.write_text(page.page(table, arms))
+        write_text(page.page(table, arms), PAGE)
 
 
 def arm_rows(arm: Arm, chosen: list[Estimator]) -> Iterator[dict[str, Any]]:

@@ -67,11 +67,11 @@ class DisturbanceKalman(MomentumObserver):
 
         def part(rows: slice) -> kalman.LinearSystem:
             measured = added[rows, :, None]  # (n, 6, 1)
-            repeated = [
+            F, Q, H = (
                 np.broadcast_to(own, (len(measured), 6, *own.shape))
                 for own in (transition, process, np.array([[1.0, 0.0]]))
-            ]
-            return kalman.LinearSystem(*repeated, measured, np.full_like(measured, variance))
+            )
+            return kalman.LinearSystem(F, Q, H, measured, R=np.full_like(measured, variance))
 
         return part
 

@@ -28,12 +28,11 @@ def network() -> nn.Sequential:
     Its output begins at zero, so that a network that learns nothing subtracts next to nothing.
     """
     torch.manual_seed(0)
-    layers = nn.Sequential(
-        nn.Linear(18, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, 6)
-    ).double()
-    nn.init.zeros_(layers[-1].weight)
-    nn.init.zeros_(layers[-1].bias)
-    return layers
+    hidden = [nn.Linear(18, HIDDEN), nn.Tanh(), nn.Linear(HIDDEN, HIDDEN), nn.Tanh()]
+    last = nn.Linear(HIDDEN, 6)
+    nn.init.zeros_(last.weight)
+    nn.init.zeros_(last.bias)
+    return nn.Sequential(*hidden, last).double()
 
 
 def train(learnt: Samples, left_out: Samples) -> Predict:

@@ -31,7 +31,7 @@ def sensed_rows(run: Run, found: Estimates, ours: str) -> Iterator[dict[str, Any
     beside = compared(run.sensor, size, same, ours)
     for name, own in same.items():
         figures = figures_by_contact(*own, run.sensor, size, run.period)
-        row = {"recording": run.name, "estimator": name}
+        row: dict[str, Any] = {"recording": run.name, "estimator": name}
         for during, axis in product(("contact", "free"), range(3)):
             known = axis_figures(figures.get(during, {}), axis)
             where = {"during": during, "component": AXES[axis]}
@@ -48,27 +48,34 @@ def axis_figures(figures: Mapping[str, Array], axis: int) -> dict[str, float]:
 
 def compared(
     sensor: Array, size: Array, found: Estimates, ours: str
-) -> dict[str, dict[str, float]]:
-    """Return rmse and interval score of each estimate, and how much more than ours they are."""
-    squares = {name: ((own.wrench - sensor)[:, :3] ** 2).sum(axis=1) for name, own in found.items()}
+) -> dict[str, dict[str, dict[str, float]]]:
+    """Return the errors of the estimates in contact, beside ours, by axis and of the vector.
+
+    sensor: (N, 6) [N, Nm]; size: of its force (N,) [N].
+    """
+    errors = {name: (own.wrench - sensor)[:, :3] for name, own in found.items()}
+    squares = {name: (own**2).sum(axis=1) for name, own in errors.items()}
     scores = {
-        name: interval_score(own.wrench[None], own.std[None], sensor[None])[:, :3].mean(axis=1)
+        name: score_by_sample(own.wrench, own.std, sensor)
         for name, own in found.items()
         if own.std is not None
     }
     rmse = _resampled(squares, size, np.sqrt, "rmse", ours)
     score = _resampled(scores, size, np.asarray, "score", ours)
-    by_axis = {
-        component: _resampled(
-            {name: np.abs(own[:, axis]) for name, own in errors.items()},
-            size,
-            np.asarray,
-            "mae",
-            ours,
-        )
-        for axis, component in enumerate(AXES)
-    }
+    by_axis = {}
+    for axis, component in enumerate(AXES):
+        absolute = {name: np.abs(own[:, axis]) for name, own in errors.items()}
+        by_axis[component] = _resampled(absolute, size, np.asarray, "mae", ours)
     return by_axis | {"norm": {name: rmse[name] | score.get(name, {}) for name in found}}
+
+
+def score_by_sample(wrench: Array, std: Array, sensor: Array) -> Array:
+    """Return the interval score (N,) [N] of each sample, mean of the axes, NaN where unknown."""
+    score = np.full(len(wrench), np.nan)
+    known = np.isfinite(wrench + std + sensor).all(axis=1)
+    rows = (values[None, known, :3] for values in (wrench, std, sensor))  # (1, n, 3) each
+    score[known] = interval_score(*rows).mean(axis=1)
+    return score
 
 
 def _resampled(
@@ -105,7 +112,8 @@ def free_rows(run: Run, found: Estimates) -> Iterator[dict[str, Any]]:
     for name, estimate in found.items():
         wrench, std = masked(estimate, common)
         size = np.linalg.norm(wrench[common, :3], axis=1)
-        row = {"recording": run.name, "estimator": name, "during": "free", "component": "norm"}
+        row: dict[str, Any] = {"recording": run.name, "estimator": name}
+        row |= {"during": "free", "component": "norm"}
         row |= {"median": float(np.median(size)), "largest95": float(np.quantile(size, 0.95))}
         if std is not None:
             inside = coverage(wrench[:, :3], std[:, :3], np.zeros_like(wrench[:, :3]))
@@ -121,6 +129,6 @@ def known_to_all(found: Estimates) -> Mask:
 
 def masked(estimate: Estimate, rows: Mask) -> Estimate:
     """Return an estimate in some samples, NaN in the others."""
-    return Estimate(
-        *(None if own is None else np.where(rows[:, None], own, np.nan) for own in estimate)
-    )
+    wrench, std = estimate
+    kept = None if std is None else np.where(rows[:, None], std, np.nan)
+    return Estimate(np.where(rows[:, None], wrench, np.nan), kept)

@@ -7,7 +7,7 @@ and a mean would judge those postures alone.) An estimate that uses later sample
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -27,7 +27,7 @@ PLACES = (0.25, 0.5, 0.75)  # of the longest run, at which trial pushes start
 class Candidate(Protocol):
     """An estimate of the external torque with its constants filled in: a dataclass of them."""
 
-    __dataclass_fields__: dict[str, Any]
+    __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def torque(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm] of a run, NaN where unknown."""
@@ -52,7 +52,7 @@ def tuned(candidates: Iterable[Candidate], runs: Sequence[Run]) -> Learned:
     if not prompt:
         raise InputError(f"no candidate has a latency of at most {1000 * MOST:.0f} ms; add others")
     best, delay, chosen = min(prompt, key=lambda one: one[0].false_force)
-    return Learned(best.method, asdict(chosen), delay)  # type: ignore[call-overload]
+    return Learned(best.method, asdict(chosen), delay)
 
 
 def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None = None) -> Learned:
@@ -64,8 +64,8 @@ def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Fitted:
     """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
     noise = learned_noise(torque, runs)
     falsely = [np.linalg.norm(force(run, torque(run), noise).wrench[:, :3], axis=1) for run in runs]
-    method = lambda run: force(run, torque(run), noise)  # noqa: E731
-    return Fitted(method, float(np.nanmedian(np.concatenate(falsely))))
+    false_force = float(np.nanmedian(np.concatenate(falsely)))
+    return Fitted(lambda run: force(run, torque(run), noise), false_force)
 
 
 def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:

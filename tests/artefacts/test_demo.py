@@ -47,6 +47,11 @@ def test_paths_are_left_out(demo: Workflow) -> None:
     assert "slope over the sizes: pooled" in printed
 
 
+def test_estimators_are_compared(demo: Workflow) -> None:
+    printed = run_benchmark("leaderboard", demo.folder, "demo")
+    assert "| momentum observer | yes |" in printed
+
+
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
     assert demo.plan() == {}
 

@@ -20,7 +20,7 @@ PRINTED = {  # what each prints at least
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
-OF_A_BUILT_STUDY = {"leave_out"}  # in tests/artefacts/test_demo.py
+OF_A_BUILT_STUDY = {"leave_out", "leaderboard"}  # in tests/artefacts/test_demo.py
 
 
 def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
@@ -58,8 +58,12 @@ def test_what_make_bench_runs_is_there() -> None:
     assert set(named.split()[2:]) == set(PRINTED) - slow
 
 
-def test_a_study_that_is_not_built_is_told(tmp_path: Path) -> None:
-    program = [sys.executable, str(PROJECT / "benchmarks" / "leave_out.py"), "other"]
-    done = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=False)
+@pytest.mark.parametrize("name", sorted(OF_A_BUILT_STUDY))
+def test_a_study_that_is_not_built_is_told(name: str, tmp_path: Path) -> None:
+    program = [sys.executable, str(PROJECT / "benchmarks" / f"{name}.py"), "other"]
+    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
+    done = subprocess.run(
+        program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 1
     assert done.stderr.startswith("results/other is not built; ")

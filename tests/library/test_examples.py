@@ -22,6 +22,7 @@ from tests.examples import (
     words_of,
     yaml_faults,
 )
+from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from ur5lib.cli import app
 from ur5lib.identification import friction
@@ -128,10 +129,20 @@ def add_a_term(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert column.tolist() == [-2.0, 0.0, 3.0]
 
 
+def add_an_estimator(code: str, _: pytest.MonkeyPatch) -> None:
+    """As a file of benchmarks/estimators: on a constant torque without noise."""
+    scope: dict[str, Any] = {"__name__": __name__}
+    exec(code, scope)
+    (estimator,) = scope["ESTIMATORS"]
+    learned = estimator.learn([synthetic_run(seed, noise=0.1) for seed in (1, 2)])
+    assert 0 < learned.latency <= 0.05
+
+
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     "def _root(": add_a_term,
+    "from dataclasses import dataclass": add_an_estimator,
 }
 
 
