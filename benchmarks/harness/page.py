@@ -1,18 +1,23 @@
 """docs/benchmark.md: its tables and its sentences, all from the table of scores."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import jinja2
 import pandas as pd
 
 from benchmarks.estimators.ours import OURS
+from benchmarks.harness import tuning
 from benchmarks.harness.study import Arm
+from ur5lib.force import contact_figures, sensed_contacts
 
 TEMPLATE = "page.md.jinja"
-SENSED = ["estimator", "causal", "latency", "RMSE [N]", "against ours [N]", "MAE x, y, z [N]",
+SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
           "slope x, y, z", "in band", "interval score [N]", "free MAE x, y, z [N]"]  # fmt: skip
 FREE = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
+COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
+            "worse beyond chance"]  # fmt: skip
 FIGURES = {  # what the sentences are about: component and figure, and how it is called
     ("norm", "rmse"): "error in contact (RMSE)",
     ("Fx", "mae"): "MAE along x",
@@ -20,6 +25,22 @@ FIGURES = {  # what the sentences are about: component and figure, and how it is
     ("Fz", "mae"): "MAE along z",
     ("norm", "score"): "interval score",
 }
+
+
+class Comparison(NamedTuple):
+    """The other estimators beside ours, in one figure on one recording.
+
+    better: lower beyond chance; lower: within chance; worse: how many of the `others` are higher
+    beyond chance.
+    """
+
+    recording: str
+    figure: str
+    ours: str
+    better: list[str]
+    lower: list[str]
+    worse: int
+    others: int
 
 
 def page(table: pd.DataFrame, arms: Sequence[Arm]) -> str:
@@ -33,8 +54,28 @@ def page(table: pd.DataFrame, arms: Sequence[Arm]) -> str:
         autoescape=False,  # Markdown
     )
     return environment.get_template(TEMPLATE).render(
-        tables=tables(table), findings=findings(table), arms=arms, methods=methods(table)
+        arms=arms,
+        rule=rule(),
+        findings=findings(table),
+        causal=causal_findings(table),
+        compared=compared_table(table),
+        tables=tables(table),
+        methods=methods(table),
     )
+
+
+def rule() -> dict[str, str]:
+    """Return the numbers of the rule and of the scores, as the page writes them."""
+    return {
+        "latency": f"{1000 * tuning.MOST:.0f} ms",
+        "reached": f"{tuning.REACHED:.0%}".replace("%", " %"),
+        "push": f"{tuning.PUSH:g} N",
+        "contact": f"{sensed_contacts.CONTACT:g} N",
+        "free": f"{sensed_contacts.FREE:g} N",
+        "clear": f"{sensed_contacts.CLEAR:g} s",
+        "touch": f"{sensed_contacts.TOUCH:g} N",
+        "draws": f"{contact_figures.DRAWS}",
+    }
 
 
 def tables(table: pd.DataFrame) -> str:
@@ -43,7 +84,10 @@ def tables(table: pd.DataFrame) -> str:
     for recording, own in table.groupby("recording", sort=False):
         sensed = "rmse" in own and own["rmse"].notna().any()
         shown = sensed_table(own) if sensed else free_table(own)
-        parts.append(f"### {recording}, {own['robot'].iloc[0]}\n\n{shown}\n")
+        title = f"{recording}, {own['robot'].iloc[0]}"
+        if sensed:
+            title += f", {own['contacts'].max():.0f} contacts"
+        parts.append(f"### {title}\n\n{shown}\n")
     return "\n".join(parts)
 
 
@@ -82,41 +126,72 @@ def methods(table: pd.DataFrame) -> str:
     return markdown(["estimator", "source", *(f"constants, {arm}" for arm in chosen)], rows)
 
 
-def findings(table: pd.DataFrame) -> list[str]:
-    """Return who beats ours and who does not, by recording with a sensor and by figure."""
-    if "rmse" not in table:
-        return []
+def comparisons(table: pd.DataFrame) -> Iterator[Comparison]:
+    """Yield how the others compare with ours, by recording with a sensor and by figure."""
     sensed = table[table["during"] == "contact"]
+    for recording, rows in sensed.groupby("recording", sort=False):
+        by_component = rows.set_index("component")
+        for (component, figure), title in FIGURES.items():
+            own = by_component.loc[component].set_index("estimator")
+            yield comparison(str(recording), title, own, figure)
+
+
+def comparison(recording: str, title: str, own: pd.DataFrame, figure: str) -> Comparison:
+    """Return who is lower than ours, beyond chance or within it, and who is higher beyond chance.
+
+    Beyond chance is a difference whose 95 % interval does not contain zero; too few contacts give
+    no interval.
+    """
+    others = own.drop(index=OURS).dropna(subset=figure)
+    ends = [f"{figure}_more", f"{figure}_more_low", f"{figure}_more_high"]
+    more, low, high = (others.reindex(columns=ends)[end] for end in ends)
+    more = more.fillna(others[figure] - own.loc[OURS, figure])
+    return Comparison(
+        recording=recording,
+        figure=title,
+        ours=interval(own.loc[OURS], figure),
+        better=named(others[high < 0], ends[0]),
+        lower=named(others[(more < 0) & ~(high < 0)], ends[0]),
+        worse=int((low > 0).sum()),
+        others=len(others),
+    )
+
+
+def named(rows: pd.DataFrame, figure: str) -> list[str]:
+    """Return estimators with a figure and its interval, the lowest first."""
+    ranked = rows.sort_values(figure).iterrows() if figure in rows else rows.iterrows()
+    return [f"{name} by {interval(row, figure)} N" for name, row in ranked]
+
+
+def findings(table: pd.DataFrame) -> list[str]:
+    """Return a sentence for each figure in which another estimator is better beyond chance."""
     return [
-        finding(f"`{recording}`, {title}", own.loc[component].set_index("estimator"), figure)
-        for recording, rows in sensed.groupby("recording", sort=False)
-        for own in [rows.set_index("component")]
-        for (component, figure), title in FIGURES.items()
+        f"On `{own.recording}`, {own.figure}: {', '.join(own.better)}."
+        for own in comparisons(table)
+        if own.better
     ]
 
 
-def finding(title: str, own: pd.DataFrame, figure: str) -> str:
-    """Return who is better than ours on a recording, beyond chance or within it, with numbers."""
-    place = f"- {title}: {OURS} has {interval(own.loc[OURS], figure)} N. "
-    rivals = own.drop(index=OURS)
-    rivals = rivals[rivals[figure].notna()]
-    if f"{figure}_more" not in own or rivals[f"{figure}_more"].isna().all():
-        lower = rivals[rivals[figure] < own.loc[OURS, figure]]
-        return place + listed("Lower, on too few contacts for an interval", lower, figure)
-    better = rivals[rivals[f"{figure}_more_high"] < 0]
-    worse = rivals[rivals[f"{figure}_more_low"] > 0]
-    lower = rivals[(rivals[f"{figure}_more"] < 0)].drop(index=better.index)
-    clear = listed("Better beyond chance", better, f"{figure}_more")
-    within = listed("Lower, but within chance", lower, f"{figure}_more")
-    return f"{place}{clear} {within} Worse beyond chance: {len(worse)} of {len(rivals)}."
-
-
-def listed(title: str, rows: pd.DataFrame, figure: str) -> str:
-    """Return a sentence that lists estimators with a figure."""
-    named = [
-        f"{name} ({interval(row, figure)} N)" for name, row in rows.sort_values(figure).iterrows()
+def causal_findings(table: pd.DataFrame) -> list[str]:
+    """Return a sentence for each recording with a sensor: the best of the causal estimators."""
+    vector = table[(table["component"] == "norm") & (table["during"] == "contact")]
+    known = vector[(vector["causal"] == "yes") & (vector["latency_s"] > 0)]
+    best = known.sort_values("rmse").groupby("recording", sort=False).head(1)
+    return [
+        f"On `{row['recording']}`: {row['estimator']}, {interval(row, 'rmse')} N at a latency of "
+        f"{1000 * row['latency_s']:.0f} ms; {interval(row, 'rmse_more', sign='+')} N against F̂ᵐᵃᵖ."
+        for _, row in best.sort_index().iterrows()
     ]
-    return f"{title}: {', '.join(named) or 'none'}."
+
+
+def compared_table(table: pd.DataFrame) -> str:
+    """Return all comparisons with ours; of those lower within chance, the lowest is named."""
+    rows = []
+    for own in comparisons(table):
+        lower = f"{len(own.lower)}: {own.lower[0]}" if own.lower else "none"
+        better, worse = ", ".join(own.better) or "none", f"{own.worse} of {own.others}"
+        rows.append([own.recording, own.figure, own.ours, better, lower, worse])
+    return markdown(COMPARED, rows)
 
 
 def common(row: pd.Series) -> list[str]:

@@ -3,9 +3,7 @@
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
-import numpy as np
-
-from ur5lib.force.external_torque import States
+from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
@@ -67,5 +65,5 @@ class Run:
 
     def known(self) -> list[slice]:
         """Return the stretches without a gap in which momentum and its rate are known."""
-        finite = np.isfinite(self.momentum + self.rate).all(axis=1)
+        finite = finite_rows(self.momentum + self.rate)
         return [rows for rows in unbroken(self.segment, finite) if finite[rows.start]]

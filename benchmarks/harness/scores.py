@@ -8,7 +8,7 @@ import numpy as np
 
 from benchmarks.harness.run import Estimate, Run
 from ur5lib.force.contact_figures import TAILS, figures_by_contact, resampled_means
-from ur5lib.force.sensed_contacts import in_contact
+from ur5lib.force.sensed_contacts import CONTACT, contacts, in_contact
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import coverage, interval_score
 
@@ -27,11 +27,12 @@ def sensed_rows(run: Run, found: Estimates, ours: str) -> Iterator[dict[str, Any
     assert run.sensor is not None
     size = np.linalg.norm(run.sensor[:, :3], axis=1)
     common = known_to_all(found)
+    count = len(contacts(size, CONTACT))
     same = {name: masked(own, common) for name, own in found.items()}
     beside = compared(run.sensor, size, same, ours)
     for name, own in same.items():
         figures = figures_by_contact(*own, run.sensor, size, run.period)
-        row: dict[str, Any] = {"recording": run.name, "estimator": name}
+        row: dict[str, Any] = {"recording": run.name, "estimator": name, "contacts": count}
         for during, axis in product(("contact", "free"), range(3)):
             known = axis_figures(figures.get(during, {}), axis)
             where = {"during": during, "component": AXES[axis]}
@@ -73,8 +74,8 @@ def score_by_sample(wrench: Array, std: Array, sensor: Array) -> Array:
     """Return the interval score (N,) [N] of each sample, mean of the axes, NaN where unknown."""
     score = np.full(len(wrench), np.nan)
     known = np.isfinite(wrench + std + sensor).all(axis=1)
-    rows = (values[None, known, :3] for values in (wrench, std, sensor))  # (1, n, 3) each
-    score[known] = interval_score(*rows).mean(axis=1)
+    own, band, truth = (values[None, known, :3] for values in (wrench, std, sensor))  # (1, n, 3)
+    score[known] = interval_score(own, band, truth).mean(axis=1)
     return score
 
 

@@ -160,9 +160,15 @@ def test_differences_from_ours_have_their_interval() -> None:
 
 
 def test_the_page_says_who_is_better() -> None:
-    sentence = page.findings(scored())[0]
-    assert "Better beyond chance: better (−1.7 (−1.7 to −1.7) N)." in sentence
-    assert "Worse beyond chance: 1 of 2." in sentence
+    table = scored()
+    sentence = page.findings(table)[0]
+    assert sentence.endswith("(RMSE): better by −1.7 (−1.7 to −1.7) N.")
+    assert "| none | 1 of 2 |" in page.compared_table(table)
+
+
+def test_without_a_better_one_the_page_says_nothing() -> None:
+    table = scored()
+    assert page.findings(table[table["estimator"] != "better"]) == []
 
 
 def test_a_free_arm_shows_false_force() -> None:
