@@ -5,6 +5,10 @@ window grows while the torque stays within its noise, and is short again as soon
 As the paper's abstract has it; the rule of switching below, by the mean of a short window, is this
 benchmark's own, and the average is taken of the torque, not of the current alone, so that the
 momentum's change is not late against the motors'.
+
+F. Cao, P. D. Docherty, S. Ni, X. Chen: Contact force and torque sensing for serial manipulator
+based on an adaptive Kalman filter with variable time period. Robotics and Computer-Integrated
+Manufacturing 72, 102210 (2021).
 """
 
 from collections.abc import Sequence

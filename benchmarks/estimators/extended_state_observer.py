@@ -3,6 +3,10 @@
     dẑ/dt = d + 2 ω (z - ẑ),   dd/dt = ω² (z - ẑ)
 
 Both poles lie at the bandwidth ω, in discrete time at exp(-ω T).
+
+T. Ren, Y. Dong, D. Wu, K. Chen: Collision detection and identification for robot manipulators based
+on extended state observer. Control Engineering Practice 79 (2018). Z. Gao: Scaling and
+bandwidth-parameterization based controller tuning. American Control Conference (2003).
 """
 
 from collections.abc import Sequence

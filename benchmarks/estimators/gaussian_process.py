@@ -5,6 +5,8 @@ the model's torque, common to all joints; lengths, amplitude and noise maximise 
 likelihood of the contact-free torque (their Equation 5.8) times a lognormal prior, without which
 few paths let the lengths run away. On top of least squares (offline) and of the momentum observer
 (causal).
+
+C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """
 
 from collections.abc import Sequence

@@ -3,6 +3,9 @@
 Offline from the torque that passed the study's zero-phase low-pass, at all times or, as the study
 holds it, only in the contacts that F̂ᵐᵃᵖ finds, less the background; causal from the torque through
 a first-order low-pass.
+
+A. C. Aitken: On least squares and linear combination of observations. Proceedings of the Royal
+Society of Edinburgh 55 (1936).
 """
 
 from collections.abc import Sequence

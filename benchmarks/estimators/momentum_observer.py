@@ -3,6 +3,10 @@
     r = K (p - ∫ (τ_m - τ_f + Cᵀ q̇ - g + r) dt),   dr/dt = K (τ_ext - r)
 
 Causal, and offline as `ur5lib.force.observer` runs it forwards and backwards with the same K.
+
+A. De Luca, R. Mattone: Actuator failure detection and isolation using generalized momenta. ICRA
+(2003). A. De Luca, A. Albu-Schäffer, S. Haddadin, G. Hirzinger: Collision detection and safe
+reaction with the DLR-III lightweight manipulator arm. IROS (2006).
 """
 
 from collections.abc import Sequence

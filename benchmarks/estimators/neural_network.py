@@ -3,6 +3,10 @@
 Two hidden layers of 32 units, Adam with weight decay. For each path of the recordings to fit on,
 one network learns from the others and stops where its error on that path is least; the same seed
 gives the same network. On top of least squares (offline) and of the momentum observer (causal).
+
+N. Yilmaz, J. Y. Wu, P. Kazanzides, U. Tumerdem: Neural network based inverse dynamics
+identification and external force estimation on the da Vinci Research Kit. ICRA (2020). There, a
+network learns the whole torque; here, what friction and model leave of it.
 """
 
 from collections.abc import Sequence

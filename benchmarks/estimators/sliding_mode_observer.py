@@ -3,8 +3,12 @@
     dẑ/dt = d + T₁ |e|^½ sign(e) + T₂ e,   dd/dt = S₁ sign(e) + S₂ e,   e = z - ẑ
     T₁ = 2 √S₁,   T₂ = 2 √S₂
 
-The steps are those of Euler. S₁ bounds how quickly the external torque may change; it is given in
-units of each joint's torque without contact, so that one number serves joints of all sizes.
+The ratios of T to S are this benchmark's: two constants remain, and the linear part is critically
+damped. The steps are those of Euler. S₁ bounds how quickly the external torque may change; its
+unit is each joint's torque without contact, so that one number serves joints of all sizes.
+
+G. Garofalo, N. Mansfeld, J. Jankowski, C. Ott: Sliding mode momentum observers for estimation of
+external torques and joint acceleration. ICRA (2019).
 """
 
 from collections.abc import Sequence
