@@ -150,10 +150,10 @@ FOURIER = {"kind": "fourier"}
     [
         ({"trajectory": {"kind": "fourie"}},
          "`recordings[0].simulate.trajectory.kind` is 'fourie' (did you mean `fourier`?); "
-         "give one of movej, fourier, standstill"),
+         "give one of movej, fourier, series, standstill"),
         ({"trajectory": {}},
          "`recordings[0].simulate.trajectory.kind` is missing; "
-         "give one of movej, fourier, standstill"),
+         "give one of movej, fourier, series, standstill"),
         ({"trajectory": {"kind": "fourier", "drw": 3}},
          "unknown key `recordings[0].simulate.trajectory.drw` (did you mean `draw`?); known keys: "
          "kind, draw, posture, amplitude_rad, period_s, harmonics, limit_share"),

@@ -17,7 +17,8 @@ from ur5lib.robots.mjcf import add_arm
 from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array
 
-THICKNESS = 0.09  # radius of a capsule as a share of the longest link's length, at joint 1
+THICKNESS = 0.09  # radius of a capsule as a share of the longest link, at joint 1
+HOUSING = 0.02  # m, by which the housings of joints stand out of the capsules
 THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # of the further links
 TABLE = "table"
 
@@ -60,11 +61,13 @@ class Clearances:
 def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, str, str]]:
     """Return the collisions along a path: sample, and the two parts, each pair of these once.
 
+    Parts collide that come nearer to each other than HOUSING.
+
     q: (N, 6) [rad], so dense that nothing is skipped; table: height of a horizontal plane in the
     base frame [m], None for none. Links are `link_1` to `link_6`; `table` is the plane.
     """
     found = dict[tuple[str, str], int]()
-    near = Capsules(robot, Surroundings(table=table), reach=0.0).near(q)
+    near = Capsules(robot, Surroundings(table=table), reach=HOUSING).near(q)
     for sample, pair in zip(near.sample, near.pairs, strict=True):
         found.setdefault(pair, int(sample))
     return [(sample, *pair) for pair, sample in found.items()]
