@@ -72,7 +72,7 @@ def rule() -> dict[str, str]:
         "push": f"{tuning.PUSH:g} N",
         "contact": f"{sensed_contacts.CONTACT:g} N",
         "free": f"{sensed_contacts.FREE:g} N",
-        "clear": f"{sensed_contacts.CLEAR:g} s",
+        "apart": f"{sensed_contacts.CLEAR:g} s",
         "touch": f"{sensed_contacts.TOUCH:g} N",
         "draws": f"{contact_figures.DRAWS}",
     }

@@ -20,6 +20,7 @@ from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import free_rows, sensed_rows
+from tests.conftest import PROJECT
 from tests.library.synthetic_run import COUNT, PERIOD, synthetic_run
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
@@ -164,6 +165,12 @@ def test_the_page_says_who_is_better() -> None:
     sentence = page.findings(table)[0]
     assert sentence.endswith("(RMSE): better by −1.7 (−1.7 to −1.7) N.")
     assert "| none | 1 of 2 |" in page.compared_table(table)
+
+
+def test_the_committed_page_states_the_rule_of_the_code() -> None:
+    text = (PROJECT / "docs" / "benchmark.md").read_text()
+    assert [number for number in page.rule().values() if number not in text] == []
+    assert "built-in" not in text
 
 
 def test_without_a_better_one_the_page_says_nothing() -> None:
