@@ -111,6 +111,13 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
         compare(results(tmp_path / "a"), tmp_path / "b")
 
 
+def test_results_that_are_not_whole_are_refused(tmp_path: Path) -> None:
+    whole, other = results(tmp_path / "a"), results(tmp_path / "b")
+    (other / "tables" / "payload.csv").unlink()
+    with pytest.raises(InputError, match=r"payload\.csv does not exist; run snakemake"):
+        compare(whole, other)
+
+
 def test_junit_counts_what_changed(tmp_path: Path) -> None:
     found = compare(results(tmp_path / "a"), results(tmp_path / "b", error=2.0))
     write_junit(found, tmp_path / "junit.xml")

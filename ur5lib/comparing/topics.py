@@ -105,8 +105,15 @@ TOPICS: dict[str, Compare] = {
 
 def _both(before: Path, after: Path, table: str, keys: Sequence[str]) -> pd.DataFrame:
     """Return the rows that a table has in both results, its columns with suffixes _a and _b."""
-    one, other = (read_csv(folder / "tables" / f"{table}.csv") for folder in (before, after))
+    one, other = (_table(folder, table) for folder in (before, after))
     return one.merge(other, on=list(keys), suffixes=("_a", "_b"))
+
+
+def _table(folder: Path, name: str) -> pd.DataFrame:
+    path = folder / "tables" / f"{name}.csv"
+    if not path.is_file():
+        raise InputError(f"{path} does not exist; run snakemake on this study again")
+    return read_csv(path)
 
 
 def _halves(rows: pd.DataFrame) -> pd.DataFrame:
@@ -115,7 +122,7 @@ def _halves(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def _findings(folder: Path) -> dict[str, int]:
-    rows = read_csv(folder / "tables" / "quality.csv")
+    rows = _table(folder, "quality")
     rows = rows[np.isin(rows["severity"], SEVERE)]
     return {f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in rows.itertuples()}
 
