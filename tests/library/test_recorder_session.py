@@ -22,6 +22,7 @@ from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.manifest import read_manifest, write_manifest
 from ur5lib.recorder.session import Session
 from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
@@ -33,7 +34,7 @@ from ur5lib.study.model import RtdeRecording
 
 BORN = time.monotonic()  # sensors read the time since, by the host's clock
 SECONDS = 6.0
-PROMPT = 20.0  # s, more than anything takes even on a busy computer
+PROMPT = 60.0  # s, more than anything takes even on a busy computer
 
 
 def age(now: float) -> np.ndarray:
@@ -133,8 +134,9 @@ def test_every_number_is_kept_to_the_last_bit(
 
 
 def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
-    with lab(faults=Faults(dies_at=2.0)) as (devices, _):
+    with lab(faults=Faults(dies_at=8.0)) as (devices, _):
         with Session(devices.devices(), tmp_path / "run") as session:
+            until(lambda: all(status.samples > 100 for status in session.statuses().values()))
             until(lambda: session.statuses()["force_sensor"].ended)
             before = session.statuses()["robot"].samples
             until(lambda: session.statuses()["robot"].samples > before + 20)
@@ -142,7 +144,8 @@ def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
     assert "Net F/T" in (statuses["force_sensor"].ended or "")
     assert statuses["robot"].ended is None
     assert statuses["imu"].ended is None
-    assert set(place_sensors(read_back(devices, tmp_path / "run"), [])) == {"force", "imu"}
+    raw, findings = read_back(devices, tmp_path / "run"), list[Finding]()
+    assert set(place_sensors(raw, findings)) == {"force", "imu"}, (raw.findings, findings)
 
 
 def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path: Path) -> None:

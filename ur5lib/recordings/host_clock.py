@@ -13,9 +13,10 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.timeseries.arrays import Array
 
 COUNTER = "counter"  # column of a sensor's own count of its samples
-BLOCK = 1.0  # s; in each, the least delayed sample counts
+BLOCK, BLOCKS = 1.0, 8  # s; in each, the least delayed sample counts; so many at least
+SHORT, TINY = 4.0, 1e-3  # s; what is shorter determines no drift; what is tiny came at once
 DELAY = 0.0005  # s, standard uncertainty of the least delay of a device
-FEWEST, SHORT_STD = 4, 1e-3  # blocks that determine a drift; its standard error with fewer
+FEWEST, SHORT_STD = 4, 1e-3  # blocks that determine a line; error of a rate that nothing tells
 
 
 @dataclass(frozen=True)
@@ -44,14 +45,14 @@ def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line
     the least of each block are fitted by least squares.
     """
     elapsed, since = own - own[0], host - host[0]
-    slope = float(np.polyfit(elapsed, since, 1)[0])
+    slope = nominal
+    if slope is None or since[-1] > SHORT:
+        slope = float(np.polyfit(elapsed, since, 1)[0])
     delay = since - slope * elapsed
-    block = (since / BLOCK).astype(int)
+    block = np.floor(since / max(min(BLOCK, since[-1] / BLOCKS), TINY))
     best = pd.Series(delay).groupby(block).idxmin().to_numpy()
-    if len(best) < FEWEST:
-        slope = slope if nominal is None else nominal
-        offset = (since - slope * elapsed).min()
-        return Line(float(host[0] + offset - slope * own[0]), slope, SHORT_STD)
+    if len(best) < FEWEST or slope == nominal:
+        return Line(float(host[0] + delay.min() - slope * own[0]), slope, SHORT_STD)
     (slope, offset), covariance = np.polyfit(elapsed[best], since[best], 1, cov="unscaled")
     spread = np.std(since[best] - offset - slope * elapsed[best], ddof=2)
     std = float(spread * np.sqrt(covariance[0, 0]))

@@ -1,7 +1,6 @@
 """Finite Fourier series, and those among them that begin and end at rest (Swevers 1997)."""
 
 import numpy as np
-from scipy.linalg import null_space
 
 from ur5lib.timeseries.arrays import Array
 
@@ -35,6 +34,8 @@ def resting_series(period: float, harmonics: int) -> Array:
 
     Higher harmonics are smaller, in proportion to 1/k, so that all columns have similar velocities.
     """
+    from scipy.linalg import null_space  # not needed where a plan is only checked
+
     falling = 1 / np.tile(np.arange(1, harmonics + 1), 2)
     basis: Array = null_space(rest_conditions(period, harmonics) * falling)
     return falling[:, None] * basis
