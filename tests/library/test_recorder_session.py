@@ -34,7 +34,7 @@ from ur5lib.study.model import RtdeRecording
 
 BORN = time.monotonic()  # sensors read the time since, by the host's clock,
 SCALE = 0.01  # per s, so that no reading is beyond what a sensor can read
-SECONDS = 6.0
+SECONDS = 15.0  # shorter than the 60 s that are promised, so that clocks are harder to tell
 PROMPT = 60.0  # s, more than anything takes even on a busy computer
 
 
