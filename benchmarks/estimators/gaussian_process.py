@@ -9,15 +9,9 @@ few paths let the lengths run away. On top of least squares (offline) and of the
 C. E. Rasmussen, C. K. I. Williams: Gaussian Processes for Machine Learning. MIT Press (2006).
 """
 
-from collections.abc import Sequence
-
 import torch
 
-from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import untuned
+from benchmarks.harness.learned_residual import Predict, Samples, Scale, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.4  # s between samples, beyond which the torque's errors are nearly independent
@@ -82,21 +76,4 @@ def most_likely(points: torch.Tensor, values: torch.Tensor) -> torch.Tensor:
     return logs.detach()
 
 
-def learn_offline(runs: Sequence[Run]) -> Learned:
-    """On top of least squares."""
-    left = cross_fitted(train, runs, STEP)
-    return untuned(lambda run: run.smoothed - left(run), runs)
-
-
-def learn_observed(runs: Sequence[Run]) -> Learned:
-    """On top of the momentum observer."""
-    left, observer = cross_fitted(train, runs, STEP), learn_causal(runs)
-    below = FirstOrder(**observer.constants)
-    return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
-
-
-SOURCE = "Rasmussen and Williams 2006"
-ESTIMATORS = [
-    Estimator("least squares + Gaussian process", SOURCE, False, learn_offline),
-    Estimator("momentum observer + Gaussian process", SOURCE, True, learn_observed),
-]
+ESTIMATORS = on_top("Gaussian process", "Rasmussen and Williams 2006", train, STEP)

@@ -9,16 +9,10 @@ identification and external force estimation on the da Vinci Research Kit. ICRA 
 network learns the whole torque; here, what friction and model leave of it.
 """
 
-from collections.abc import Sequence
-
 import torch
 from torch import nn
 
-from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
-from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
-from benchmarks.harness.run import Run
-from benchmarks.harness.tuning import untuned
+from benchmarks.harness.learned_residual import Predict, Samples, Scale, on_top
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between samples
@@ -79,21 +73,4 @@ def _error(layers: nn.Module, pair: tuple[torch.Tensor, ...]) -> torch.Tensor:
     return ((layers(pair[0]) - pair[1]) ** 2).mean()
 
 
-def learn_offline(runs: Sequence[Run]) -> Learned:
-    """On top of least squares."""
-    left = cross_fitted(train, runs, STEP)
-    return untuned(lambda run: run.smoothed - left(run), runs)
-
-
-def learn_observed(runs: Sequence[Run]) -> Learned:
-    """On top of the momentum observer."""
-    left, observer = cross_fitted(train, runs, STEP), learn_causal(runs)
-    below = FirstOrder(**observer.constants)
-    return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
-
-
-SOURCE = "Yilmaz et al. 2020"
-ESTIMATORS = [
-    Estimator("least squares + neural network", SOURCE, False, learn_offline),
-    Estimator("momentum observer + neural network", SOURCE, True, learn_observed),
-]
+ESTIMATORS = on_top("neural network", "Yilmaz et al. 2020", train, STEP)

@@ -9,8 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.estimators.momentum_observer import FirstOrder, learn_causal
+from benchmarks.harness.estimator import Estimator, Learned
 from benchmarks.harness.force import TorqueEstimate
 from benchmarks.harness.run import Run
+from benchmarks.harness.tuning import untuned
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
@@ -68,6 +71,26 @@ def cross_fitted(train: Train, runs: Sequence[Run], step: float) -> TorqueEstima
         return values
 
     return predicted
+
+
+def on_top(name: str, source: str, train: Train, step: float) -> list[Estimator]:
+    """Return the estimators that subtract a regression from least squares and from the momentum
+    observer; name: of the regression; step: as in `samples`.
+    """
+
+    def learn_offline(runs: Sequence[Run]) -> Learned:
+        left = cross_fitted(train, runs, step)
+        return untuned(lambda run: run.smoothed - left(run), runs)
+
+    def learn_observed(runs: Sequence[Run]) -> Learned:
+        left, observer = cross_fitted(train, runs, step), learn_causal(runs)
+        below = FirstOrder(**observer.constants)
+        return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
+
+    return [
+        Estimator(f"least squares + {name}", source, False, learn_offline),
+        Estimator(f"momentum observer + {name}", source, True, learn_observed),
+    ]
 
 
 class Scale(NamedTuple):

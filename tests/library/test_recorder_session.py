@@ -19,7 +19,7 @@ from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
-from ur5lib.recorder.manifest import read_manifest, write_manifest
+from ur5lib.recorder.manifest import NAME, write_manifest
 from ur5lib.recorder.session import Session
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.quality import Finding
@@ -31,6 +31,7 @@ from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
+from ur5lib.tables import read_json
 
 BORN = time.monotonic()  # sensors read the time since, by the host's clock,
 SCALE = 0.01  # per s, so that no reading is beyond what a sensor can read
@@ -83,7 +84,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, Emula
     with lab() as (devices, controller):
         with Session(devices.devices(), folder) as session:
             write_manifest(folder, session.identities(), None, None)
-            assert not read_manifest(folder)["complete"]
+            assert not read_json(folder / NAME)["complete"]
             time.sleep(SECONDS)
         write_manifest(folder, session.identities(), session.statuses(), None)
     return devices, folder, controller
@@ -114,7 +115,7 @@ def test_a_session_ends_without_a_word(tmp_path: Path, capfd: pytest.CaptureFixt
 def test_nothing_is_lost_and_the_manifest_says_what_recorded(
     recorded: tuple[Lab, Path, EmulatedController],
 ) -> None:
-    manifest = read_manifest(recorded[1])
+    manifest = read_json(recorded[1] / NAME)
     assert manifest["complete"]
     for name, rate in (("robot", 125), ("force_sensor", 500), ("imu", 100)):
         entry = manifest["devices"][name]

@@ -56,8 +56,7 @@ def model(before: Path, after: Path) -> list[Comparison]:
 def payload(before: Path, after: Path) -> list[Comparison]:
     """Compare the masses that were found on the flange."""
     rows = _both(before, after, "payload", ["recording"])
-    columns = {f"{name}_{side}": f"value_{side}" for name in ("mass",) for side in "ab"}
-    rows = _halves(rows.rename(columns=columns))
+    rows = _halves(rows.rename(columns={"mass_a": "value_a", "mass_b": "value_b"}))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
 
 

@@ -88,7 +88,7 @@ def _record(
     try:
         while not stop.is_set() and os.getppid() == parent:
             samples = came.get()
-            if isinstance(samples, DeviceLost):
+            if isinstance(samples, Exception):
                 raise samples
             file.write(samples, zero)
             if len(samples.received):
@@ -106,12 +106,12 @@ def _record(
 
 
 def _read(device: Any, came: queue.SimpleQueue[Any], over: threading.Event) -> None:
-    """Pass on what a device sends, until it is lost or `over`."""
+    """Pass on what a device sends until `over`, or what ended it: nobody else would hear of it."""
     try:
         while not over.is_set():
             came.put(device.read())
-    except DeviceLost as lost:
-        came.put(lost)
+    except Exception as error:
+        came.put(error)
 
 
 def _count(status: Status, device: Device, samples: Any, first: float) -> None:

@@ -1,7 +1,6 @@
 """The manifest of a recording: what recorded it, with what losses, and its files' checksums."""
 
 import hashlib
-import json
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -46,9 +45,3 @@ def write_manifest(
         },
         folder / NAME,
     )
-
-
-def read_manifest(folder: Path) -> dict[str, Any]:
-    """Return the manifest of a recording."""
-    found: dict[str, Any] = json.loads((folder / NAME).read_text())
-    return found

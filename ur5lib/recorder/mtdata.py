@@ -12,7 +12,6 @@ from typing import Final, NamedTuple
 
 MTDATA, MTDATA2 = 0x32, 0x36  # identifiers of the messages
 COUNTER_BITS = 16
-FINE_TICK = 1e-4  # s, of the sample time
 
 # Data identifiers of MTData2; the last four bits say precision and axes.
 PACKET_COUNTER, SAMPLE_TIME_FINE = 0x1020, 0x1060

@@ -12,6 +12,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recorder.device import DeviceLost
+from ur5lib.recorder.silence import LONGEST, Silence
 from ur5lib.robots.realtime_message import SOFTWARE
 from ur5lib.timeseries.arrays import Array
 
@@ -20,7 +21,6 @@ PATIENCE = 3.0  # s, for the controller to answer
 HEAD = struct.Struct(">id")  # size and timestamp of a message
 CHUNK = 1 << 16  # bytes read at a time
 WAIT = 0.1  # s, for which one call waits
-SILENCE = 1.0  # s without a byte, after which the device counts as lost
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class RealtimeArm:
             ) from error
         self._size, self._cycle = size, second - first
         self._rest, self._last = b"", first - self._cycle
-        self._heard = time.monotonic()
+        self._silence = Silence(self._address)
         return {
             "model": "Universal Robots controller, realtime port",
             "address": self._address,
@@ -85,17 +85,17 @@ class RealtimeArm:
         if self._socket is None:
             raise DeviceLost(f"{self._address} is not open")
         if not select.select([self._socket], [], [], WAIT)[0]:
-            if time.monotonic() - self._heard > SILENCE:
-                raise DeviceLost(f"{self._address} has sent nothing for {SILENCE:g} s")
+            self._silence.check(0)
             return Packets(np.zeros(0), [], 0, 0)
         try:
             data = self._socket.recv(CHUNK)
         except OSError as error:
             raise DeviceLost(f"{self._address}: {error}") from error
-        self._heard = time.monotonic()
+        arrived = time.monotonic()
         if not data:
             raise DeviceLost(f"{self._address} has closed the connection")
-        return Packets(np.array([self._heard]), [data], *self._count(data))
+        self._silence.check(1)
+        return Packets(np.array([arrived]), [data], *self._count(data))
 
     def close(self) -> None:
         """Close the connection; does nothing when closed or gone."""
@@ -111,7 +111,7 @@ class RealtimeArm:
             raise ConnectionError(f"its messages of {size} bytes are of no known layout")
         both = self._ahead(connection, size + HEAD.size)
         first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
-        if not 0 < second - first < SILENCE:
+        if not 0 < second - first < LONGEST:
             raise ConnectionError("its messages have no timestamps")
         return size, first, second
 

@@ -1,12 +1,12 @@
 """An arm whose controller speaks RTDE, as a device to record."""
 
-import time
 from typing import Any
 
 import numpy as np
 
 from ur5lib.recorder.device import DeviceLost, Samples
 from ur5lib.recorder.rtde_client import PORT, RtdeClient
+from ur5lib.recorder.silence import Silence
 from ur5lib.robots.rtde_variables import all_columns
 
 OUTPUTS = (
@@ -37,7 +37,6 @@ OUTPUTS = (
 RATES = {3: 125.0}  # Hz, of the controller's software; later ones have 500
 USUAL_RATE = 500.0
 WAIT = 0.1  # s, for which one call waits for samples
-SILENCE = 1.0  # s without a sample, after which the device counts as lost
 
 
 class RtdeArm:
@@ -66,7 +65,7 @@ class RtdeArm:
         names = self._client.start(OUTPUTS, rate)
         self.columns = all_columns(tuple(names))
         self._cycle, self._last = 1 / rate, np.nan
-        self._heard = time.monotonic()
+        self._silence = Silence(self._address)
         return {
             "model": "Universal Robots controller, RTDE",
             "address": self._address,
@@ -85,11 +84,7 @@ class RtdeArm:
         if self._client is None:
             raise DeviceLost(f"{self._address} is not open")
         packages = self._client.receive(WAIT)
-        now = time.monotonic()
-        if packages:
-            self._heard = now
-        elif now - self._heard > SILENCE:
-            raise DeviceLost(f"{self._address} has sent nothing for {SILENCE:g} s")
+        self._silence.check(len(packages))
         received = np.array([arrived for arrived, _ in packages], np.float64)
         values = np.array([numbers for _, numbers in packages], np.float64)
         values = values.reshape(len(packages), len(self.columns))

@@ -20,4 +20,4 @@ class Silence:
         if samples:
             self._heard = now
         elif now - self._heard > LONGEST:
-            raise DeviceLost(f"{self._name} sent nothing for {LONGEST:g} s")
+            raise DeviceLost(f"{self._name} has sent nothing for {LONGEST:g} s")

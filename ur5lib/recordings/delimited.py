@@ -79,7 +79,7 @@ def _parse_blocks(
         end = _end_of_rows(path, data, top, line, form, device, findings)
         tables, places = _parse(data, top, end, form)
         yield from tables
-        damaged += [_damage(data, place, line, form) for place in places]
+        damaged += _damage(data, places, line, form)
         top, line = 0, line + data.count(b"\n")
 
 
@@ -276,10 +276,14 @@ def _table(rows: np.ndarray, names: list[str]) -> pa.Table:
     return pa.table([pa.array(column, pa.float64()) for column in rows.T], names=names)
 
 
-def _damage(data: bytes, place: int, line: int, form: Form) -> Damage:
-    """Return the damage of the line at an offset. line: number of the first line."""
-    cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
-    return Damage(line + data.count(b"\n", 0, place), _fault(cells, len(form.names)))
+def _damage(data: bytes, places: list[int], line: int, form: Form) -> Iterator[Damage]:
+    """Yield the damage of the lines at some offsets, in order. line: number of the first line."""
+    before = 0
+    for place in places:
+        line += data.count(b"\n", before, place)
+        before = place
+        cells = data[place : _end_of_line(data, place)].rstrip(b"\n").split(form.delimiter)
+        yield Damage(line, _fault(cells, len(form.names)))
 
 
 def _fault(cells: list[bytes], width: int) -> str:

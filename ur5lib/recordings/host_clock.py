@@ -45,13 +45,12 @@ def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line
     the least of each block are fitted by least squares.
     """
     elapsed, since = own - own[0], host - host[0]
-    slope = nominal
-    if slope is None or since[-1] > SHORT:
-        slope = float(np.polyfit(elapsed, since, 1)[0])
+    known = nominal if since[-1] <= SHORT else None
+    slope = float(np.polyfit(elapsed, since, 1)[0]) if known is None else known
     delay = since - slope * elapsed
     block = np.floor(since / max(min(BLOCK, since[-1] / BLOCKS), TINY))
     best = pd.Series(delay).groupby(block).idxmin().to_numpy()
-    if len(best) < FEWEST or slope == nominal:
+    if len(best) < FEWEST or known is not None:
         return Line(float(host[0] + delay.min() - slope * own[0]), slope, SHORT_STD)
     (slope, offset), covariance = np.polyfit(elapsed[best], since[best], 1, cov="unscaled")
     spread = np.std(since[best] - offset - slope * elapsed[best], ddof=2)

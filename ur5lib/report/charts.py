@@ -84,7 +84,7 @@ def response_panel(frequency: Array, gains: Mapping[str, Array], unit: str = "Hz
         figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
         axis = figure.subplots()
         dashes = cycle(["-", "--", ":"])
-        for (label, gain), colour in zip(gains.items(), JOINTS, strict=False):
+        for (label, gain), colour in zip(gains.items(), JOINTS[: len(gains)], strict=True):
             axis.loglog(frequency, gain, next(dashes), label=label, color=colour)
         axis.set(xlabel=f"frequency [{unit}]", ylabel="gain", ylim=(1e-4, 2))
         axis.legend(loc="lower left", frameon=False)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -64,8 +64,12 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     folder = Path("raw", checked_name(str(plain.get("study"))), checked_name(wish.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
-    named = nullcontext(lab_of(plain, path)) if not wish.emulate else None
-    with named or emulated_lab(robot, is_pushed=wish.role == "contact") as lab:
+    laboratory: AbstractContextManager[Lab] = (
+        emulated_lab(robot, is_pushed=wish.role == "contact")
+        if wish.emulate
+        else nullcontext(lab_of(plain, path))
+    )
+    with laboratory as lab:
         devices = {n: d for n, d in lab.devices().items() if n not in wish.without}
         address = lab.robot.address
         motion = read_motion(wish.move, wish.speed) if wish.move else None

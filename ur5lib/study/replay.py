@@ -76,9 +76,7 @@ def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
         raise InputError(f"{file} cannot be read by MuJoCo ({error}); name MJCF or URDF") from error
     if model.nv != 6:
         raise InputError(f"{file} has {model.nv} degrees of freedom instead of 6")
-    model.opt.disableflags |= (
-        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
-    )
+    model.opt.disableflags |= DISABLED
     data, torque = mujoco.MjData(model), np.empty_like(motion.q)
     states = zip(motion.q, motion.qd, motion.qdd, strict=True)
     for row, (data.qpos, data.qvel, data.qacc) in zip(torque, states, strict=True):
