@@ -34,6 +34,7 @@ def motion() -> Motion:
     q, qd, qdd = STATES
     time, std = 0.008 * np.arange(40), 0 * q
     known = {"q": q, "qd": qd, "qdd": qdd, "q_std": std, "qd_std": std, "qdd_std": std}
+    known["motor_qd"] = qd
     return Motion(time=time, segment=np.zeros(40, dtype=np.int64), **known)
 
 

@@ -53,7 +53,7 @@ def series(value: float) -> Array:
 
 def made_motion() -> Motion:
     """Accelerations of 1 rad/s², with a deviation of 0.4 rad/s²."""
-    names = ("q", "qd", "q_std", "qd_std")
+    names = ("q", "qd", "q_std", "qd_std", "motor_qd")
     states = dict.fromkeys(names, series(0.0)) | {"qdd": series(1.0), "qdd_std": series(0.4)}
     return Motion(time=0.008 * np.arange(COUNT), segment=np.zeros(COUNT, np.int64), **states)
 

@@ -59,7 +59,7 @@ class Recording:
         grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
         nothing = 0 * run.q
         deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
-        motion = Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, **deviations)
+        motion = Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, motor_qd=run.qd, **deviations)
         motion.write(self.motion)
         torques = dict.fromkeys(("external_torque", "observed_torque"), run.torque)
         currents = Currents(**grid, load_doubt=nothing, **torques)
@@ -243,7 +243,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     flags, nothing = grid | {"interpolated": np.zeros(count, bool)}, 0 * record.q
     Signals(**flags, actual_q=record.q, actual_current=record.current).write(files["signals"])
     rest = dict.fromkeys(("qdd", "q_std", "qd_std", "qdd_std"), nothing)
-    Motion(**grid, q=record.q, qd=record.qd, **rest).write(files["motion"])
+    Motion(**grid, q=record.q, qd=record.qd, motor_qd=record.qd, **rest).write(files["motion"])
     terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
     modelled = {"C+rotors": record.torque}
     torques = Torques(**flags, measured=modelled, **dict.fromkeys(terms, nothing))

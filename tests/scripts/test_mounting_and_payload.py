@@ -41,7 +41,8 @@ class Made:
         self.files = {name: f"{folder}/{name}.parquet" for name in ("signals", "motion")}
         write_table(told.assign(segment=0, interpolated=False), self.files["signals"])
         states = {name: getattr(motion, name)[::EVERY] for name in ("q", "qd", "qdd")}
-        exact = {f"{name}_std": np.zeros_like(values) for name, values in states.items()}
+        exact: dict[str, Any] = {"motor_qd": states["qd"]}
+        exact |= {f"{name}_std": np.zeros_like(values) for name, values in states.items()}
         time, segment = sent["time"].to_numpy(), np.zeros(len(sent), np.int64)
         Motion(time=time, segment=segment, **states, **exact).write(self.files["motion"])
 

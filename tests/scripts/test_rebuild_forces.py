@@ -85,7 +85,7 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
             actual_TCP_force=-wrench + 1.0,
             force_sensor=reading + BIAS,
         ),
-        "motion": Motion(**grid, q=q, qd=qd, qdd=qdd, **deviations),
+        "motion": Motion(**grid, q=q, qd=qd, qdd=qdd, motor_qd=qd, **deviations),
         "torques": Torques(
             **flags, target={"C": torque}, measured={"C": torque}, **dict.fromkeys(terms, nothing)
         ),

@@ -19,7 +19,7 @@ def controllers_ratio(signals: Signals, motion: Motion) -> Array:
     """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined."""
     if signals.target_moment is None or signals.target_current is None:
         return np.full(6, np.nan)
-    return standstill_ratio(signals.target_moment, signals.target_current, motion.qd)
+    return standstill_ratio(signals.target_moment, signals.target_current, motion.motor_qd)
 
 
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:

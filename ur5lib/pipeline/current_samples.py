@@ -25,7 +25,7 @@ def current_record(
         period=signals.period,
         segment=signals.segment,
         q=motion.q,
-        qd=motion.qd,
+        qd=motion.motor_qd,
         torque=torques.measured[model] + torques.payload_torque,
         current=signals.actual_current,
         temperature=signals.joint_temperatures,

@@ -9,10 +9,10 @@ from ur5lib.timeseries.arrays import Array
 
 def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput:
     """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
-    states = joint_states(motion.qd, motion.segment, motion.period)
+    states = joint_states(motion.motor_qd, motion.segment, motion.period)
     return ForceInput(
         motion.q,
-        motion.qd,
+        motion.motor_qd,
         torque,
         states,
         motion.segment,

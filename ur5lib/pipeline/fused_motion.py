@@ -45,4 +45,5 @@ def no_fused_motion() -> FusedMotion:
     biases = {name: np.zeros((0, 3)) for name in BIASES}
     parts = states | biases
     parts |= {f"{name}_std": values for name, values in parts.items()}
+    parts["motor_qd"] = np.zeros((0, 6))
     return FusedMotion(time=np.zeros(0), segment=np.zeros(0, np.int64), **parts)

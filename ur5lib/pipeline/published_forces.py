@@ -81,7 +81,7 @@ def corrected(
     if constants and friction and signals.actual_current is not None:
         modelled = torques.measured[robot.chosen_model]
         external = motor_torque(signals.actual_current, constants) - modelled
-        resisted = friction_torque(motion.qd, friction)
+        resisted = friction_torque(motion.motor_qd, friction)
         estimates |= wrenches(signals, external, resisted, jacobian, zero_phase_lowpass, settings)
     return estimates
 

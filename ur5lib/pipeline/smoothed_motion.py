@@ -35,15 +35,17 @@ def motion_record(signals: Signals, motion: SmoothedMotion) -> Motion:
 
 
 def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Array]:
-    """Return parts of the state and their standard deviations by name."""
+    """Return parts of the state, their standard deviations and the motors' velocities by name."""
     values = {name: motion.state[:, part] for name, part in parts.items()}
-    return values | {f"{name}_std": motion.std[:, part] for name, part in parts.items()}
+    values |= {f"{name}_std": motion.std[:, part] for name, part in parts.items()}
+    return values | {"motor_qd": motion.motor_qd}
 
 
 def motion_account(motion: SmoothedMotion) -> dict[str, Any]:
     """Return the estimated noise and the tests of the innovations."""
     noise = asdict(motion.encoders)
-    noise["jerk"] = np.quantile(motion.encoders.jerk, [0.1, 0.5, 0.9], axis=0)
+    for name in ("jerk", "vibration", "position", "velocity"):
+        noise[name] = np.quantile(noise[name], [0.1, 0.5, 0.9], axis=0)
     if motion.imu is not None:
         noise["imu"] = np.nanmedian(motion.imu, axis=0)
     return {"noise": noise, "innovations": asdict(motion.test)}

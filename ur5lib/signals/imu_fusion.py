@@ -3,10 +3,19 @@
 from collections.abc import Callable
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ur5lib.signals.imu_model import BIASES, LinearImu
 from ur5lib.signals.noise import innovation_test, moving_mean
-from ur5lib.signals.smoothing import MOTION, SmoothedJoints, SmoothedMotion, encoder_system
+from ur5lib.signals.smoothing import (
+    LINK,
+    MOTION,
+    STATES,
+    SmoothedJoints,
+    SmoothedMotion,
+    encoder_system,
+    widened,
+)
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.chunks import chunks
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
@@ -15,6 +24,10 @@ BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the
 BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
 IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
 QUIET = 0.05  # share of windows, the quietest
+JOINTS = 6 * STATES  # entries of the state before the biases
+ALL = JOINTS + BIASES
+# From motions, vibrations and biases to q, q̇, q̈ and biases.
+WITH_BIASES = block_diag(np.kron(LINK, np.eye(6)), np.eye(BIASES))
 
 Model = Callable[[slice], LinearImu]
 """Returns an IMU's equation at some samples, of which each takes a kilobyte."""
@@ -45,12 +58,15 @@ def smooth_with_imu(
     joints = encoder_system(time, segment, q, qd, encoders.encoders)
     system = add_imu(joints, time, readings, model, noise)
     state, std = np.empty((2, len(time), MOTION + BIASES))
-    innovations = np.empty((len(time), 12 + BIASES))
+    innovations, motor_qd = np.empty((len(time), 12 + BIASES)), np.empty((len(time), 6))
     for rows, (mean, covariance), off in smooth(system, len(time)):
-        state[rows], innovations[rows] = mean[:, 0], off[:, 0]
-        std[rows] = np.sqrt(np.diagonal(covariance[:, 0], axis1=1, axis2=2))
+        state[rows], innovations[rows] = mean[:, 0] @ WITH_BIASES.T, off[:, 0]
+        motor_qd[rows] = mean[:, 0, 6:12]
+        covariance = WITH_BIASES @ covariance[:, 0] @ WITH_BIASES.T
+        std[rows] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     test = innovation_test(innovations, segment)
-    return SmoothedMotion(state, std, innovations, test, encoders.encoders, noise)
+    std[:, :MOTION] = widened(std[:, :MOTION], test, q)
+    return SmoothedMotion(state, std, motor_qd, innovations, test, encoders.encoders, noise)
 
 
 def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: Array) -> System:
@@ -61,16 +77,16 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
         own, imu = joints(rows), model(rows)
         count, (begin, *_) = len(own.z), rows.indices(len(time))
         # motion as for the joints alone
-        F, Q = np.zeros((2, count, MOTION + BIASES, MOTION + BIASES))
-        F[:, :MOTION, :MOTION], Q[:, :MOTION, :MOTION] = joined(own.F), joined(own.Q)
+        F, Q = np.zeros((2, count, ALL, ALL))
+        F[:, :JOINTS, :JOINTS], Q[:, :JOINTS, :JOINTS] = joined(own.F), joined(own.Q)
         # biases: random walk, unknown at the first sample
-        F[:, MOTION:, MOTION:] = np.eye(BIASES)
-        Q[:, MOTION:, MOTION:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
+        F[:, JOINTS:, JOINTS:] = np.eye(BIASES)
+        Q[:, JOINTS:, JOINTS:] = step[rows, None, None] * np.diag(BIAS_WALK**2)
         if begin == 0:
-            F[0, MOTION:, MOTION:], Q[0, MOTION:, MOTION:] = 0, np.diag(BIAS**2)
+            F[0, JOINTS:, JOINTS:], Q[0, JOINTS:, JOINTS:] = 0, np.diag(BIAS**2)
         # z = [encoders, readings - offset]
-        H = np.zeros((count, 12 + BIASES, MOTION + BIASES))
-        H[:, :12, :MOTION], H[:, 12:] = joined(own.H), np.nan_to_num(imu.H)
+        H = np.zeros((count, 12 + BIASES, ALL))
+        H[:, :12, :JOINTS], H[:, 12:] = joined(own.H), np.nan_to_num(imu.H) @ WITH_BIASES
         z, R = (values.mT.reshape(count, 12) for values in (own.z, own.R))
         z = np.concatenate([z, readings[rows] - imu.offset], axis=1)
         R = np.concatenate([R, noise[rows] ** 2], axis=1)

@@ -1,21 +1,29 @@
 """Joint motion by a Kalman filter and a Rauch-Tung-Striebel smoother."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
 
 from ur5lib.signals.noise import (
     EncoderNoise,
     InnovationTest,
     encoder_noise,
     innovation_test,
-    jerk_covariance,
+    measures,
+    motion_step,
+    quantum,
 )
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 from ur5lib.timeseries.segments import starts
 
 MOTION = 18  # entries of the motion: q, q̇, q̈
+STATES = 6  # of a joint: θ, θ̇, θ̈, δ, δ̇, δ̈
+LINK = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
+TICK, TICK_DECIMALS = 1e-6, 6  # s, to which steps are told apart
+SHORT_STEP = 0.1  # of a vibration with ω = 1
 UNKNOWN = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: std at the start of a segment
 
 
@@ -24,13 +32,15 @@ class SmoothedMotion:
     """State at each sample, given all measurements, with its standard deviations.
 
     state, std: (N, 18), q [rad], q̇ [rad/s], q̈ [rad/s²] side by side, or (N, 24) with the biases of
-    accelerometer [m/s²] and gyroscope [rad/s]; innovations: (N, M), normalised, of q, q̇ and the
+    accelerometer [m/s²] and gyroscope [rad/s]; motor_qd: (N, 6) [rad/s], velocities on the motor's
+    side, without vibrations; innovations: (N, M), normalised, of q, q̇ and the
     IMU, NaN where nothing was measured; test: of the innovations; encoders: their noise; imu:
     (N, 6), noise of the readings, or None.
     """
 
     state: Array
     std: Array
+    motor_qd: Array
     innovations: Array
     test: InnovationTest
     encoders: EncoderNoise
@@ -64,50 +74,102 @@ class SmoothedJoints(SmoothedMotion):
     shared: Array = field(kw_only=True)
 
 
-def smooth_encoders(time: Array, segment: Labels, q: Array, qd: Array) -> SmoothedJoints:
+def smooth_encoders(
+    time: Array, segment: Labels, q: Array, qd: Array, noise: EncoderNoise | None = None
+) -> SmoothedJoints:
     """Estimate the motion from joint positions and velocities alone.
 
     time: (N,) [s], increasing; segment: (N,) labels, each smoothed on its own; q, qd: (N, 6) [rad,
-    rad/s], NaN where missing. Raises ValueError if a joint has no data.
+    rad/s], NaN where missing; noise: estimated from them, if not given. Raises ValueError if a
+    joint has no data.
     """
-    noise = encoder_noise(time, segment, q, qd)
+    noise = noise or encoder_noise(time, segment, q, qd)
     count = len(time)
     state, std = np.empty((2, count, 3, 6))
-    innovations, shared = np.empty((count, 2, 6)), np.empty((count, 6))
-    for rows, (mean, covariance), off in smooth(encoder_system(time, segment, q, qd, noise), count):
-        state[rows], innovations[rows] = mean.mT, off.mT
+    innovations, (shared, motor_qd) = np.empty((count, 2, 6)), np.empty((2, count, 6))
+    for rows, own, off in smooth(encoder_system(time, segment, q, qd, noise), count):
+        # x_link = [I I] [θ, δ]
+        covariance = LINK @ own.covariance @ LINK.T
+        state[rows], innovations[rows] = np.matvec(LINK, own.mean).mT, off.mT
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=2, axis2=3)).mT
-        shared[rows] = covariance[:, :, 1, 2]
+        shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], own.mean[:, :, 1]
     flat = innovations.reshape(count, -1)
-    both = state.reshape(count, -1), std.reshape(count, -1)
-    return SmoothedJoints(*both, flat, innovation_test(flat, segment), noise, shared=shared)
+    test = innovation_test(flat, segment)
+    shared *= widening(test) ** 2
+    both = state.reshape(count, -1), widened(std.reshape(count, -1), test, q)
+    return SmoothedJoints(*both, motor_qd, flat, test, noise, shared=shared)
+
+
+def widened(std: Array, test: InnovationTest, q: Array) -> Array:
+    """Return standard deviations (N, 18) that count what the filter takes for white.
+
+    Errors that stay for several samples average out less than white ones: by the colour of the
+    joint's innovations. An error of rounding stays as long as the joint does.
+    """
+    std = std * np.tile(widening(test), 3)
+    rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
+    std[:, :6] = np.hypot(std[:, :6], rounding)
+    return std
+
+
+def widening(test: InnovationTest) -> Array:
+    """Return the factor (6,) of each joint's bands; test: of innovations, those of joints first."""
+    return np.sqrt(np.maximum(test.colour[:6], test.colour[6:12]))
 
 
 def encoder_system(
     time: Array, segment: Labels, q: Array, qd: Array, noise: EncoderNoise
 ) -> System:
-    """Return the system of six joints, each a part of its own: q, q̇, q̈, driven by a jerk.
+    """Return the system of six joints, each a part of its own: a motion θ and a vibration δ.
 
-    q is measured, and q̇ with a lag: q̇ − lag q̈.
+    x = [θ, θ̇, θ̈, δ, δ̇, δ̈], each driven by a jerk (`motion_step`); q = θ + δ is measured, and θ̇
+    with a lag.
     """
-    step, fresh = np.diff(time, prepend=time[0]), starts(segment)
-    measures = np.tile(np.eye(2, 3), (6, 1, 1))
-    measures[:, 1, 2] = -noise.lag
-    variance = np.stack([noise.position, noise.velocity], axis=1) ** 2
+    step, fresh, count = np.diff(time, prepend=time[0]), starts(segment), len(time)
+    steps, which = np.unique(np.round(step, TICK_DECIMALS), return_inverse=True)
+    F_of, driven_of = (np.stack(each) for each in zip(*_each_step(steps, noise), strict=True))
+    H_joint = np.stack([measures(lag) for lag in noise.lag])
 
     def part(rows: slice) -> LinearSystem:
-        own = step[rows]
-        # F: q⁺ = q + T q̇ + T²/2 q̈, q̇⁺ = q̇ + T q̈, q̈⁺ = q̈
-        F = np.tile(np.eye(3), (len(own), 6, 1, 1))
-        F[:, :, 0, 1] = F[:, :, 1, 2] = own[:, None]
-        F[:, :, 0, 2] = own[:, None] ** 2 / 2
-        # Q: the covariance that the jerk of each joint adds to its q, q̇, q̈
-        Q = jerk_covariance(own)[:, None] * noise.jerk[rows, :, None, None] ** 2
+        # x⁺ = F x + w, cov w = Q: what both jerks of each joint add
+        F, driven = F_of[which[rows]].copy(), driven_of[which[rows]]
+        intensity = np.stack([noise.jerk[rows], noise.vibration[rows]], axis=2)
+        driven = driven * intensity[:, :, None]
+        Q = driven @ driven.mT
         # a new segment starts the filter again
-        F[fresh[rows]], Q[fresh[rows]] = 0, np.diag(UNKNOWN**2)
-        # z = [q, q̇ − lag q̈] + v, cov v = diag(R)
+        first = fresh[rows]
+        F[first], Q[first] = (
+            0,
+            _unknown(noise, np.flatnonzero(fresh[rows]) + rows.indices(count)[0]),
+        )
+        # z = [θ + δ, θ̇ − lag θ̈] + v, cov v = diag(R)
         z = np.stack([q[rows], qd[rows]], axis=2)  # (N, 6, 2)
-        H = np.broadcast_to(measures, (*z.shape, 3))
-        return LinearSystem(F, Q, H, z, np.broadcast_to(variance, z.shape))
+        R = np.stack([noise.position[rows], noise.velocity[rows]], axis=2) ** 2
+        return LinearSystem(F, Q, np.broadcast_to(H_joint, (*z.shape, STATES)), z, R)
 
     return part
+
+
+def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array]]:
+    """Yield F (6, 6, 6) and what two jerks add (6, 6, 2) of all joints, for each length of step."""
+    for step in steps:
+        joints = zip(noise.frequency, noise.damping, strict=True)
+        both = [motion_step(max(step, TICK), *joint) for joint in joints]
+        yield np.stack([F for F, _ in both]), np.stack([driven for _, driven in both])
+
+
+def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
+    """Return the covariances (N, 6, 6, 6) of the joints' states at the starts of segments.
+
+    The vibration's is that which its jerk keeps up, P = F P Fᵀ + Q, solved for ω = 1:
+    P of δ's k-th and l-th derivative is proportional to ω^(k + l − 5).
+    """
+    covariance = np.zeros((len(fresh), 6, STATES, STATES))
+    covariance[..., :3, :3] = np.diag(UNKNOWN**2)
+    for joint, (frequency, damping) in enumerate(zip(noise.frequency, noise.damping, strict=True)):
+        F, driven = motion_step(SHORT_STEP, 1.0, damping)
+        unit = solve_discrete_lyapunov(F[3:, 3:], np.outer(driven[3:, 1], driven[3:, 1]))
+        power = frequency ** (np.arange(3) - 2.5)
+        intensity = noise.vibration[fresh, joint, None, None]
+        covariance[:, joint, 3:, 3:] = unit * np.outer(power, power) * intensity**2
+    return covariance

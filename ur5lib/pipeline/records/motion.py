@@ -8,8 +8,10 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Motion(SegmentedTable):
-    """Joint positions [rad], velocities [rad/s], accelerations [rad/s²], and their standard
-    deviations, (N, 6) each.
+    """Positions [rad], velocities [rad/s] and accelerations [rad/s²] of the joints on the link's
+    side, their standard deviations, and velocities on the motor's side, (N, 6) each.
+
+    Links vibrate against motors; friction acts on the motors' side.
     """
 
     q: Array = channel("q", "rad", JOINTS)
@@ -18,6 +20,7 @@ class Motion(SegmentedTable):
     q_std: Array = channel("q_std", "rad", JOINTS)
     qd_std: Array = channel("qd_std", "rad/s", JOINTS)
     qdd_std: Array = channel("qdd_std", "rad/s2", JOINTS)
+    motor_qd: Array = channel("motor_qd", "rad/s", JOINTS)
 
 
 @dataclass(frozen=True, kw_only=True)

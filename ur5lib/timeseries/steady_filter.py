@@ -1,0 +1,70 @@
+"""The steady Kalman filter of a time-invariant system, and its innovations."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.signal import lfilter
+
+from ur5lib.timeseries.arrays import Array
+
+DOUBLINGS, CONVERGED = 60, 1e-12
+
+
+class SteadyFilter(NamedTuple):
+    """Innovations e = z − H x⁻ of x⁺ = F x⁻ + K e, with covariance S, as ratios of polynomials.
+
+    poles: (X + 1,), zeros: (M, M, X + 1), of each innovation by each measurement; S: (M, M).
+    """
+
+    poles: Array
+    zeros: Array
+    S: Array
+
+    def innovations(self, z: Array) -> Array:
+        """Return the innovations (N, M) of measurements z (N, M), from a state of zero."""
+        each = [
+            [lfilter(zeros, self.poles, column) for zeros, column in zip(row, z.T, strict=True)]
+            for row in self.zeros
+        ]
+        return np.sum(each, axis=1).T
+
+
+def steady_filter(F: Array, Q: Array, H: Array, R: Array) -> SteadyFilter:
+    """Return the steady filter of x⁺ = F x + w, z = H x + v; F, Q: (X, X); H: (M, X); R: (M, M)."""
+    P = _prediction_covariance(F, Q, H.T @ np.linalg.solve(R, H))
+    S = H @ P @ H.T + R
+    K = np.linalg.solve(S, H @ P @ F.T).T
+    # e = (1 − H (z − A)⁻¹ K) z with A = F − K H; one channel of it by the matrix determinant lemma:
+    # 1 − h (z − A)⁻¹ k = det(z − A − k h) / det(z − A)
+    A = F - K @ H
+    changed = A + K.T[None, :, :, None] * H[:, None, None, :]
+    poles, zeros = _polynomials(A), _polynomials(changed)
+    zeros = zeros - (1 - np.eye(len(H)))[..., None] * poles
+    return SteadyFilter(poles, zeros, S)
+
+
+def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
+    """Solve P = F P (1 + G P)⁻¹ Fᵀ + Q, G = Hᵀ R⁻¹ H.
+
+    By doubling: each round covers twice the time of the one before (Chu, Fan, Lin and Wang:
+    Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations,
+    International Journal of Control 77 (2004)).
+    """
+    A, P, eye = F.T, Q, np.eye(len(F))
+    for _ in range(DOUBLINGS):
+        AW, PW = np.split(np.concatenate([A, P]) @ np.linalg.inv(eye + G @ P), 2)
+        gained = A.T @ PW @ A
+        A, G, P = AW @ A, G + AW @ G @ A.T, P + gained
+        if np.abs(gained).max() <= CONVERGED * np.abs(P).max():
+            break
+    return P
+
+
+def _polynomials(A: Array) -> Array:
+    """Return the characteristic polynomials (..., X + 1) of matrices (..., X, X)."""
+    roots = np.linalg.eigvals(A)
+    polynomials = np.zeros((*roots.shape[:-1], roots.shape[-1] + 1), roots.dtype)
+    polynomials[..., 0] = 1
+    for root in np.moveaxis(roots, -1, 0):
+        polynomials[..., 1:] -= root[..., None] * polynomials[..., :-1]
+    return polynomials.real
