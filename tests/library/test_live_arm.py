@@ -19,7 +19,7 @@ from ur5lib.stand.lab.dashboard_server import answer
 from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.lab.motion import JointMotion
 from ur5lib.stand.lab.readings import ForceReading, ImuReading
-from ur5lib.stand.lab.truth import Truth
+from ur5lib.stand.lab.truth import ROWS, Truth
 from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
@@ -213,6 +213,18 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
     np.testing.assert_allclose(np.linalg.norm(imu[:, 6:], axis=1), 0.8, atol=0.01)
     noisy = np.array([ImuReading(truth, Imu())(0.01 + k * 0.004) for k in range(10)])
     assert noisy.std(axis=0).min() > 0
+
+
+def test_the_truth_is_kept_for_a_while(box: ControlBox) -> None:
+    truth = box.arm._truth
+    first = len(truth.since(0))
+    box.arm.advance(10)
+    np.testing.assert_array_equal(truth.since(first + 9), [box.arm.states[-1]])
+    for _ in range(ROWS - 1):
+        truth.append(box.arm.states[-1])
+    late = truth.since(first)
+    assert len(late) == ROWS + 9
+    np.testing.assert_array_equal(np.isnan(late[:, 0]), np.arange(len(late)) < 10)
 
 
 def test_the_truth_is_interpolated_and_ends_where_it_is_known(box: ControlBox) -> None:

@@ -15,9 +15,12 @@ from tests.conftest import PROJECT
 from tests.examples import examples
 from ur5lib.cli import app
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.lab.controller import HOST, EmulatedController
@@ -26,6 +29,7 @@ from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.check import read_study
 from ur5lib.study.record import Wish, record
+from ur5lib.tables import read_json
 
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\
@@ -78,8 +82,24 @@ def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> No
     assert (recording.name, recording.role, recording.format) == ("pushed", "contact", "rtde-csv")
     assert yaml.safe_load(study.read_text())["devices"] == yaml.safe_load(STUDY)["devices"]
     assert "next: snakemake --configfile lab.yaml" in said(screen)
+    assert recording.truth == "truth"
+    expect_truth(Path("raw/lab/pushed"), recording.model_dump())
     with pytest.raises(InputError, match="raw/lab/pushed exists"):
         record(study, wish, console())
+
+
+def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
+    """The truth about a session: what the encoders read, and when the sensors' first samples were.
+
+    The encoders read it but for their noise, and the clocks are told within 2 ms.
+    """
+    raw = read_recording(entry)
+    truth = Truth.read(folder / "truth.parquet").at(raw.robot.table["time"].to_numpy())
+    read = np.array([raw.robot.table[f"actual_q_{joint}"] for joint in range(6)]).T
+    np.testing.assert_allclose(truth.q, read, rtol=0, atol=1e-4)
+    clocks = read_json(folder / "truth.json")["clocks"]
+    starts = {name: start.seconds for name, (_, start) in place_sensors(raw, []).items()}
+    assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
 
 
 @pytest.mark.usefixtures("controller_ports")
@@ -135,7 +155,8 @@ def test_the_page_is_followed_word_for_word(
     assert [one.name for one in read_study(Path("lab.yaml")).recordings] == ["free", "pushed"]
     for name in ("rest", "free", "pushed"):
         files = {file.name for file in Path("raw/lab", name).iterdir()}
-        assert files == {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
+        recorded = {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
+        assert files == recorded | {"truth.parquet", "truth.json"}
 
 
 @pytest.mark.usefixtures("controller_ports")
