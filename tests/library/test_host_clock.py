@@ -9,6 +9,7 @@ import pytest
 
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.host_clock import least_delayed
+from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.signals.clocks import BY_HOST
 from ur5lib.signals.device_clock import device_clock
@@ -79,6 +80,58 @@ def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, 
     findings: list[Any] = []
     assert place_sensors(read_recording(entry), findings) == {}
     assert findings[0].finding == "no start stamp"
+
+
+def keep_rows(path: Path, first: int, last: int) -> None:
+    """Leave some rows of a CSV, and its header if it has one."""
+    lines = path.read_text().splitlines(keepends=True)
+    header = lines[:1] if lines[0][0].isalpha() else []
+    path.write_text("".join(header + lines[len(header) :][first:last]))
+
+
+def missing(entry: dict[str, Any]) -> list[tuple[str, str]]:
+    """Devices that lack a part, and what is said of them."""
+    findings: list[Finding] = []
+    raw = read_recording(entry)
+    place_sensors(raw, findings)
+    found = [one for one in raw.findings + findings if one.finding == "part missing"]
+    assert {one.severity for one in found} <= {"warning"}
+    return [(one.device, one.detail) for one in found]
+
+
+def test_a_sensor_that_recorded_all_lacks_nothing(entry: dict[str, Any]) -> None:
+    assert missing(entry) == []
+
+
+@pytest.mark.parametrize(
+    ("rows", "sentence"),
+    [
+        (
+            (0, 10_000),
+            "covers only 10.0 of 30.0 s: it starts 0.7 s after the robot and ends 19.3 s before it",
+        ),
+        ((12_000, 30_000), "covers only 17.3 of 30.0 s: it starts 12.7 s after the robot;"),
+        (
+            (12_000, 20_000),
+            "covers only 8.0 of 30.0 s: it starts 12.7 s after the robot and ends 9.2 s before it;",
+        ),
+    ],
+)
+def test_a_sensor_that_lacks_a_part_is_found(
+    entry: dict[str, Any], rows: tuple[int, int], sentence: str
+) -> None:
+    keep_rows(Path(entry["folder"], "force.csv"), *rows)
+    ((device, detail),) = missing(entry)
+    assert (device, detail[: len(sentence)]) == ("force", sentence)
+
+
+def test_a_robot_that_dies_before_its_sensors_is_found(entry: dict[str, Any]) -> None:
+    """But not one of which only a part is wanted."""
+    assert missing(entry | {"to_s": 12.0}) == []
+    keep_rows(Path(entry["folder"], "robot.csv"), 0, 6_000)
+    ((device, detail),) = missing(entry)
+    assert device == "robot"
+    assert detail.startswith("covers only 12.0 of the 30.1 s that the sensors recorded;")
 
 
 def test_a_short_record_that_came_at_once_has_the_nominal_rate(entry: dict[str, Any]) -> None:

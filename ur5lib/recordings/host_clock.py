@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.recordings.coverage import Span, robot_coverage
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.timeseries.arrays import Array
 
@@ -89,12 +90,22 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     own, host = stamped["time"].to_numpy(), stamped["received"].to_numpy()
     line = least_delayed(own, host, nominal=1.0)
     placed = {name: _placed(one, line, start) for name, one in sensors.items()}
-    return replace(raw, sensors=raw.sensors | placed)
+    spans = [_span(one) for one in placed.values()]
+    together = min(begin for begin, _ in spans), max(end for _, end in spans)
+    findings = robot_coverage(_span(raw.robot), together)
+    return replace(raw, sensors=raw.sensors | placed, findings=raw.findings + findings)
 
 
 def on_host(sensor: DeviceRecord) -> bool:
     """Return whether a sensor's stamps are those of the robot's host."""
     return sensor.start is not None and sensor.start.since == "host_s"
+
+
+def _span(device: DeviceRecord) -> Span:
+    """Return when a device with a start stamp recorded its first and its last sample [s]."""
+    assert device.start is not None
+    time = device.table["time"]
+    return device.start.seconds + float(time.min()), device.start.seconds + float(time.max())
 
 
 def _placed(sensor: DeviceRecord, robot: Line, start: Stamp) -> DeviceRecord:
