@@ -123,6 +123,24 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
 
 
 @pytest.mark.usefixtures("controller_ports")
+def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
+    """By a hand that pulls again and again, from before freedrive until after it."""
+    pytest.importorskip("rtde_control")
+    pull = {"kind": "spring", "displacement": [0.0, 0.1, 0.0], "seconds": 2}
+    plan = at(HOME).model_dump() | {"contacts": [pull | {"start_s": 2 * k} for k in range(30)]}
+    screen = console()
+    with EmulatedController("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
+        record(study, Wish("led", "contact", seconds=6, by_hand=True, yes=True), screen)
+        assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
+    led = pd.read_csv("raw/lab/led/robot.csv")
+    turned = np.abs(led["actual_q_0"] - HOME[0])
+    assert turned[:250].max() < 0.01  # it holds first
+    assert turned.max() > 0.05
+    assert set(led["safety_mode"]) == {1}
+    assert "the motion ended early" not in said(screen)
+
+
+@pytest.mark.usefixtures("controller_ports")
 def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("rtde_control")
     np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
