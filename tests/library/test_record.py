@@ -165,7 +165,8 @@ def test_the_page_is_followed_word_for_word(
     blocks = examples(PROJECT / "docs" / "recording.md")
     (page,) = (block.text for block in blocks if block.text.startswith("study: lab"))
     Path("lab.yaml").write_text(page)
-    np.savetxt("points.csv", np.array([HOME, HOME + 0.1, HOME]), delimiter=",")
+    (way_points,) = (block.text for block in blocks if block.text.startswith("0.5, -1.6"))
+    Path("points.csv").write_text(way_points)
     lines = [line for block in blocks for line in block.text.splitlines()]
     commands = [line for line in lines if line.startswith("ur5 record lab.yaml")]
     assert len(commands) == 3
