@@ -2,7 +2,7 @@
 
 from ur5lib.recordings.quality import Device, Finding
 
-TOLERANCE = 1.0  # s that a device may lack at the start and the end together
+TOLERANCE = 2.0  # s that a device may lack at the start and the end together
 UNSURE = 0.005  # share of a recording that a clock may drift
 SPREAD = 3.0  # standard deviations of a start stamp that may be its error
 TOLD = 0.05  # s, shortest part that is told
