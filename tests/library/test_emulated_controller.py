@@ -23,7 +23,7 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.robots.rtde_variables import columns
 from ur5lib.stand.lab.controller import EmulatedController, Ports
 from ur5lib.stand.lab.stream_faults import StreamFaults
-from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Standstill
+from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Spring, Standstill
 from ur5lib.timeseries.arrays import Array
 
 for module in ("rtde_receive", "rtde_control", "dashboard_client"):
@@ -315,6 +315,34 @@ with ArmMotion("{HERE}") as motion:
     wait_for(lambda: not read_state(HERE).program_runs)
     wait_for(lambda: bool(np.abs(read_state(HERE).qd).max() < 0.002))
     assert read_state(HERE).q[0] < 1.2
+
+
+def test_the_arm_is_led_by_hand(ur5e: EmulatedController, motion: ArmMotion) -> None:
+    """While a hand pulls at it; without freedrive, it resists."""
+    motion.move_through(np.array([POSTURE]), 1.5, 3.0)
+    start = ur5e.time() + 0.2
+    pull = {"kind": "spring", "displacement": (0.0, 0.1, 0.0), "start_s": start, "seconds": 3.0}
+    ur5e.touch(Spring.model_validate(pull))
+    assert motion.lead_by_hand(lambda: ur5e.time() > start + 1.5)
+    led = read_state(HERE).q
+    assert np.abs(led - POSTURE).max() > 0.05
+    wait_for(lambda: ur5e.time() > start + 3.2)
+    np.testing.assert_allclose(read_state(HERE).q, led, atol=0.01)
+    assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
+
+
+def test_its_control_interface_knows_freedrive(ur5e: EmulatedController) -> None:
+    import rtde_control
+
+    control = rtde_control.RTDEControlInterface(HERE)
+    assert control.freedriveMode()
+    assert control.getFreedriveStatus() == 0
+    assert control.endFreedriveMode()
+    assert control.teachMode()
+    assert control.endTeachMode()
+    assert read_state(HERE).ready
+    assert not control.freedriveMode([1, 0, 0, 0, 0, 0])  # not emulated: its program ends
+    control.disconnect()
 
 
 # Faults

@@ -1,5 +1,8 @@
 """`ur5 excite`: its files, what reads them, and what it says of wrong options."""
 
+import socket
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +13,11 @@ from ur5lib.cli import app
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.path import Path as Motion
+from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.rtde_csv import read_rtde_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.trajectories import REST
@@ -61,8 +66,33 @@ def test_the_recorder_reads_and_accepts_both_motions(folder: Path, ur5e: Robot) 
 def test_the_program_streams_every_state(folder: Path) -> None:
     lines = (folder / "trajectory.script").read_text().splitlines()
     assert lines[0] == "def excite():"
-    assert lines[-2:] == ["end", "excite()"]
+    assert lines[-2:] == ["  stopj(2.0)", "end"]
     assert len([line for line in lines if line.startswith("  servoj([")]) == 1 + SECONDS * 125
+
+
+def test_an_emulated_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
+    """Received by its port for programs; servoj lags by 0.1 s, and smooths a little."""
+    with EmulatedController(ur5e, ports=Ports.free()) as arm:
+        ports = arm.setup.ports
+        with socket.create_connection((HOST, ports.secondary)) as line:
+            line.sendall((folder / "trajectory.script").read_bytes())
+            wait_for(lambda: read_state(HOST, ports.rtde).program_runs)
+            wait_for(lambda: not read_state(HOST, ports.rtde).program_runs)
+        end = arm.truth.latest()
+        assert read_state(HOST, ports.rtde).safety_mode == "normal"
+        since = np.arange(0, SECONDS, 0.05)
+        wanted = designed(folder).at(since).q
+        begins = np.arange(end - SECONDS - 3, end - SECONDS, 0.01)
+        off = [np.abs(arm.truth.part("q", begin + since) - wanted).max() for begin in begins]
+    assert min(off) < 0.1
+    assert 10 * min(off) < np.ptp(wanted, axis=0).max()
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    until = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < until, "it never came"
+        time.sleep(0.02)
 
 
 def test_the_summary_tells_each_parameter(folder: Path) -> None:

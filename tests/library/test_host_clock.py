@@ -1,14 +1,19 @@
 """Sensors on the robot's clock by the stamps of the computer that recorded all devices."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
 
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.host_clock import least_delayed
+from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.signals.clocks import BY_HOST
 from ur5lib.signals.device_clock import device_clock
@@ -81,6 +86,58 @@ def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, 
     assert findings[0].finding == "no start stamp"
 
 
+def keep_rows(path: Path, first: int, last: int) -> None:
+    """Leave some rows of a CSV, and its header if it has one."""
+    lines = path.read_text().splitlines(keepends=True)
+    header = lines[:1] if lines[0][0].isalpha() else []
+    path.write_text("".join(header + lines[len(header) :][first:last]))
+
+
+def missing(entry: dict[str, Any]) -> list[tuple[str, str]]:
+    """Devices that lack a part, and what is said of them."""
+    findings: list[Finding] = []
+    raw = read_recording(entry)
+    place_sensors(raw, findings)
+    found = [one for one in raw.findings + findings if one.finding == "part missing"]
+    assert {one.severity for one in found} <= {"warning"}
+    return [(one.device, one.detail) for one in found]
+
+
+def test_a_sensor_that_recorded_all_lacks_nothing(entry: dict[str, Any]) -> None:
+    assert missing(entry) == []
+
+
+@pytest.mark.parametrize(
+    ("rows", "sentence"),
+    [
+        (
+            (0, 10_000),
+            "covers only 10.0 of 30.0 s: it starts 0.7 s after the robot and ends 19.3 s before it",
+        ),
+        ((12_000, 30_000), "covers only 17.3 of 30.0 s: it starts 12.7 s after the robot;"),
+        (
+            (12_000, 20_000),
+            "covers only 8.0 of 30.0 s: it starts 12.7 s after the robot and ends 9.2 s before it;",
+        ),
+    ],
+)
+def test_a_sensor_that_lacks_a_part_is_found(
+    entry: dict[str, Any], rows: tuple[int, int], sentence: str
+) -> None:
+    keep_rows(Path(entry["folder"], "force.csv"), *rows)
+    ((device, detail),) = missing(entry)
+    assert (device, detail[: len(sentence)]) == ("force", sentence)
+
+
+def test_a_robot_that_dies_before_its_sensors_is_found(entry: dict[str, Any]) -> None:
+    """But not one of which only a part is wanted."""
+    assert missing(entry | {"to_s": 12.0}) == []
+    keep_rows(Path(entry["folder"], "robot.csv"), 0, 6_000)
+    ((device, detail),) = missing(entry)
+    assert device == "robot"
+    assert detail.startswith("covers only 12.0 of the 30.1 s that the sensors recorded;")
+
+
 def test_a_short_record_that_came_at_once_has_the_nominal_rate(entry: dict[str, Any]) -> None:
     """As from a computer that was busy when it began."""
     path = Path(entry["folder"], "robot.csv")
@@ -97,3 +154,60 @@ def test_the_line_lies_below_the_delays(seconds: float) -> None:
     line = least_delayed(own, delayed(BOOT + own / (1 + ROBOT_DRIFT), 3))
     assert np.abs(line.host(own) - BOOT - own / (1 + ROBOT_DRIFT)).max() < 0.0015
     np.testing.assert_allclose(line.own(line.host(own)), own, atol=1e-6)
+
+
+def tails(time: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Delays of 0.3 ms and more, without an end until 0.3 s [s]."""
+    return np.asarray(np.minimum(0.0003 * random.pareto(1.2, len(time)), 0.3))
+
+
+def stalls(time: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """The same of a computer that is busy for half of the time, and some 10 ms late then [s]."""
+    edges = np.cumsum(random.exponential(0.4, 4 + 4 * int(time[-1])))
+    period = np.searchsorted(edges, time)
+    late = 0.002 + random.exponential(0.01, len(edges) + 1)
+    return tails(time, random) + np.where(period % 2, late[period], 0.0)
+
+
+def block_minima(own: np.ndarray, host: np.ndarray) -> np.ndarray:
+    """What least squares through the least delayed stamp of each block tell of `host`."""
+    trend = np.polyval(np.polyfit(own, host - host[0], 1), own)
+    block = np.floor(own / min(1.0, own[-1] / 8))
+    best = pd.Series(host - host[0] - trend).groupby(block).idxmin().to_numpy()
+    return np.asarray(np.polyval(np.polyfit(own[best], (host - host[0])[best], 1), own) + host[0])
+
+
+@pytest.mark.parametrize("delay", [tails, stalls])
+@pytest.mark.parametrize(("seconds", "rate"), [(6, 125), (6, 1000), (15, 500), (60, 500)])
+def test_late_stamps_move_no_clock(
+    delay: Callable[[np.ndarray, np.random.Generator], np.ndarray], seconds: int, rate: int
+) -> None:
+    """Within 2 ms always, nearer than by block minima always, and by an order mostly."""
+    ours, others = [], []
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        own = np.arange(0, seconds, 1 / rate)
+        true = BOOT + (1 + random.normal(0, 1e-4)) * own
+        host = np.maximum.accumulate(true + delay(own, random))
+        line = least_delayed(own, host)
+        assert (line.host(own) < host + 2e-6).all()
+        assert abs(line.slope - np.polyfit(own, true, 1)[0]) < 5 * line.slope_std
+        ours.append(np.abs(line.host(own) - true).max())
+        others.append(np.abs(block_minima(own, host) - true).max())
+    assert max(ours) < 0.002
+    assert (np.array(ours) < np.array(others) + 2e-6).all()
+    assert 10 * np.median(ours) < np.median(others)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.floats(0, 10), min_size=2, max_size=40), st.floats(-1e-3, 1e-3))
+def test_the_line_solves_the_linear_program(delays: list[float], drift: float) -> None:
+    """No stamp lies below it, and no other such line has a lesser mean delay."""
+    own = np.arange(len(delays), dtype=np.float64)
+    host = (1 + drift) * own + delays
+    line = least_delayed(own, host)
+    left = host - line.host(own)
+    above = np.column_stack([np.ones_like(own), own])
+    best = linprog(-above.mean(axis=0), A_ub=above, b_ub=host, bounds=(None, None))
+    assert left.min() > -1e-6
+    assert left.mean() == pytest.approx(host.mean() + best.fun, abs=1e-6)

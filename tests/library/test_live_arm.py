@@ -19,8 +19,8 @@ from ur5lib.stand.lab.dashboard_server import answer
 from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.lab.motion import JointMotion
 from ur5lib.stand.lab.readings import ForceReading, ImuReading
-from ur5lib.stand.lab.truth import Truth
-from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording
+from ur5lib.stand.lab.truth import ROWS, Truth
+from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
 
@@ -141,6 +141,7 @@ def test_a_program_of_plain_commands_runs_to_its_end(box: ControlBox) -> None:
         ("movej([0, 0, 0, 0, 0, 0], a=1, v='fast')", "not supported between"),
         ("servoj([0, 0, 0, 0, 0, 0], lookahead_time=0)", "must be positive"),
         ("set_payload(-1)", "greater than 0"),
+        ("freedrive_mode(freeAxes=[1, 0, 0, 0, 0, 0])", "some axes only"),
         ("while True:", "`while True:` is not emulated"),
         ("x = 1", "`x = 1` is not emulated"),
     ],
@@ -197,6 +198,37 @@ def test_the_dashboard_knows_its_commands(box: ControlBox, command: str, told: s
     assert answer(command, box) == told
 
 
+# By hand
+
+
+def pull(box: ControlBox, seconds: float) -> None:
+    """A hand at the tool, on a spring that moves 10 cm away and back."""
+    start = box.arm.time
+    box.arm.touch(
+        Spring(kind="spring", displacement=(0.0, 0.1, 0.0), start_s=start, seconds=seconds)
+    )
+
+
+def test_in_freedrive_the_arm_gives_way_and_then_stays(box: ControlBox) -> None:
+    execute(box, "sleep(0.5)")
+    pull(box, 2.0)
+    execute(box, "sleep(1.0)")
+    np.testing.assert_allclose(box.arm.state("q"), HOME, atol=0.01)
+    pull(box, 2.0)
+    assert execute(box, "freedrive_mode()", "sleep(1.0)", "end_freedrive_mode()") == []
+    led = box.arm.state("q").copy()
+    assert np.abs(led - HOME).max() > 0.05
+    assert box.safety_mode == SafetyMode.NORMAL
+    execute(box, "sleep(1.5)")  # while the hand goes back
+    np.testing.assert_allclose(box.arm.state("q"), led, atol=0.01)
+
+
+def test_nobody_s_arm_stands_still_in_freedrive(box: ControlBox) -> None:
+    """Its own weight does not move it."""
+    assert execute(box, "teach_mode()", "sleep(2.0)", "end_teach_mode()") == []
+    np.testing.assert_allclose(box.arm.state("q"), HOME, atol=0.005)
+
+
 # Sensors
 
 
@@ -213,6 +245,18 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
     np.testing.assert_allclose(np.linalg.norm(imu[:, 6:], axis=1), 0.8, atol=0.01)
     noisy = np.array([ImuReading(truth, Imu())(0.01 + k * 0.004) for k in range(10)])
     assert noisy.std(axis=0).min() > 0
+
+
+def test_the_truth_is_kept_for_a_while(box: ControlBox) -> None:
+    truth = box.arm._truth
+    first = len(truth.since(0))
+    box.arm.advance(10)
+    np.testing.assert_array_equal(truth.since(first + 9), [box.arm.states[-1]])
+    for _ in range(ROWS - 1):
+        truth.append(box.arm.states[-1])
+    late = truth.since(first)
+    assert len(late) == ROWS + 9
+    np.testing.assert_array_equal(np.isnan(late[:, 0]), np.arange(len(late)) < 10)
 
 
 def test_the_truth_is_interpolated_and_ends_where_it_is_known(box: ControlBox) -> None:

@@ -15,9 +15,13 @@ from tests.conftest import PROJECT
 from tests.examples import examples
 from ur5lib.cli import app
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
+from ur5lib.recorder.arm_state import PLAYING
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
+from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.lab.controller import HOST, EmulatedController
@@ -26,6 +30,7 @@ from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.check import read_study
 from ur5lib.study.record import Wish, record
+from ur5lib.tables import read_json
 
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\
@@ -78,8 +83,24 @@ def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> No
     assert (recording.name, recording.role, recording.format) == ("pushed", "contact", "rtde-csv")
     assert yaml.safe_load(study.read_text())["devices"] == yaml.safe_load(STUDY)["devices"]
     assert "next: snakemake --configfile lab.yaml" in said(screen)
+    assert recording.truth == "truth"
+    expect_truth(Path("raw/lab/pushed"), recording.model_dump())
     with pytest.raises(InputError, match="raw/lab/pushed exists"):
         record(study, wish, console())
+
+
+def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
+    """The truth about a session: what the encoders read, and when the sensors' first samples were.
+
+    The encoders read it but for their noise, and the clocks are told within 2 ms.
+    """
+    raw = read_recording(entry)
+    truth = Truth.read(folder / "truth.parquet").at(raw.robot.table["time"].to_numpy())
+    read = np.array([raw.robot.table[f"actual_q_{joint}"] for joint in range(6)]).T
+    np.testing.assert_allclose(truth.q, read, rtol=0, atol=1e-4)
+    clocks = read_json(folder / "truth.json")["clocks"]
+    starts = {name: start.seconds for name, (_, start) in place_sensors(raw, []).items()}
+    assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
 
 
 @pytest.mark.usefixtures("controller_ports")
@@ -100,6 +121,25 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     assert "joint 1, 2, 3, 4, 5, 6 turned by less than 0.5 rad" in said(screen)
     assert "recordings" not in yaml.safe_load(study.read_text())  # without --add, it is printed
     assert "- name: swing" in said(screen)
+
+
+@pytest.mark.usefixtures("controller_ports")
+def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
+    """By a hand that pulls again and again, from before freedrive until after it."""
+    pytest.importorskip("rtde_control")
+    pull = {"kind": "spring", "displacement": [0.0, 0.1, 0.0], "seconds": 2}
+    plan = at(HOME).model_dump() | {"contacts": [pull | {"start_s": 2 * k} for k in range(30)]}
+    screen = console()
+    with EmulatedController("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
+        record(study, Wish("led", "contact", seconds=6, by_hand=True, yes=True), screen)
+        assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
+    led = pd.read_csv("raw/lab/led/robot.csv")
+    turned = np.abs(led[[f"actual_q_{joint}" for joint in range(6)]].to_numpy() - HOME)
+    begin = int((led["runtime_state"] == PLAYING).to_numpy().argmax())
+    assert turned[: begin + 1].max() < 0.01
+    assert turned.max() > 0.2
+    assert set(led["safety_mode"]) == {1}
+    assert "the motion ended early" not in said(screen)
 
 
 @pytest.mark.usefixtures("controller_ports")
@@ -125,7 +165,8 @@ def test_the_page_is_followed_word_for_word(
     blocks = examples(PROJECT / "docs" / "recording.md")
     (page,) = (block.text for block in blocks if block.text.startswith("study: lab"))
     Path("lab.yaml").write_text(page)
-    np.savetxt("points.csv", np.array([HOME, HOME + 0.1, HOME]), delimiter=",")
+    (way_points,) = (block.text for block in blocks if block.text.startswith("0.5, -1.6"))
+    Path("points.csv").write_text(way_points)
     lines = [line for block in blocks for line in block.text.splitlines()]
     commands = [line for line in lines if line.startswith("ur5 record lab.yaml")]
     assert len(commands) == 3
@@ -135,7 +176,8 @@ def test_the_page_is_followed_word_for_word(
     assert [one.name for one in read_study(Path("lab.yaml")).recordings] == ["free", "pushed"]
     for name in ("rest", "free", "pushed"):
         files = {file.name for file in Path("raw/lab", name).iterdir()}
-        assert files == {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
+        recorded = {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
+        assert files == recorded | {"truth.parquet", "truth.json"}
 
 
 @pytest.mark.usefixtures("controller_ports")

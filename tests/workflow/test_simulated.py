@@ -1,9 +1,11 @@
 """Simulated recordings in the workflow: made first, made alike, their truth kept apart."""
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.conftest import Workflow, copy_project
 
@@ -120,6 +122,22 @@ def test_no_step_but_the_comparison_is_given_the_truth(made: Workflow) -> None:
         for name in ("moved", "held.1")
         for suffix in ("parquet", "json")
     }
+
+
+def test_the_truth_of_the_emulated_lab_is_for_the_comparison_alone(made: Workflow) -> None:
+    """Whose recordings are files like real ones; their entry says where their truth lies."""
+    raw, truth = made.folder / "raw/made/held.1", made.folder / "results/made/truth"
+    for suffix in (".parquet", ".json"):
+        shutil.copy(truth / f"held.1{suffix}", raw / f"truth{suffix}")
+    study = yaml.safe_load(STUDY)
+    held = study["recordings"][1]
+    del held["simulate"]
+    held |= {"folder": "raw/made/held.1", "file": "robot.csv", "truth": "truth"}
+    (made.folder / "config.yaml").write_text(yaml.safe_dump(study))
+    done = made.run("--dry-run", "--forceall", "--quiet", "host")
+    jobs = re.findall(r"\nrule (\S+):\n    input: (.*)\n", done.stdout)
+    given = [job for job, files in jobs if "raw/made/held.1/truth" in files]
+    assert given == ["compare_with_truth"]
 
 
 def test_what_an_arm_cannot_do_is_told(made: Workflow) -> None:

@@ -72,10 +72,15 @@ def way_points(cell: Cell, path: Path) -> Array:
 
 
 def script(q: Array) -> str:
-    """Return a URScript program that moves to the start and streams q (N, 6) [rad] at 125 Hz."""
+    """Return a URScript program that moves to the start and streams q (N, 6) [rad] at 125 Hz.
+
+    A controller runs what it receives as soon as it has the last line, `end`; a call after that
+    line would be another program, which replaces it. Source: Universal Robots' script manual,
+    Connecting to URControl.
+    """
     lines = [f"  servoj({_list(row)}, {SERVO})" for row in q]
     start = f"  movej({_list(q[0])}, {APPROACH})"
-    return "\n".join(["def excite():", start, *lines, "  stopj(2.0)", "end", "excite()", ""])
+    return "\n".join(["def excite():", start, *lines, "  stopj(2.0)", "end", ""])
 
 
 def stand_study(robot: str, path: Path) -> str:

@@ -9,14 +9,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from ur5lib.recordings.coverage import Span, robot_coverage
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.timeseries.arrays import Array
 
 COUNTER = "counter"  # column of a sensor's own count of its samples
-BLOCK, BLOCKS = 1.0, 8  # s; in each, the least delayed sample counts; so many at least
-SHORT, TINY = 4.0, 1e-3  # s; what is shorter determines no drift; what is tiny came at once
+SHORT = 4.0  # s; a robot that was recorded for less tells no drift
+RESOLUTION = 1e-6  # s, of stamps
+NEXT = 5  # a half has so many stamps nearer to the line than the one that tells its error
 DELAY = 0.0005  # s, standard uncertainty of the least delay of a device
-FEWEST, SHORT_STD = 4, 1e-3  # blocks that determine a line; error of a rate that nothing tells
+FEWEST, SHORT_STD = 4, 1e-3  # stamps that determine a line; error of a rate that nothing tells
 
 
 @dataclass(frozen=True)
@@ -37,25 +39,53 @@ class Line:
 
 
 def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line:
-    """Return the line below the stamps: of the least delayed sample of each block.
+    """Return the line below the stamps that leaves the least mean delay.
 
     own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
-    nominal: slope of a record that is too short to tell, None for that of all its samples.
-    Residuals of a line through all samples tell the delays up to a constant; the samples with
-    the least of each block are fitted by least squares.
+    nominal: slope of a record that is too short to tell, None for that of its samples.
+    No delay is negative, so the best line is a linear program; its solution is the edge of the
+    lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
+    and removal of clock skew from network delay measurements, INFOCOM 1999). Samples that were
+    hardly delayed determine it, however late and however many the others are.
     """
     elapsed, since = own - own[0], host - host[0]
-    known = nominal if since[-1] <= SHORT else None
-    slope = float(np.polyfit(elapsed, since, 1)[0]) if known is None else known
-    delay = since - slope * elapsed
-    block = np.floor(since / max(min(BLOCK, since[-1] / BLOCKS), TINY))
-    best = pd.Series(delay).groupby(block).idxmin().to_numpy()
-    if len(best) < FEWEST or known is not None:
-        return Line(float(host[0] + delay.min() - slope * own[0]), slope, SHORT_STD)
-    (slope, offset), covariance = np.polyfit(elapsed[best], since[best], 1, cov="unscaled")
-    spread = np.std(since[best] - offset - slope * elapsed[best], ddof=2)
-    std = float(spread * np.sqrt(covariance[0, 0]))
-    return Line(float(host[0] + offset - slope * own[0]), float(slope), std)
+    if nominal is not None and since[-1] <= SHORT:
+        offset = float((since - nominal * elapsed).min())
+        return Line(float(host[0] + offset - nominal * own[0]), nominal, SHORT_STD)
+    trend = float(np.polyfit(elapsed, since, 1)[0])
+    delay = since - trend * elapsed  # up to a constant, and small, so that the hull is exact
+    first, last = _edge_below(elapsed, delay)
+    steeper = float((delay[last] - delay[first]) / (elapsed[last] - elapsed[first]))
+    offset = float(delay[first] - steeper * elapsed[first])
+    std = _slope_std(elapsed, delay - offset - steeper * elapsed)
+    slope = trend + steeper
+    return Line(float(host[0] + offset - slope * own[0]), slope, std)
+
+
+def _edge_below(elapsed: Array, delay: Array) -> tuple[int, int]:
+    """Return the samples at both ends of the lower convex hull's edge under the mean time."""
+    from scipy.spatial import ConvexHull  # slow to import; few recordings need it
+
+    height = max(float(np.ptp(delay)), RESOLUTION)
+    stamps = np.column_stack([elapsed / elapsed[-1], (delay - delay.min()) / height])
+    above = [[0.0, 2.0], [1.0, 2.0]]  # above all stamps, so that no hull is flat
+    ends = ConvexHull(np.vstack([stamps, above])).simplices
+    ends = ends[(ends < len(stamps)).all(axis=1)]
+    ends = np.take_along_axis(ends, elapsed[ends].argsort(axis=1), axis=1)
+    begin, end = elapsed[ends].T
+    mean = elapsed.mean()
+    first, last = ends[np.flatnonzero((begin < mean) & (mean <= end))[0]].tolist()
+    return first, last
+
+
+def _slope_std(elapsed: Array, delay: Array) -> float:
+    """Return the standard error of the slope: the next least delays of each half could shift it."""
+    early = elapsed < elapsed.mean()
+    halves = delay[early], delay[~early]
+    if min(map(len, halves)) <= NEXT:
+        return SHORT_STD
+    room, other = (float(np.partition(half, NEXT)[NEXT]) for half in halves)
+    return max(float(np.hypot(room, other)), RESOLUTION) / float(elapsed[-1] / 2)
 
 
 def without_delays(table: pd.DataFrame) -> pd.DataFrame:
@@ -89,12 +119,22 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     own, host = stamped["time"].to_numpy(), stamped["received"].to_numpy()
     line = least_delayed(own, host, nominal=1.0)
     placed = {name: _placed(one, line, start) for name, one in sensors.items()}
-    return replace(raw, sensors=raw.sensors | placed)
+    spans = [_span(one) for one in placed.values()]
+    together = min(begin for begin, _ in spans), max(end for _, end in spans)
+    findings = robot_coverage(_span(raw.robot), together)
+    return replace(raw, sensors=raw.sensors | placed, findings=raw.findings + findings)
 
 
 def on_host(sensor: DeviceRecord) -> bool:
     """Return whether a sensor's stamps are those of the robot's host."""
     return sensor.start is not None and sensor.start.since == "host_s"
+
+
+def _span(device: DeviceRecord) -> Span:
+    """Return when a device with a start stamp recorded its first and its last sample [s]."""
+    assert device.start is not None
+    time = device.table["time"]
+    return device.start.seconds + float(time.min()), device.start.seconds + float(time.max())
 
 
 def _placed(sensor: DeviceRecord, robot: Line, start: Stamp) -> DeviceRecord:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from ur5lib.recordings.coverage import sensor_coverage
 from ur5lib.recordings.plausibility import stray_times
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
@@ -37,6 +38,8 @@ def place_sensors(
             findings.append(Finding(device, "stale copy", "warning", 1, detail))
         else:
             placed[device] = (record, offset)
+            begin, end = (offset.seconds + edge for edge in _span(record))
+            findings += sensor_coverage(device, (begin, end), _span(recording.robot), offset.std)
     return placed
 
 

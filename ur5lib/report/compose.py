@@ -251,7 +251,7 @@ def _is_evidence(block: Block | Draft) -> bool:
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
     """Return a notice of simulated recordings, if any."""
-    simulated = [recording["name"] for recording in recordings if recording.get("simulate")]
+    simulated = [one["name"] for one in recordings if one.get("simulate") or one.get("truth")]
     if not simulated:
         return ""
     some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)

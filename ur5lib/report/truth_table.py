@@ -79,14 +79,17 @@ def shares(quantity: str, index: Sequence[object], stated: float, inside: Array)
 
 
 def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
-    """Yield offset [s] and drift [ppm] of each device, from clocks.json and the truth."""
+    """Yield offset [s] and drift [ppm] of each device, from clocks.json and the truth.
+
+    Sensors that the host's stamps placed are on the robot's clock: their drift has no truth.
+    """
     for device, found in clocks.items():
         true = truth["clocks"][device]
         for quantity, unit, scale, key in (
             ("offset", "s", 1.0, "offset_s"),
             ("drift", "ppm", 1e6, "drift_ppm"),
         ):
-            if found[quantity] is not None:
+            if found[quantity] is not None and key in true:
                 number, std = scale * found[quantity], scale * found[f"{quantity}_std"]
                 told = [true[key]], [number], [std]
                 for row in values(f"clock_{quantity}", [device], unit, *told):

@@ -15,10 +15,10 @@ from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
-class Motion:
+class TrueMotion:
     """The true motion and forces, every millisecond.
 
-    time: (N,) [s]; targets; q, qd, qdd: (N, 6); torques: (N, 6) [Nm], of the motors, of friction
+    time: (N,) [s]; q, qd, qdd: (N, 6); torques: (N, 6) [Nm], of the motors, of friction
     (against the motion) and of contacts: D q̈ + C q̇ + g = motor − friction + contact; wrench:
     (N, 6), environment on link 6 and beyond, base axes, at the origin of frame 6; force_sensor:
     (N, 6), of tool and environment on the flange, at the sensor, its axes; imu: (N, 6), specific
@@ -27,7 +27,6 @@ class Motion:
     """
 
     time: Array
-    targets: Targets
     q: Array
     qd: Array
     qdd: Array
@@ -39,6 +38,13 @@ class Motion:
     imu: Array
     origin: Array
     rotation: Array
+
+
+@dataclass(frozen=True)
+class Motion(TrueMotion):
+    """The true motion and forces, and the targets that the arm was to follow."""
+
+    targets: Targets
 
 
 @dataclass(frozen=True)
@@ -94,4 +100,4 @@ def _move(rig: Rig, plan: SimulatedRecording) -> Motion:
         now = max(step, 0)
         rig.step(wanted[now], warmth[now], kept[now])
     parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
-    return Motion(time, targets, *parts)
+    return Motion(time=time, targets=targets, **dict(zip(PARTS, parts, strict=True)))

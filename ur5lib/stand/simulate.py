@@ -1,5 +1,6 @@
 """Simulation of one recording: the motion of the arm and the files of its devices."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Literal
 
@@ -14,7 +15,7 @@ from ur5lib.stand.files import WRITERS, write_files
 from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.sensors import force_readings, imu_readings
-from ur5lib.stand.truth import write_truth
+from ur5lib.stand.truth import planned_clocks, write_truth
 from ur5lib.stand.wrist_sensor import wrist_channels
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
@@ -49,7 +50,9 @@ def simulate(
     sent = spoil(sent, hit, random["faults"])
     written = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
     write_files(written, folder, plan.faults.torn_files)
-    write_truth(experiment, hit, cycle, truth)
+    frames_hit = {name: np.flatnonzero(flags) for name, flags in asdict(hit).items()}
+    devices = {"clocks": planned_clocks(plan), "frames": frames_hit}
+    write_truth(experiment, plan, experiment.motion, cycle, devices, truth)
 
 
 def _sensors(

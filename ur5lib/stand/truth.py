@@ -1,5 +1,6 @@
 """The truth of a simulated recording, read only by the comparison at the end of the pipeline."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -9,36 +10,56 @@ import pandas as pd
 
 from ur5lib.stand import controller, sensors
 from ur5lib.stand import drive as drives
-from ur5lib.stand.engine import Experiment, Motion
-from ur5lib.stand.faults import Hit
+from ur5lib.stand.engine import Experiment, TrueMotion
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import STEP
+from ur5lib.stand.rig import STEP, Rig
 from ur5lib.tables import named, write_json, write_table
 from ur5lib.timeseries.arrays import Array
 
+Clocks = dict[str, dict[str, float]]
 
-def write_truth(experiment: Experiment, hit: Hit, cycle: float, truth: Path) -> None:
-    """Write truth.parquet, at the controller's frames, and truth.json, the true parameters."""
-    plan, motion = experiment.plan, experiment.motion
+
+def write_truth(
+    arm: Experiment | Rig,
+    plan: SimulatedRecording,
+    motion: TrueMotion,
+    cycle: float,
+    devices: Mapping[str, Any],
+    truth: Path,
+) -> None:
+    """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
+
+    arm: what was simulated; cycle: the controller's [s]; devices: `clocks`, and `frames`, the
+    numbers of those that faults hit; truth: path of both files without their suffixes.
+    """
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)
     summary = {
-        "robot": experiment.robot.name,
-        "gravity": experiment.robot.gravity,
-        "model": experiment.model,
+        "robot": arm.robot.name,
+        "gravity": arm.robot.gravity,
+        "model": arm.model,
         "cycle_s": cycle,
         "plan": plan.model_dump(),
-        "drive": asdict(experiment.drive),
-        "friction": asdict(experiment.friction),
+        "drive": asdict(arm.drive),
+        "friction": asdict(arm.friction),
         "noise": _noise() if plan.noise else None,
-        "clocks": _clocks(plan),
         "contacts": _intervals(motion),
-        "frames": {name: np.flatnonzero(flags) for name, flags in asdict(hit).items()},
+        **devices,
     }
     write_json(summary, f"{truth}.json")
 
 
-def truth_table(motion: Motion, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
+def planned_clocks(plan: SimulatedRecording) -> Clocks:
+    """Return each device's clock, counted from its first sample: offset + (1 + drift) t_device."""
+    devices = {"force": plan.force_sensor, "imu": plan.imu}
+    return {
+        name: {"offset_s": device.clock.offset_s, "drift_ppm": device.clock.drift_ppm}
+        for name, device in devices.items()
+        if device is not None
+    }
+
+
+def truth_table(motion: TrueMotion, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the true time series at the controller's frames, and the unit of each column.
 
     Columns: `time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the
@@ -77,17 +98,7 @@ def _noise() -> dict[str, Any]:
     }
 
 
-def _clocks(plan: SimulatedRecording) -> dict[str, dict[str, float]]:
-    """Return each device's clock, counted from its first sample: offset + (1 + drift) t_device."""
-    devices = {"force": plan.force_sensor, "imu": plan.imu}
-    return {
-        name: {"offset_s": device.clock.offset_s, "drift_ppm": device.clock.drift_ppm}
-        for name, device in devices.items()
-        if device is not None
-    }
-
-
-def _intervals(motion: Motion) -> list[list[float]]:
+def _intervals(motion: TrueMotion) -> list[list[float]]:
     """Return the starts and ends of all contacts [s]."""
     touched = (motion.contact_torque != 0).any(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], touched, [0]])))

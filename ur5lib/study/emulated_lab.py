@@ -1,13 +1,16 @@
 """An emulated laboratory, in place of devices that a study names."""
 
+import csv
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.robots.description import Robot
 from ur5lib.stand.lab.controller import HOST, EmulatedController
-from ur5lib.stand.lab.net_ft_box import NetFTBox
-from ur5lib.stand.lab.own_clock import Drift
+from ur5lib.stand.lab.kept_truth import KeptTruth
+from ur5lib.stand.lab.net_ft_box import INTERNAL_RATE, NetFTBox
+from ur5lib.stand.lab.own_clock import Drift, OwnClock
 from ur5lib.stand.lab.readings import ForceReading, ImuReading
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
@@ -20,20 +23,23 @@ PLAN = {  # the arm rests until somebody moves it
     "force_sensor": {"bias": [-5.3, 1.8, -1.0, 0.07, 0.43, -0.11]},
     "imu": {},
 }
+TRUTH = "truth"  # file of the truth beside a recording's files, without suffix
 PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}
 
 
 @contextmanager
-def emulated_lab(robot: Robot, is_pushed: bool) -> Iterator[Lab]:
+def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     """Yield the devices of an emulated laboratory, which answer on this computer alone.
 
     An arm, which a hand pushes 8 s after it is switched on if `is_pushed`, an ATI Net F/T between
-    flange and hand, and an Xsens MTi.
+    flange and hand, and an Xsens MTi. If a recording lies in `folder` at the end, the truth about
+    it is left beside its files.
     """
     plan = SimulatedRecording.model_validate(PLAN | {"contacts": [PUSH] if is_pushed else []})
     with ExitStack() as devices:
         arm = EmulatedController(robot, plan=plan, drift_ppm=ARM_DRIFT)
         truth = devices.enter_context(arm).truth
+        kept = devices.enter_context(KeptTruth(arm))
         force = ForceReading(truth, plan.force_sensor or ForceSensor())
         box = devices.enter_context(NetFTBox(force, FORCE_RATE, Drift(drift_ppm=FORCE_DRIFT)))
         turning = ImuReading(truth, plan.imu or Imu())
@@ -43,3 +49,31 @@ def emulated_lab(robot: Robot, is_pushed: bool) -> Iterator[Lab]:
             force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
             imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
         )
+        start = _first(folder / "robot.csv", "timestamp")
+        if start is not None:
+            counts = {
+                "force": (box.clock, folder / "force_sensor.csv", "ft_sequence", INTERNAL_RATE),
+                "imu": (imu.clock, folder / "imu.csv", "sample_counter", IMU_RATE),
+            }
+            begins = {name: _begin(*count) for name, count in counts.items()}
+            clocks = {
+                name: {"offset_s": arm.clock.stamp(begin) - start}
+                for name, begin in begins.items()
+                if begin is not None
+            }
+            kept.write(start, clocks, folder / TRUTH)
+
+
+def _begin(clock: OwnClock, file: Path, counter: str, rate: float) -> float | None:
+    """Return when the first sample in a file was taken [s, host], by the device's own count."""
+    count = _first(file, counter)
+    return None if count is None else clock.host(count / rate)
+
+
+def _first(file: Path, column: str) -> float | None:
+    """Return the first number in a column of a file, None without one."""
+    if not file.is_file():
+        return None
+    with file.open(encoding="ascii") as lines:
+        row = next(csv.DictReader(lines), None)
+    return float(row[column]) if row else None

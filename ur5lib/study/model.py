@@ -187,24 +187,33 @@ class Simulable(Part):
         return layout.file_names(self.format, self.simulate.model_dump())
 
 
+class Recorded(Simulable, Sensors):
+    """A file of the robot and files of its sensors, as `ur5 record` leaves them."""
+
+    file: str = Field(description="path within the recording's folder")
+    truth: str | None = Field(
+        None,
+        description="path within the recording's folder of the truth about it, which the emulated "
+        "lab of `ur5 record` leaves, without its suffixes .parquet and .json",
+    )
+
+
 class ThesisRecording(Simulable):
     """A folder `csv_files` with one CSV per channel, as recorded for the thesis."""
 
     format: Literal["thesis-csv"] = Field(description="format of the files")
 
 
-class StreamRecording(Simulable, Sensors):
+class StreamRecording(Recorded):
     """A capture of the controller's realtime port, with lines received_s,payload_hex."""
 
     format: Literal["realtime-stream"] = Field(description="format of the files")
-    file: str = Field(description="path within the recording's folder")
 
 
-class RtdeRecording(Simulable, Sensors):
+class RtdeRecording(Recorded):
     """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
     format: Literal["rtde-csv"] = Field(description="format of the files")
-    file: str = Field(description="path within the recording's folder")
 
 
 class TableRecording(Part, DeviceTable, Sensors):

@@ -15,7 +15,7 @@ from ur5lib.strict import expect_few_values
 from ur5lib.study.explanation import explain, shown
 from ur5lib.study.model import Study
 
-FILE_KEYS = {"folder", "file", "force_sensor", "imu"}
+FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
 RENAMED = {  # settings of earlier versions, by step and key
     "repair_frames": {"max_gap_s": "frames.max_gap_s"},
     "filter_signals": {

@@ -24,7 +24,7 @@ from ur5lib.recorder.mover import Mover, move_to_start
 from ur5lib.recorder.session import Session
 from ur5lib.robots.description import Robot
 from ur5lib.study.check import read_plain
-from ur5lib.study.emulated_lab import emulated_lab
+from ur5lib.study.emulated_lab import TRUTH, emulated_lab
 from ur5lib.study.named_lab import arm_of, checked_name, lab_of
 from ur5lib.study.recorded_entry import enter, entry_of
 
@@ -65,7 +65,7 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
     laboratory: AbstractContextManager[Lab] = (
-        emulated_lab(robot, is_pushed=wish.role == "contact")
+        emulated_lab(robot, wish.role == "contact", folder)
         if wish.emulate
         else nullcontext(lab_of(plain, path))
     )
@@ -88,6 +88,7 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     _say_what_is_left(session.statuses(), wish.role, mover, console)
     entry = {"name": wish.name, "role": wish.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
+    entry |= {"truth": TRUTH} if wish.emulate else {}
     return enter(entry, path, plain, wish.add, console)
 
 

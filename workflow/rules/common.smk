@@ -35,6 +35,11 @@ except OSError as error:
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
+TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without their suffixes
+    name: f"{recording.folder}/{recording.truth}"
+    for name, recording in RECORDINGS.items()
+    if getattr(recording, "truth", None)
+}
 SETTINGS = STUDY.settings
 REFERENCE = {"reference": STUDY.reference} if STUDY.reference else {}
 TOUCHED = [name for name, recording in RECORDINGS.items() if recording.role == "contact"]
@@ -129,7 +134,7 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    names = ["name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate"]
+    names = ["name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate", "truth"]
     unread = dict.fromkeys(names, True) | {"force_sensor": {"mounting"}}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 

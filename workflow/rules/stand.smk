@@ -22,17 +22,17 @@ for recording in SIMULATED:
             run_step("simulate_recording", input, output, params, log)
 
 
-if SIMULATED:
+if TRUTHS:
 
     rule compare_with_truth:
         input:
-            truth=[f"{RESULTS}/truth/{name}.parquet" for name in SIMULATED],
-            truth_summary=[f"{RESULTS}/truth/{name}.json" for name in SIMULATED],
-            clocks=results("clocks.json", SIMULATED),
-            motion=results("motion.parquet", SIMULATED),
-            fused=results("fused_motion.parquet", SIMULATED),
-            accelerations=results("accelerations.parquet", SIMULATED),
-            forces=results("forces.parquet", SIMULATED),
+            truth=[f"{truth}.parquet" for truth in TRUTHS.values()],
+            truth_summary=[f"{truth}.json" for truth in TRUTHS.values()],
+            clocks=results("clocks.json", TRUTHS),
+            motion=results("motion.parquet", TRUTHS),
+            fused=results("fused_motion.parquet", TRUTHS),
+            accelerations=results("accelerations.parquet", TRUTHS),
+            forces=results("forces.parquet", TRUTHS),
             described=[described(robot) for robot in ROBOTS],
             fitted=parameters("arm.yaml"),
             rotors=parameters("rotor_inertia.json"),
@@ -46,7 +46,7 @@ if SIMULATED:
         params:
             **SETTINGS.lowpass.accelerations.model_dump(),
             code=code("compare_with_truth"),
-            recordings=SIMULATED,
+            recordings=[*TRUTHS],
             robots=ROBOTS,
         run:
             run_step(rule, input, output, params, log)

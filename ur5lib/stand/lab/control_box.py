@@ -114,6 +114,10 @@ class ControlBox:
             self.safety_mode = SafetyMode.NORMAL
         return self.safety_mode == SafetyMode.NORMAL
 
+    def hold(self) -> None:
+        """End freedrive: the arm stays where it was led."""
+        self.arm.motion.stopj(ENDING)
+
     def say(self, text: str) -> None:
         """Write to the robot's log."""
         for listener in self.log:

@@ -137,6 +137,25 @@ class ControlScript:
         self._motion.stopj(self._doubles(0, 1)[0])
         return urscript.wait_until_done(self._box)
 
+    def teach_mode(self) -> None:
+        """Let the arm be led by hand."""
+        self._box.arm.release()
+
+    def freedrive(self) -> None:
+        """Let the arm be led by hand; along some axes only is not emulated."""
+        if not all(self._integer(axis) for axis in range(1, 7)):
+            raise UnsupportedCommandError("freedrive along some axes only is not emulated")
+        self._box.arm.release()
+
+    def end_freedrive(self) -> Program:
+        """Stay where the arm was led."""
+        self._box.hold()
+        return urscript.wait_until_done(self._box)
+
+    def get_freedrive_status(self) -> None:
+        """Answer that freedrive is not hindered: emulated joints give way in any posture."""
+        self._write(RESULT, 0)
+
     def set_payload(self) -> None:
         """Declare a payload: mass and centre of mass."""
         mass, *center = self._doubles(0, 4)
@@ -203,8 +222,8 @@ HANDLERS: dict[int, Handler] = {
     15: ControlScript.stop_motion,  # speedStop
     16: ControlScript.stop_motion,  # servoStop
     17: ControlScript.set_payload,
-    18: ControlScript.nothing,  # teachMode; nobody leads the arm
-    19: ControlScript.nothing,  # endTeachMode
+    18: ControlScript.teach_mode,
+    19: ControlScript.end_freedrive,  # endTeachMode
     26: ControlScript.get_step_time,
     29: ControlScript.nothing,  # setTcp
     31: ControlScript.protective_stop,
@@ -217,9 +236,9 @@ HANDLERS: dict[int, Handler] = {
     43: ControlScript.get_pose,
     45: ControlScript.move_path,
     47: ControlScript.is_steady,
-    52: ControlScript.nothing,  # freedriveMode; nobody leads the arm
-    53: ControlScript.nothing,  # endFreedriveMode
-    54: ControlScript.nothing,  # getFreedriveStatus
+    52: ControlScript.freedrive,
+    53: ControlScript.end_freedrive,
+    54: ControlScript.get_freedrive_status,
     58: ControlScript.get_pose,
     65: ControlScript.set_target_payload,
 }

@@ -84,6 +84,10 @@ class ControllerClock:
         """Return the host's time of the controller's timestamps."""
         return self.start + (1 + self.drift) * (stamp - self.uptime)
 
+    def stamp(self, host: float) -> float:
+        """Return the controller's timestamp at a time of the host [s]."""
+        return self.uptime + (host - self.start) / (1 + self.drift)
+
 
 @dataclass(frozen=True)
 class Setup:

@@ -71,6 +71,11 @@ class LiveArm:
         known = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
         self.rig = replace(self.rig, known=known, known_data=mujoco.MjData(known), declared=payload)
 
+    def release(self) -> None:
+        """Let the arm be led by hand until the next command: its weight is held, it gives way."""
+        data = self.rig.data
+        self.motion.give_way(lambda: (data.qpos.copy(), data.qvel.copy()))
+
     def exceeded(self) -> str:
         """Return which limit the arm exceeds, in words; nothing where it exceeds none."""
         target, positions, speeds = self.motion, *self._limits

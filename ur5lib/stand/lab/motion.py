@@ -1,6 +1,7 @@
 """The targets of the joints, step by step, as URScript's motion commands set them."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from itertools import count
 
 import numpy as np
 
@@ -64,6 +65,13 @@ class JointMotion:
         self._goal, self._gain = speeds, acceleration
         if self._kind != "speedj":
             self._start("speedj", self._run())
+
+    def give_way(self, actual: Callable[[], tuple[Array, Array]]) -> None:
+        """Follow the joints wherever they are pushed, as in freedrive.
+
+        actual: returns their angles and speeds (6,) [rad, rad/s].
+        """
+        self._start("freedrive", ((*actual(), REST) for _ in count()))
 
     def _start(self, kind: str, rows: Iterator[Target]) -> None:
         self._kind, self._rows, self.moving = kind, rows, True

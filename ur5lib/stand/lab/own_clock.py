@@ -34,6 +34,10 @@ class OwnClock:
         """Return when a sample, counted from 0, is taken [s, the host's monotonic time]."""
         return self._start + sample * self._step
 
+    def host(self, shown: float) -> float:
+        """Return when the device's clock shows a time [s, the host's monotonic time]."""
+        return self._start + (shown - self._offset) * self._rate_hz * self._step
+
     def shown(self, sample: int) -> float:
         """Return what the device's clock shows when a sample is taken [s]."""
         return self._offset + sample / self._rate_hz

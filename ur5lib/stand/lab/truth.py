@@ -9,7 +9,7 @@ from ur5lib.stand.rig import PARTS, STEP
 from ur5lib.stand.sensors import EARTH_FIELD
 from ur5lib.timeseries.arrays import Array
 
-ROWS = 4096  # of the last steps that are kept
+ROWS = 16384  # of the last steps that are kept
 WIDTH = sum(PARTS.values())
 COLUMNS = dict(
     zip(PARTS, np.split(np.arange(WIDTH), np.cumsum(list(PARTS.values()))[:-1]), strict=True)
@@ -17,7 +17,7 @@ COLUMNS = dict(
 
 
 class Truth:
-    """The last four seconds of an arm's true state, in a file that processes map into memory.
+    """The last 16 seconds of an arm's true state, in a file that processes map into memory.
 
     One process writes; any other opens the same path. Its time is the host's time.monotonic.
     """
@@ -52,6 +52,17 @@ class Truth:
         """Return the time of the last step [s, host]."""
         start, rate, count = self._head[:3]
         return float(start + rate * STEP * (count - 1))
+
+    def since(self, first: int) -> Array:
+        """Return the states of all steps from number `first` on (N, WIDTH), in rig.PARTS' order.
+
+        NaN where they are kept no longer.
+        """
+        count = int(self._head[2])
+        steps = np.arange(first, count)
+        rows = self._rows[steps % ROWS].copy()
+        rows[steps <= int(self._head[2]) - ROWS] = np.nan
+        return rows
 
     def part(self, name: str, when: Array | float) -> Array:
         """Return a quantity of `rig.PARTS` at times (...) [s, host]: (..., components).

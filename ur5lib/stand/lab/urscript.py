@@ -121,6 +121,19 @@ def _sleep(command: Command, box: ControlBox) -> Program:
     yield from wait(t, box)
 
 
+def _freedrive(command: Command, box: ControlBox) -> Program:
+    axes, _ = command.arguments(freeAxes=(1, 1, 1, 1, 1, 1), feature=None)
+    if not all(axes):
+        raise UnsupportedCommandError("freedrive along some axes only is not emulated")
+    box.arm.release()
+    yield
+
+
+def _end_freedrive(command: Command, box: ControlBox) -> Program:
+    box.hold()
+    yield from wait_until_done(box)
+
+
 def _set_payload(command: Command, box: ControlBox) -> Program:
     mass, center = command.arguments(m=0.0, cog=(0.0, 0.0, 0.0))
     box.arm.declare(Payload(mass=mass, center_of_mass=tuple(center)) if mass else None)
@@ -158,6 +171,10 @@ COMMANDS: dict[str, Callable[[Command, ControlBox], Program]] = {
     "speedj": _speedj,
     "stopj": _stopj,
     "sleep": _sleep,
+    "freedrive_mode": _freedrive,
+    "end_freedrive_mode": _end_freedrive,
+    "teach_mode": _freedrive,
+    "end_teach_mode": _end_freedrive,
     "set_payload": _set_payload,
     "textmsg": _textmsg,
     "protective_stop": _protective_stop,
