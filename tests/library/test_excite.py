@@ -34,7 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     written = tmp_path_factory.mktemp("excite")
     with pytest.MonkeyPatch.context() as patch:
         quick = search.Effort(1, 0, ((1e3, 10),))
-        patch.setattr(excite, "design", lambda task, seed: search.design(task, seed, quick))
+        patch.setattr(excite, "design", lambda task, seed, _: search.design(task, seed, quick))
         words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS), "--table", "0"]
         done = CliRunner().invoke(app, [*words, "--write", str(written)])
     assert done.exit_code == 0, done.output
@@ -93,7 +93,8 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     ("words", "message"),
     [
         (["--robot", "ur6"], "no description of `ur6`"),
-        (["--question", "tea"], "--question 'tea': give one of model, friction"),
+        (["--question", "tea"], "--question 'tea': give one of model, undetermined"),
+        (["--payload", "0", "0", "0", "0"], "--payload 0 0 0 0: give a mass above zero"),
         (["--table", "nan"], "--table nan: give its height"),
         (["--boxes", "none.yaml"], "--boxes none.yaml cannot be read"),
         (["--boxes", "wrong.yaml"], "wrong.yaml: boxes.0.size"),
