@@ -65,10 +65,10 @@ def excitation_page(
 def _worst(problem: Problem, worth: Worth) -> str:
     """Return what becomes of the parameter that is least determined."""
     worst = worth.least_determined()[0]
-    before, after = (_short(errors[worst]) for errors in (worth.before, worth.after))
     return (
-        f"Least determined so far is the {problem.names()[worst]}: this recording would lower its "
-        f"standard error from {before} to {after} {problem.units()[worst]}. "
+        f"Least determined so far is the {problem.names()[worst]}: of its standard error, "
+        f"{_short(worth.before[worst])} {problem.units()[worst]}, this recording would leave "
+        f"{worth.after[worst] / worth.before[worst]:.0%}. "
     )
 
 

@@ -28,7 +28,7 @@ from ur5lib.study.earlier import problem_after
 from ur5lib.study.exported import described, identified
 
 BEFORE = (
-    "Look at the sweep, run `stand.yaml`, and go along the way-points slowly before the arm moves "
+    "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
     "at full speed."
 )
 MOST_TOLD = 6  # parameters whose standard errors are printed
@@ -82,7 +82,7 @@ def _mounting(load: Payload) -> str:
     x, y, z = load.center_of_mass
     return (
         f"Mount {load.mass:g} kg with its centre of mass at ({x:g}, {y:g}, {z:g}) m in frame 6; "
-        "declare it to the controller and as `payload` of the recording."
+        "declare it to the controller and as the payload of the recording."
     )
 
 
@@ -133,7 +133,7 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
 
 
 def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
-    """Yield what a trajectory is worth, and the parameters that gain least from it."""
+    """Yield what a trajectory is worth, and what becomes of the least determined parameters."""
     yield (
         f"log det of the information: {worth.log_det:.1f}, {worth.gain:.1f} more than before; "
         f"condition number of the regressor {worth.regressor_condition:.0f}, of the whole problem "
