@@ -3,8 +3,10 @@
 For each arm: time, log det and condition numbers of a designed trajectory, of the best of many
 random ones that keep the same limits, and of way-points that move one joint after the other, as
 the thesis's `_No6` does. Then the errors on unseen motions after a fit to each, in memory: the
-problem's own equations with their noise. `--cells` designs in random cells instead, and counts the
-trajectories that keep all limits at 1 kHz.
+problem's own equations with their noise. `--other` adds another's trajectory, such as the one that
+`figaroh/optimal_trajectory.py` writes; `--free` leaves out what FIGAROH does not know, distances
+and singularities. `--cells` designs in random cells instead, and counts the trajectories that keep
+all limits at 1 kHz.
 """
 
 import argparse
@@ -55,13 +57,21 @@ def main() -> None:
     options.add_argument("--random", type=int, default=RANDOM, help="random trajectories")
     options.add_argument("--cells", type=int, default=0, help="random cells to design in")
     options.add_argument("--other", type=File, help="CSV of another's trajectory: time, q1..q6")
+    options.add_argument("--free", action="store_true", help="without collisions, singularities")
     given = options.parse_args()
     if given.cells:
         return print_cells(given.cells)
     effort, count = (QUICK, 3) if given.quick else (USUAL, given.random)
     for robot in ROBOTS[-1:] if given.quick else ROBOTS:
         task = task_of(Wish(robot, SECONDS, "model", None, None, None, 0))
+        task = free(task) if given.free else task
         compared(robot, task, effort, count, given.other)
+
+
+def free(task: Task) -> Task:
+    """Return the task without limits of distances and singularities."""
+    limits = replace(task.cell.limits, clearance=-1.0, singular_value=1e-9)
+    return replace(task, cell=replace(task.cell, limits=limits))
 
 
 def compared(robot: str, task: Task, effort: Effort, count: int, other: File | None) -> None:

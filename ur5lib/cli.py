@@ -156,7 +156,10 @@ def excite(
     write: Annotated[Path, typer.Option(help="folder to write to")],
     seconds: Annotated[float, typer.Option(help="length of the motion", min=5, max=60)] = 20.0,
     question: Annotated[
-        str, typer.Option(help="what it is to determine: model, friction, payload, force-bands")
+        str,
+        typer.Option(
+            help="what it is to determine: model, undetermined, friction, payload, force-bands"
+        ),
     ] = "model",
     results: Annotated[
         Path | None,
@@ -168,14 +171,22 @@ def excite(
     boxes: Annotated[
         Path | None, typer.Option(help="YAML list of boxes around the arm (docs/excitation.md)")
     ] = None,
+    payload: Annotated[
+        tuple[float, float, float, float] | None,
+        typer.Option(
+            help="known load on the flange: mass [kg], centre of mass in frame 6 [m]",
+            metavar="MASS X Y Z",
+        ),
+    ] = None,
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
     """Design the motion that tells most about an arm, within its limits and its surroundings."""
     from rich.console import Console
 
-    from ur5lib.study.excite import Wish, excite
+    from ur5lib.study.excite import Wish, excite, known_load
 
-    wish = Wish(robot, seconds, question, results, table, boxes, seed)
+    load = None if payload is None else known_load(*payload)
+    wish = Wish(robot, seconds, question, results, table, boxes, seed, load)
     with Console(stderr=True).status("searching, a minute or two"):
         lines = list(excite(wish, write))
     for line in lines:

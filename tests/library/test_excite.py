@@ -39,7 +39,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     written = tmp_path_factory.mktemp("excite")
     with pytest.MonkeyPatch.context() as patch:
         quick = search.Effort(1, 0, ((1e3, 10),))
-        patch.setattr(excite, "design", lambda task, seed: search.design(task, seed, quick))
+        patch.setattr(excite, "design", lambda task, seed, _: search.design(task, seed, quick))
         words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS), "--table", "0"]
         done = CliRunner().invoke(app, [*words, "--write", str(written)])
     assert done.exit_code == 0, done.output
@@ -100,7 +100,16 @@ def test_the_summary_tells_each_parameter(folder: Path) -> None:
     assert len(rows) == 40 + 30
     assert all(row["std_error_after"] <= row["std_error_before"] for row in rows)
     assert {row["unit"] for row in rows} >= {"kg m", "kg m²", "Nm/A", "Nm", "Nm s/rad"}
-    assert (folder / "excitation.svg").is_file()
+    assert all(row["std_error_before"] == row["std_error_prior"] for row in rows)
+
+
+def test_the_page_tells_each_parameter_and_the_command(folder: Path) -> None:
+    page = (folder / "excitation.html").read_text()
+    assert "What to record next on ur5e" in page
+    assert f"--move {folder}/trajectory.csv --speed 1" in page
+    names = {row["parameter"] for row in read_json(folder / "excitation.json")["parameters"]}
+    assert all(f">{name}</th>" in page for name in names)
+    assert page.count("data:image/svg+xml") == 1
 
 
 def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Path) -> None:
@@ -123,7 +132,8 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     ("words", "message"),
     [
         (["--robot", "ur6"], "no description of `ur6`"),
-        (["--question", "tea"], "--question 'tea': give one of model, friction"),
+        (["--question", "tea"], "--question 'tea': give one of model, undetermined"),
+        (["--payload", "0", "0", "0", "0"], "--payload 0 0 0 0: give a mass above zero"),
         (["--table", "nan"], "--table nan: give its height"),
         (["--boxes", "none.yaml"], "--boxes none.yaml cannot be read"),
         (["--boxes", "wrong.yaml"], "wrong.yaml: boxes.0.size"),

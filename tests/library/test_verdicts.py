@@ -12,7 +12,7 @@ from ur5lib.report.results import Results
 from ur5lib.report.verdicts import currents, data_quality, force, link_model, motion
 from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
-from ur5lib.report.views.currents import constants, cross_validation
+from ur5lib.report.views.currents import constants, cross_validation, next_recordings
 from ur5lib.report.views.found import NOTHING, findings
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
 from ur5lib.report.views.models import excitation, identified
@@ -308,6 +308,19 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     assert steps(quiet) == ["No finding asks for a correction or another recording."]
     asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
     assert steps(asked) == ["On ur5, joints 1 to 3 move along one path only: record another path."]
+
+
+def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:
+    known = {"robot": "ur5", "parameter": "coulomb", "std_error": 0.1}
+    rows = [known | {"joint": k, "prior_share": k / 100} for k in range(1, 7)]
+    rows[2] |= {"parameter": "load", "prior_share": 0.9}
+    results = study()
+    tables = {**results.tables, "friction": pd.DataFrame(rows)}
+    (told,) = next_recordings(Results({"study": "mine"}, tables, Path()))
+    first, *others, last = told.partition(":")[0].split(", ")
+    assert first.endswith("load friction of joint 3 ± 0.100 (90 %)")
+    assert [*others, last] == [f"Coulomb friction of joint {k} ± 0.100 ({k} %)" for k in (6, 5)]
+    assert "ur5 excite --robot ur5 --results results/mine --question undetermined" in told
 
 
 # Tables that used to contradict themselves

@@ -12,6 +12,7 @@ from ur5lib.excitation.limits import Cell
 from ur5lib.excitation.objective import Task
 from ur5lib.excitation.path import Path
 from ur5lib.excitation.worth import Worth
+from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
@@ -24,7 +25,14 @@ SERVO = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY = "excitation"
 
 
-def write_files(folder: File, robot: str, task: Task, path: Path, summary: dict[str, Any]) -> None:
+def write_files(
+    folder: File,
+    robot: str,
+    payload: Payload | None,
+    task: Task,
+    path: Path,
+    summary: dict[str, Any],
+) -> None:
     """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
 
     Raises InputError where they cannot be written.
@@ -34,7 +42,7 @@ def write_files(folder: File, robot: str, task: Task, path: Path, summary: dict[
         "trajectory.csv": _csv(np.column_stack([time, states.q])),
         "way_points.csv": _csv(way_points(task.cell, path)),
         "trajectory.script": script(states.q),
-        "stand.yaml": stand_study(robot, path),
+        "stand.yaml": stand_study(robot, payload, path),
         "excitation.json": json_text(summary),
     }
     for name, text in texts.items():  # all of them are made before the first is written
@@ -44,11 +52,14 @@ def write_files(folder: File, robot: str, task: Task, path: Path, summary: dict[
 def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
     """Return a trajectory, its margins and its worth as plain data."""
     problem = task.problem
-    rows = zip(problem.names(), problem.units(), worth.before, worth.after, strict=True)
-    parameters = [
-        {"parameter": name, "unit": unit, "std_error_before": before, "std_error_after": after}
-        for name, unit, before, after in rows
-    ]
+    columns = {
+        "parameter": problem.names(),
+        "unit": problem.units(),
+        "std_error_prior": worth.prior.tolist(),
+        "std_error_before": worth.before.tolist(),
+        "std_error_after": worth.after.tolist(),
+    }
+    rows = zip(*columns.values(), strict=True)
     return {
         "path": asdict(found.path),
         "margins": asdict(found.margins),
@@ -57,7 +68,7 @@ def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
         "log_det_gain": worth.gain,
         "condition_number_of_regressor": worth.regressor_condition,
         "condition_number": worth.condition,
-        "parameters": parameters,
+        "parameters": [dict(zip(columns, row, strict=True)) for row in rows],
     }
 
 
@@ -83,7 +94,7 @@ def script(q: Array) -> str:
     return "\n".join(["def excite():", start, *lines, "  stopj(2.0)", "end", ""])
 
 
-def stand_study(robot: str, path: Path) -> str:
+def stand_study(robot: str, payload: Payload | None, path: Path) -> str:
     """Return a study that simulates the recording on the virtual test stand."""
     trajectory = {
         "kind": "series",
@@ -91,12 +102,15 @@ def stand_study(robot: str, path: Path) -> str:
         "period_s": path.seconds,
         "coefficients": path.coefficients.tolist(),
     }
+    plan: dict[str, Any] = {"trajectory": trajectory, "seconds": path.seconds + BESIDE}
+    if payload is not None:
+        plan["payload"] = payload.model_dump(mode="json")
     recording = {
         "name": "designed",
         "robot": robot,
         "format": "rtde-csv",
         "role": "fit",
-        "simulate": {"trajectory": trajectory, "seconds": path.seconds + BESIDE},
+        "simulate": plan,
     }
     study = {"study": STUDY, "title": "A designed trajectory", "recordings": [recording]}
     return yaml.safe_dump(study, sort_keys=False, default_flow_style=None)

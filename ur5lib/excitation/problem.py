@@ -6,7 +6,7 @@ a = 1/k is the inverse torque constant, b an offset, z = tanh(q̇/ε) the direct
 v and l Coulomb, viscous and load-dependent friction over k, and p a payload's ten parameters.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -81,6 +81,11 @@ class Problem:
     def of_payload(self) -> slice:
         """Return where the payload's parameters lie in θ; empty where none is sought."""
         return slice(self.count + 30, None)
+
+    def of_model(self, parameters: Array) -> "Problem":
+        """Return the problem about other inertial parameters π (66,): another load, for example."""
+        beta = self.base.groups @ parameters
+        return replace(self, theta=np.concatenate([beta, self.theta[self.count :]]))
 
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
@@ -164,10 +169,14 @@ class Problem:
 
     def standard_errors(self, information: Array) -> Array:
         """Return the standard errors (P,) of the parameters in physical units, see `UNITS`."""
-        rotated = self._to_physical()
+        rotated = self.to_physical()
         return np.sqrt(np.diag(rotated @ np.linalg.inv(information) @ rotated.T))
 
-    def _to_physical(self) -> Array:
+    def shares_of_prior(self, information: Array) -> Array:
+        """Return the standard errors (P,) as shares of those of the prior, which are 1."""
+        return self.standard_errors(information) / self.standard_errors(self.prior)
+
+    def to_physical(self) -> Array:
         """Return ∂physical/∂θ (P, P): k = 1/a, and b, c, v, l times k."""
         D = np.eye(len(self.theta))
         for columns in self._joint_columns():

@@ -11,6 +11,8 @@ from ur5lib.timeseries.arrays import Array, Mask
 Criterion = Callable[[Array], tuple[float, Array]]
 """From the information M (P, P) to a value, the larger the better, and its gradient (P, P)."""
 
+CONDITION = 30.0  # weight of a condition number's logarithm beside log det
+RESOLVED = 1e-12  # smallest share of the largest eigenvalue that is not rounding
 PREDICTED_SPEED, PREDICTED_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²: where forces are estimated
 
 
@@ -42,8 +44,50 @@ def i_optimality(rows: Array) -> Criterion:
     return of
 
 
+def conditioning(scale: Array) -> Criterion:
+    """Return -log of the condition number of the information in units of a scale (P,).
+
+    Parameters of scale zero are left out. Zero where the number is beyond what doubles resolve.
+    """
+    kept = np.ix_(scale > 0, scale > 0)
+    weight = np.outer(scale, scale)
+
+    def of(information: Array) -> tuple[float, Array]:
+        values, vectors = np.linalg.eigh((weight * information)[kept])
+        gradient = np.zeros_like(information)
+        if values[0] < RESOLVED * values[-1]:
+            return 0.0, gradient
+        least, most = (np.outer(vectors[:, k], vectors[:, k]) / values[k] for k in (0, -1))
+        gradient[kept] = least - most
+        return float(np.log(values[0] / values[-1])), weight * gradient
+
+    return of
+
+
 def _model(problem: Problem, _: LinkModel) -> Criterion:
-    return d_optimality(np.full(len(problem.theta), True))
+    """D-optimality, which hardly tells motions of different condition numbers apart, and these.
+
+    The one of the base parameters is in SI units, as others state it, the one of all parameters in
+    units of their priors.
+    """
+    of_base = np.where(np.arange(len(problem.theta)) < problem.count, 1.0, 0.0)
+    of_all = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
+    informed = d_optimality(np.full(len(problem.theta), True))
+    conditioned = conditioning(of_base), conditioning(of_all)
+
+    def of(information: Array) -> tuple[float, Array]:
+        value, gradient = informed(information)
+        for part in conditioned:
+            own_value, own_gradient = part(information)
+            value, gradient = value + CONDITION * own_value, gradient + CONDITION * own_gradient
+        return value, gradient
+
+    return of
+
+
+def _undetermined(problem: Problem, _: LinkModel) -> Criterion:
+    """Standard errors in shares of the prior's: their mean square is that of the largest."""
+    return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
 def _friction(problem: Problem, _: LinkModel) -> Criterion:
@@ -67,6 +111,7 @@ def _force_bands(problem: Problem, model: LinkModel) -> Criterion:
 
 QUESTIONS: dict[str, Callable[[Problem, LinkModel], Criterion]] = {
     "model": _model,
+    "undetermined": _undetermined,
     "friction": _friction,
     "payload": _payload,
     "force-bands": _force_bands,

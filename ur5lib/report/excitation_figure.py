@@ -20,8 +20,8 @@ from ur5lib.timeseries.arrays import Array
 RATE = 20.0  # Hz, of the states that are drawn
 POSTURES = 25  # of the arm in each view of its sweep
 VIEWS = {"from above": (0, 1), "from the side": (0, 2), "from the front": (1, 2)}  # axes of each
-LAYOUT: Any = [["path"] * 3, ["margins"] * 3, ["errors"] * 3, [*VIEWS]]
-HEIGHTS = (1.2, 0.8, 1.2, 1.6)
+LAYOUT: Any = [["path"] * 3, ["spectrum"] * 3, ["margins"] * 3, ["errors"] * 3, [*VIEWS]]
+HEIGHTS = (1.2, 0.8, 0.8, 1.2, 1.6)
 
 
 def excitation_figure(
@@ -30,9 +30,10 @@ def excitation_figure(
     """Return the figure; its data are the angles that are drawn."""
     time, states = path.sampled(RATE)
     with plt.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 1.35 * WIDTH), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 1.5 * WIDTH), layout="constrained")
         panels = figure.subplot_mosaic(LAYOUT, height_ratios=HEIGHTS)
         _draw_path(panels["path"], time, states.q)
+        _draw_spectrum(panels["spectrum"], path)
         _draw_margins(panels["margins"], margins)
         _draw_errors(panels["errors"], problem, worth)
         _, origins = link_frames(robot, states.q)
@@ -47,6 +48,16 @@ def _draw_path(panel: Axes, time: Array, q: Array) -> None:
         panel.plot(time, q[:, joint], color=color, label=f"joint {joint + 1}")
     panel.set(xlabel="time [s]", ylabel="angle [rad]")
     panel.legend(ncols=6, fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+
+
+def _draw_spectrum(panel: Axes, path: Path) -> None:
+    """Draw the amplitude of each harmonic of each joint."""
+    sines, cosines = np.split(path.coefficients, 2)
+    frequency = np.arange(1, len(sines) + 1) / path.seconds
+    for joint, color in enumerate(JOINTS):
+        amplitude = np.hypot(sines[:, joint], cosines[:, joint])
+        panel.plot(frequency, amplitude, ".-", color=color, linewidth=0.8, markersize=3)
+    panel.set(xlabel="frequency [Hz]", ylabel="amplitude [rad]")
 
 
 def _draw_margins(panel: Axes, margins: Margins) -> None:

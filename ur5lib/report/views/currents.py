@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.report.cells import extremes, interval, joints, number, with_error
+from ur5lib.report.cells import extremes, interval, joints, number, rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
 
@@ -47,6 +47,13 @@ def constants(results: Results) -> Body:
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
 
 
+TOLD = {
+    "torque_constant": "torque constant",
+    "coulomb": "Coulomb friction",
+    "viscous": "viscous friction",
+    "load": "load friction",
+}
+LEAST_KNOWN = 3  # parameters that the next recording is designed for
 REST = [Cell("did not move"), *[Cell("–")] * 3]  # of what only motion tells
 
 
@@ -84,6 +91,29 @@ def remarks(results: Results) -> Iterator[str]:
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield f"{robot}, {joints(group['joint'])}: {remark}."
+
+
+def next_recordings(results: Results) -> Iterator[str]:
+    """Yield what the recordings of each arm tell least about, and what designs the next one."""
+    study = results.study["study"]
+    for robot, rows in results.tables["friction"].groupby("robot", sort=False):
+        worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
+        parts = [
+            f"{TOLD.get(row.parameter, row.parameter)} of joint {row.joint} ± "
+            f"{rounded(row.std_error, 3)} ({100 * row.prior_share:.0f} %)"
+            for row in worst.itertuples()
+        ]
+        command = (
+            f"ur5 excite --robot {robot} --results results/{study} --question undetermined "
+            f"--payload 2 0.06 0 0.05 --write raw/{study}/next"
+        )
+        yield (
+            f"The recordings of {robot} tell least about the {', '.join(parts)}: standard error "
+            f"and, in brackets, the prior’s share of the variance. “{command}” designs the "
+            "recording that would tell most, and predicts each standard error after it. The known "
+            "load, here 2 kg beside the axis of joint 6, is for the wrist, which the bare arm "
+            "hardly loads."
+        )
 
 
 def unseen(results: Results) -> pd.DataFrame:

@@ -1,0 +1,98 @@
+"""The page of a designed trajectory: what it would tell, how the arm moves, how to record it."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ur5lib.excitation.design import Design
+from ur5lib.excitation.problem import Problem
+from ur5lib.excitation.worth import Worth
+from ur5lib.report.cells import significant
+from ur5lib.report.document import (
+    Cell,
+    Code,
+    Document,
+    Items,
+    Paragraph,
+    Picture,
+    Reference,
+    Section,
+    Table,
+)
+
+DATA = "excitation.json"
+
+
+def excitation_page(
+    asked: Mapping[str, Any],
+    before: Sequence[str],
+    command: str,
+    found: Design,
+    problem: Problem,
+    worth: Worth,
+    drawing: Path,
+) -> Document:
+    """Return the page of a trajectory.
+
+    asked: robot, question and seed; before: what to do before it is recorded, sentence by
+    sentence; command: what records it; drawing: the figure.
+    """
+    motion = Picture(
+        "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
+        "after over before, and the arm's sweep from three sides, flange's path in colour.",
+        drawing,
+        "angles over time, spectra, margins, standard errors and three views of the sweep",
+        "motion",
+        DATA,
+    )
+    sections = [
+        Section(
+            "What it would tell",
+            [Paragraph([_worst(problem, worth), Reference("parameters"), " lists all."])],
+        ),
+        Section("The motion", [motion, Items(found.margins.lines()[len(found.margins.used) :])]),
+        Section("How to record it", [Items([*before]), Code(command)]),
+        Section("All parameters", [_parameters(problem, worth)]),
+    ]
+    return Document(
+        title=f"What to record next on {asked['robot']}",
+        subtitle=f"A motion of {found.path.seconds:g} s designed for the question "
+        f"“{asked['question']}”, seed {asked['seed']}",
+        sections=sections,
+    ).numbered()
+
+
+def _worst(problem: Problem, worth: Worth) -> str:
+    """Return what becomes of the parameter that is least determined."""
+    worst = worth.least_determined()[0]
+    return (
+        f"Least determined so far is the {problem.names()[worst]}: of its standard error, "
+        f"{_short(worth.before[worst])} {problem.units()[worst]}, this recording would leave "
+        f"{worth.after[worst] / worth.before[worst]:.0%}. "
+    )
+
+
+def _parameters(problem: Problem, worth: Worth) -> Table:
+    """Return the table of all parameters, the least determined first."""
+    names, units, left = problem.names(), problem.units(), 100 / worth.prior
+    rows = [
+        [
+            Cell(names[k]),
+            Cell(units[k]),
+            Cell(_short(worth.before[k])),
+            Cell(_short(worth.after[k])),
+            Cell(f"{worth.before[k] * left[k]:.1f} %"),
+            Cell(f"{worth.after[k] * left[k]:.1f} %"),
+        ]
+        for k in worth.least_determined()
+    ]
+    header = ["parameter", "unit", "before", "after", "before, of prior", "after, of prior"]
+    caption = (
+        "Predicted standard errors before and after the recording, least determined first. 100 % "
+        "of the prior means that no recording tells the parameter."
+    )
+    return Table(caption, header, rows, "parameters", DATA)
+
+
+def _short(value: float) -> str:
+    return significant(value, 2)

@@ -1,0 +1,122 @@
+"""What the recordings of a study already told about an arm, for the design of the next one."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import InputError
+from ur5lib.excitation.problem import (
+    INDEPENDENT,
+    Maps,
+    Noise,
+    Problem,
+    build_problem,
+    nominal_maps,
+)
+from ur5lib.identification.currents import CurrentFit, JointFit
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.robots.description import Robot
+from ur5lib.study.exported import payload_of, recorded
+from ur5lib.study.known_parameters import NORMAL95
+from ur5lib.tables import read_json
+from ur5lib.timeseries.arrays import Array
+
+KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
+ROUNDS = 4  # in which predicted standard errors come within 3 % of those of the study
+
+
+class Recorded(NamedTuple):
+    """States of a recording every INDEPENDENT: the arm's model as it was then, Y (N, 6, 66), q̇."""
+
+    model: LinkModel
+    Y: Array
+    qd: Array
+
+
+def problem_after(
+    arm: Robot, model: LinkModel, results: Path, has_payload: bool
+) -> tuple[Problem, Array]:
+    """Return the problem of an arm that a study identified, and the information (P, P) so far.
+
+    arm: as identified; has_payload: whether a load is sought. Of the currents, the noise is such
+    that predicted standard errors are those of the study, which knows how its residuals are
+    correlated and how recordings differ. Raises InputError where a file is missing.
+    """
+    friction, base = (
+        _summary(results / "parameters" / arm.name / f"{name}.json")
+        for name in ("friction", "identification")
+    )
+    problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
+    recordings = [*_recorded(arm, results, sorted({*friction["from"], *base["from"]}))]
+    if friction["from"]:
+        problem = _as_observed(problem, recordings, _observed(friction))
+    return problem, _information(problem, recordings)
+
+
+def _maps(arm: Robot, friction: Any, base: Any) -> Maps:
+    """Return the maps to currents that a study fitted, with its noise; nominal without a fit."""
+    nominal = nominal_maps(arm)
+    torque = np.array(base.get("noise") or nominal.noise.torque)
+    if not friction["from"]:
+        return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
+    fit = CurrentFit.from_plain(friction["fit"])
+    bands = np.array([joint.band_moving for joint in fit.joints]) / NORMAL95
+    current = np.where(np.isfinite(bands), bands, nominal.noise.current)
+    return Maps(np.array([_kept(joint) for joint in fit.joints]), Noise(torque, current))
+
+
+def _kept(joint: JointFit) -> list[float]:
+    """Return a joint's coefficients of KEPT; zero for a term that the fit has not."""
+    known = dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
+    return [known.get(name, 0.0) for name in KEPT]
+
+
+def _observed(friction: Any) -> Array:
+    """Return the standard errors (6, 5) of KEPT that a study states, NaN for a missing term."""
+    errors = {(row["joint"], row["name"]): row["std_error"] for row in friction["parameters"]}
+    return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
+
+
+def _recorded(arm: Robot, results: Path, names: Sequence[str]) -> Iterator[Recorded]:
+    """Yield the states of recordings."""
+    for name in names:
+        as_then = arm.carrying(payload_of(results, name))
+        as_then = as_then.mounted(recorded(results, name).known_gravity())
+        model = LinkModel(as_then, as_then.fullest_model())
+        motion = Motion.read(results / "recordings" / name / "motion.parquet")
+        every = max(1, round(INDEPENDENT / float(np.median(np.diff(motion.time)))))
+        states = np.stack([motion.q, motion.qd, motion.qdd])[:, ::every]
+        q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
+        yield Recorded(model, model.regressor(q, qd, qdd), qd)
+
+
+def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
+    """Return the problem with noise of currents at which its standard errors are those observed.
+
+    A factor for each joint: what the median of its five parameters asks for, at least 1.
+    """
+    noise, factor = problem.noise, np.ones(6)
+    for _ in range(ROUNDS):
+        errors = problem.standard_errors(_information(problem, recordings))
+        predicted = errors[problem.of_currents].reshape(6, 5)
+        factor = np.maximum(factor * np.nanmedian(observed / predicted, axis=1), 1)
+        problem = replace(problem, noise=replace(noise, current=noise.current * factor))
+    return problem
+
+
+def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
+    """Return the information (P, P) of the prior and of recordings."""
+    known = problem.prior.copy()
+    for model, Y, qd in recordings:
+        known += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
+    return known
+
+
+def _summary(path: Path) -> Any:
+    if not path.is_file():
+        raise InputError(f"{path} does not exist; check --results and --robot, and run snakemake")
+    return read_json(path)
