@@ -20,7 +20,7 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.signals.imu_fusion import add_imu
+from ur5lib.signals.imu_fusion import ALL, WITH_BIASES, add_imu
 from ur5lib.signals.imu_model import LinearImu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import encoder_system
@@ -58,10 +58,9 @@ class Recording:
 
     def joints(self) -> System:
         """Return the system of motion and encoders."""
-        count = len(self.q)
-        noise = EncoderNoise(
-            np.ones((count, 6)), np.full(6, 1e-4), np.full(6, 0.01), np.full(6, 0.002)
-        )
+        count, ones = len(self.q), np.ones(self.q.shape)
+        swing = np.full(6, 2 * np.pi * 17), np.full(6, 0.1)
+        noise = EncoderNoise(ones, ones, *swing, 1e-4 * ones, 0.01 * ones, np.full(6, 0.002))
         return encoder_system(self.time, np.zeros(count, np.int64), self.q, self.qd, noise)
 
 
@@ -82,7 +81,7 @@ def main() -> None:
         "loop, Pinocchio": lambda: looped(robot, pin, recording),
     }
     count = 1 if quick else ROUNDS
-    print(f"{len(recording.q)} samples, 24 states, 18 measurements; median of {count} rounds")
+    print(f"{len(recording.q)} samples, {ALL} states, 18 measurements; median of {count} rounds")
     rounds = [{name: timed(run) for name, run in contenders.items()} for _ in range(count)]
     states = rounds[0]["this library"][1]
     for name in contenders:
@@ -140,7 +139,7 @@ def by_pinocchio(robot: Robot) -> Kinematics:
 
 
 def batched(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
-    """Return the states (N, 24) by this library."""
+    """Return the states (N, 42) by this library."""
 
     def model(rows: slice) -> LinearImu:
         return linearised(robot, kinematics, own.q[rows], own.qd[rows])
@@ -158,14 +157,14 @@ def linearised(robot: Robot, kinematics: Kinematics, q: Array, qd: Array) -> Lin
 
 
 def looped(robot: Robot, kinematics: Kinematics, own: Recording) -> Array:
-    """Return the states (N, 24) by plain loops: sample after sample, then back."""
+    """Return the states (N, 42) by plain loops: sample after sample, then back."""
     start, q, qd = first_two(robot, kinematics, own), own.q, own.qd
-    ekf = ExtendedKalmanFilter(24, 18)
-    ekf.x, ekf.P, ekf.R = np.zeros(24), np.zeros((24, 24)), np.diag(start.R[0])
+    ekf = ExtendedKalmanFilter(ALL, 18)
+    ekf.x, ekf.P, ekf.R = np.zeros(ALL), np.zeros((ALL, ALL)), np.diag(start.R[0])
     steps = []
     for k in range(len(q)):
         model = linearised(robot, kinematics, q[k : k + 1], qd[k : k + 1])
-        H = np.vstack([start.H[0, :12], model.H[0]])
+        H = np.vstack([start.H[0, :12], model.H[0] @ WITH_BIASES])
         ekf.F, ekf.Q = start.F[min(k, 1)], start.Q[min(k, 1)]
         ekf.predict()
         z = np.concatenate([q[k], qd[k], own.readings[k] - model.offset[0]])
