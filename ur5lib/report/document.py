@@ -84,7 +84,8 @@ class Table:
 class Picture:
     """A figure: an SVG file, its caption, and what it shows in words for who cannot see it.
 
-    source: its numbers, relative to the study's results; rule: what made it.
+    source: its numbers, relative to the study's results; rule: what made it; of: the recording or
+    arm that it is of, if it is of one.
     """
 
     caption: str
@@ -93,6 +94,7 @@ class Picture:
     label: str = ""
     source: str = ""
     rule: str = ""
+    of: str = ""
     number: int = 0
     kind: str = "picture"
 

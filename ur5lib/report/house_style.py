@@ -45,10 +45,14 @@ MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
 class Drawing(NamedTuple):
-    """A figure and its numbers; no rows for an empty figure."""
+    """A figure and its numbers; no rows for an empty figure.
+
+    styles: of a figure over time, the style of each line, in the order of the data's columns.
+    """
 
     figure: Figure
     data: pd.DataFrame
+    styles: tuple[str, ...] = ()
 
 
 def nothing_to_draw() -> Drawing:
@@ -62,13 +66,15 @@ def save(drawing: Drawing, path: str | Path) -> None:
     """Write a figure as SVG, byte for byte the same for the same data, and its numbers as CSV.
 
     Lines stay lines while they are few; many become an image inside the SVG, which is smaller.
+    Styles of lines become keywords of the SVG.
     """
     axes = drawing.figure.axes
     if sum(np.size(line.get_xdata()) for axis in axes for line in axis.lines) > MOST_VERTICES:
         for artist in (artist for axis in axes for artist in [*axis.lines, *axis.collections]):
             artist.set_rasterized(True)
     buffer = BytesIO()
+    told = {"Date": None} | ({"Keywords": [*drawing.styles]} if drawing.styles else {})
     with matplotlib.rc_context(HOUSE_STYLE):
-        drawing.figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
+        drawing.figure.savefig(buffer, format="svg", dpi=DPI, metadata=told)
     write_bytes(buffer.getvalue(), path)
     write_csv(drawing.data, Path(path).with_suffix(".csv"), digits=6)

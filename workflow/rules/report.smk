@@ -169,6 +169,8 @@ rule write_report:
         templates=[
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",
+            "ur5lib/report/templates/lines.js",
+            "ur5lib/report/templates/zoom.js",
         ],
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
