@@ -10,7 +10,7 @@ import pytest
 import yaml
 from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
+from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT
 from ur5lib.tables import channel, read_csv, read_json, read_table
@@ -430,6 +430,7 @@ def test_the_report_links_to_files_that_exist(thesis_results: Path, page: Page) 
 
 def test_the_report_is_well_formed_for_readers(thesis_results: Path, page: Page) -> None:
     check_structure(thesis_results / "report.html")
+    check_results(thesis_results)
     assert ("html", {"lang": "en"}) in page.tags
 
 

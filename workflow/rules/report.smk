@@ -176,6 +176,8 @@ rule write_report:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
         study=f"{RESULTS}/configuration.yaml",
+        results=f"{RESULTS}/results.json",
+        schema=f"{RESULTS}/results.schema.json",
     log:
         **traces("write_report"),
     params:
