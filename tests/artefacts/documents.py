@@ -87,7 +87,9 @@ def check_results(folder: Path) -> None:
     cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
     assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
     shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
-    for sentence in [*shown, *told["findings"], *told["next_steps"]]:
+    listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
+    assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
+    for sentence in [*shown, *listed]:
         assert sentence["text"] in text
         digits = sentence["text"].replace(",", "").replace("−", "-")
         assert all(f"{number['value']:g}" in digits for number in sentence["numbers"])

@@ -443,6 +443,14 @@ def test_the_report_reads_in_a_browser_and_prints(thesis_results: Path, tmp_path
     check_in_browser(thesis_results / "report.html", tmp_path)
 
 
+def test_the_closer_look_is_light(thesis_results: Path) -> None:
+    report = (thesis_results / "report.html").read_text()
+    scripts = re.findall(r"<script.*?</script>", report, re.DOTALL)
+    assert len(scripts) > 10
+    assert sum(map(len, scripts)) < 300_000
+    assert len(report.encode()) < 6_000_000
+
+
 def test_table_5_6_shows_the_numbers_of_the_csv(page: Page, torque: pd.DataFrame) -> None:
     header, *rows = page.table("compared with Table 5.6")
     looped = torque.query("recording == @TABLE_5_6 and motion == 'closed_loop'")

@@ -3,15 +3,13 @@
 import re
 from collections.abc import Iterable
 from dataclasses import asdict
+from itertools import pairwise
 from typing import Any
 
 from pydantic import Field
 
-from ur5lib.report.document import Number, State, Verdict
+from ur5lib.report.document import Document, Heading, Items, Number, State, Verdict, Verdicts
 from ur5lib.report.results import Results
-from ur5lib.report.views.found import findings
-from ur5lib.report.views.glance import verdicts
-from ur5lib.report.views.next_steps import steps
 from ur5lib.strict import Strict
 
 SCHEMA = "results.schema.json"
@@ -64,6 +62,13 @@ class Judged(Strict):
     numbers: list[Quantity]
 
 
+class Listed(Strict):
+    """A list under its heading."""
+
+    heading: str
+    sentences: list[Sentence]
+
+
 class Summary(Strict):
     """The first screen of a report as data."""
 
@@ -73,13 +78,15 @@ class Summary(Strict):
     simulated: list[str] = Field(description="recordings of the virtual test stand")
     commit: str = Field(description="of the code")
     verdicts: list[Judged]
-    next_steps: list[Sentence]
-    findings: list[Sentence]
+    lists: list[Listed] = Field(description="what to do next, findings, and what may follow them")
 
 
-def summary(results: Results) -> dict[str, Any]:
-    """Return the summary of a study as plain data that fit `summary_schema`."""
-    recordings = results.study["recordings"]
+def summary(document: Document, results: Results) -> dict[str, Any]:
+    """Return the first section of a report as plain data that fit `summary_schema`."""
+    recordings, blocks = results.study["recordings"], document.sections[0].blocks
+    judged = [
+        verdict for block in blocks if isinstance(block, Verdicts) for verdict in block.verdicts
+    ]
     names = [*results.roles(), *map(results.file_of, results.roles())]
     return Summary.model_validate(
         {
@@ -88,9 +95,12 @@ def summary(results: Results) -> dict[str, Any]:
             "title": results.study["title"],
             "simulated": [one["name"] for one in recordings if one.get("simulate")],
             "commit": results.commit,
-            "verdicts": [_judged(verdict, names) for verdict in verdicts(results)],
-            "next_steps": [_sentence(text, names) for text in steps(results)],
-            "findings": [_sentence(text, names) for text in findings(results)],
+            "verdicts": [_judged(verdict, names) for verdict in judged],
+            "lists": [
+                _listed(above, block, names)
+                for above, block in pairwise(blocks)
+                if isinstance(above, Heading) and isinstance(block, Items)
+            ],
         }
     ).model_dump(by_alias=True)
 
@@ -108,6 +118,11 @@ def _judged(verdict: Verdict, names: Iterable[str]) -> Judged:
         evidence=_sentence(verdict.evidence, names),
         numbers=[_quantity(number) for number in verdict.numbers],
     )
+
+
+def _listed(heading: Heading, items: Items, names: Iterable[str]) -> Listed:
+    sentences = [_sentence(text, names) for text in items.items]
+    return Listed(heading=heading.text, sentences=sentences)
 
 
 def _quantity(number: Number) -> Quantity:

@@ -17,5 +17,5 @@ def write_report(input: Any, output: Any, params: Any) -> None:
     write_html(document, output.html)
     write_pdf(document, output.pdf)
     write_text(params.study, output.study)
-    write_json(summary(results), output.results)
+    write_json(summary(document, results), output.results)
     write_json(summary_schema(), output.schema)
