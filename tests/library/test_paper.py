@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from pypdf import PdfReader
 
+from tests.conftest import PROJECT
 from tests.latex import ERRORS, check_latex, compile_latex
 from ur5lib.report.charts import calibration_panels, residual_panels
 from ur5lib.report.document import Cell, Document, Picture, Section, Table
@@ -133,6 +135,13 @@ def test_what_is_cited_can_be_found(tmp_path: Path) -> None:
     listed = re.findall(r"^@\w+\{(.*),$", references(), re.MULTILINE)
     assert {*cited} == {*listed} - {"kufieta2014"}  # which the study of the thesis cites
     check_latex(references())
+
+
+def test_the_references_are_those_of_the_citation_file() -> None:
+    known = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
+    bare = re.sub(r"[{}]", "", references())
+    for title in (known["title"], known["references"][0]["title"], known["version"]):
+        assert title in bare
 
 
 def test_everything_compiles(tmp_path: Path) -> None:
