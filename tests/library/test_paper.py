@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pypdfium2
 import pytest
 import yaml
 from hypothesis import given
@@ -13,7 +14,7 @@ from pypdf import PdfReader
 
 from tests.conftest import PROJECT
 from tests.latex import ERRORS, check_latex, compile_latex
-from ur5lib.report.charts import calibration_panels, residual_panels
+from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
 from ur5lib.report.document import Cell, Document, Picture, Section, Table
 from ur5lib.report.house_style import Drawing, save
 from ur5lib.report.paper import methods, paper, references, write_tables
@@ -42,11 +43,12 @@ def drawings() -> dict[str, Drawing]:
         "forces": draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH),
         "currents": draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT),
         "residuals": residual_panels(thin, {"q̇ [rad/s]": thin, "τ [Nm]": thin}, "A"),
+        "friction": scatter_panels(thin, thin, ("velocity of joint {} [rad/s]", "τ of {} [Nm]")),
         "calibration": calibration_panels([50, 80, 95], {"F̂ᵐᵃᵖ": shares}, ["Fx", "Fy", "Fz"]),
     }
 
 
-@pytest.mark.parametrize("name", ["forces", "currents", "residuals", "calibration"])
+@pytest.mark.parametrize("name", ["forces", "currents", "residuals", "friction", "calibration"])
 def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> None:
     for copy in ("a", "b"):
         save(drawings()[name], tmp_path / f"{copy}.pdf")
@@ -55,6 +57,10 @@ def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> Non
     (page,) = PdfReader(tmp_path / "a.pdf").pages
     assert float(page.mediabox.width) / 72 * 25.4 == pytest.approx(COLUMN, abs=0.1)
     assert len(page.images) == 0
+    text = pypdfium2.PdfDocument(tmp_path / "a.pdf")[0].get_textpage()
+    boxes = np.array([text.get_rect(i) for i in range(text.count_rects())])
+    assert boxes.min() >= 0, "no text is cut"
+    assert (boxes.max(axis=0)[2:] <= page.mediabox.upper_right).all()
     fonts = [font.get_object() for font in page["/Resources"]["/Font"].values()]
     assert fonts
     for font in fonts:

@@ -11,7 +11,10 @@ WIDTH = 88 / 25.4  # inches
 TALLER = 1.5  # than in the report: text keeps its size while panels become narrow
 LETTERS = 6.5  # points
 THINNER = 0.6  # of the widths of lines in the report
-LEGEND: Any = {"loc": "outside upper center", "ncols": 3, "frameon": False, "fontsize": LETTERS}
+LEGEND: Any = {"loc": "outside upper center", "frameon": False, "fontsize": LETTERS}
+ROW = 64  # letters of a legend side by side, with room for its lines
+INSIDE = (0, 0, 0.98, 1)  # of a figure: room for the label of the last panel
+LONGEST = 16  # letters of an axis's label in one row
 
 
 def fit_column(figure: Figure) -> None:
@@ -21,7 +24,7 @@ def fit_column(figure: Figure) -> None:
     """
     wide, high = figure.get_size_inches()
     figure.set_size_inches(WIDTH, TALLER * high * WIDTH / wide)
-    figure.set_layout_engine("constrained", w_pad=0.02, h_pad=0.02, hspace=0.03)
+    figure.set_layout_engine("constrained", w_pad=0.03, h_pad=0.02, hspace=0.03, rect=INSIDE)
     for artist in figure.findobj():
         artist.set_rasterized(False)
         if isinstance(artist, Text):
@@ -30,13 +33,17 @@ def fit_column(figure: Figure) -> None:
             artist.set_linewidth(THINNER * artist.get_linewidth())
     for axes in figure.axes:
         axes.tick_params(width=0.5, length=2, pad=1.5)
+        label = axes.get_xlabel()
+        axes.set_xlabel(label.replace(" [", "\n[") if len(label) > LONGEST else label)
     _narrow_legends(figure)
 
 
 def _narrow_legends(figure: Figure) -> None:
-    """Draw the legends of a figure anew, above its panels, in fewer columns."""
-    for legend in [*figure.legends]:
+    """Draw the legends of a figure and its panels anew, above them, in fewer columns."""
+    inside = [legend for axes in figure.axes if (legend := axes.get_legend())]
+    for legend in [*figure.legends, *inside]:
         labels = [text.get_text() for text in legend.get_texts()]
         handles = [handle for handle in legend.legend_handles if handle]
-        figure.legend(handles, labels, **LEGEND)
+        columns = max(1, ROW // (max(map(len, labels)) + 8))
+        figure.legend(handles, labels, ncols=columns, **LEGEND)
         legend.remove()
