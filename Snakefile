@@ -24,6 +24,7 @@ include: "workflow/rules/dynamics.smk"
 include: "workflow/rules/identification.smk"
 include: "workflow/rules/force.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/paper.smk"
 include: "workflow/rules/cluster.smk"
 
 
@@ -44,3 +45,9 @@ rule figures:
     input:
         expand(rules.draw_figures.output, recording=RECORDINGS),
         expand(rules.draw_published_forces.output, recording=RECORDINGS),
+
+
+# What a paper takes over: tables as LaTeX, figures as PDF, methods, references.
+rule paper:
+    input:
+        rules.write_paper.output,

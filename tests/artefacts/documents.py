@@ -1,5 +1,7 @@
 """What every report must be, as HTML in a browser and as PDF, whatever its study."""
 
+import html
+import json
 import re
 import shutil
 from collections.abc import Iterator
@@ -8,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import numpy as np
 import pypdfium2
 import pytest
@@ -71,6 +74,29 @@ def check_structure(report: Path) -> None:
         assert "<caption>" in table
         assert '<th scope="col"' in table
         assert '<th scope="row"' in table
+
+
+def check_results(folder: Path) -> None:
+    """results.json fits its schema and says what the report's first screen says."""
+    told, schema = (
+        json.loads((folder / name).read_text()) for name in ("results.json", "results.schema.json")
+    )
+    jsonschema.validate(told, schema)
+    assert told["$schema"] == "results.schema.json"
+    text = html.unescape((folder / "report.html").read_text())
+    cards = re.findall(r"<h3>(.*?) <span class=\"state\">(.*?)</span>", text)
+    assert [(one["topic"], one["state"]) for one in told["verdicts"]] == cards
+    shown = [one[part] for one in told["verdicts"] for part in ("sentence", "evidence")]
+    listed = [sentence for one in told["lists"] for sentence in one["sentences"]]
+    assert [one["heading"] for one in told["lists"]][:2] == ["What to do next", "Findings"]
+    for sentence in [*shown, *listed]:
+        assert sentence["text"] in text
+        digits = sentence["text"].replace(",", "").replace("−", "-")
+        assert all(f"{number['value']:g}" in digits for number in sentence["numbers"])
+    for verdict in told["verdicts"]:
+        for number in verdict["numbers"]:
+            if number["interval"]:
+                assert number["low"] <= number["value"] <= number["high"]
 
 
 def check_pdf(report: Path, sections: list[str]) -> None:

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
+from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT, Workflow
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
@@ -149,6 +149,7 @@ def test_every_page_says_that_it_is_simulated(results: Path) -> None:
 
 def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
     check_structure(results / "report.html")
+    check_results(results)
     check_in_browser(results / "report.html", tmp_path)
     check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])
 

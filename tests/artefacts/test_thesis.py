@@ -10,7 +10,7 @@ import pytest
 import yaml
 from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_structure
+from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT
 from ur5lib.tables import channel, read_csv, read_json, read_table
@@ -430,6 +430,7 @@ def test_the_report_links_to_files_that_exist(thesis_results: Path, page: Page) 
 
 def test_the_report_is_well_formed_for_readers(thesis_results: Path, page: Page) -> None:
     check_structure(thesis_results / "report.html")
+    check_results(thesis_results)
     assert ("html", {"lang": "en"}) in page.tags
 
 
@@ -440,6 +441,14 @@ def test_the_summary_tells_the_numbers_of_the_tables(thesis_results: Path) -> No
 
 def test_the_report_reads_in_a_browser_and_prints(thesis_results: Path, tmp_path: Path) -> None:
     check_in_browser(thesis_results / "report.html", tmp_path)
+
+
+def test_the_closer_look_is_light(thesis_results: Path) -> None:
+    report = (thesis_results / "report.html").read_text()
+    scripts = re.findall(r"<script.*?</script>", report, re.DOTALL)
+    assert len(scripts) > 10
+    assert sum(map(len, scripts)) < 300_000
+    assert len(report.encode()) < 6_000_000
 
 
 def test_table_5_6_shows_the_numbers_of_the_csv(page: Page, torque: pd.DataFrame) -> None:

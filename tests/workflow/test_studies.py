@@ -12,7 +12,7 @@ import pytest
 import yaml
 from pypdf import PdfReader
 
-from tests.artefacts.documents import check_pdf, check_structure
+from tests.artefacts.documents import check_pdf, check_results, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow, copy_project
 from ur5lib.report.compose import compose
@@ -79,6 +79,7 @@ def sentences(report: Path) -> str:
 def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     folder = alone.folder / "results" / "alone"
     check_structure(folder / "report.html")
+    check_results(folder)
     check_pdf(folder / "report.pdf", ["What was found", "Friction and currents", "Provenance"])
     text = sentences(folder / "report.html")
     for left_out in (
@@ -102,6 +103,7 @@ def test_the_summary_of_one_recording_tells_the_numbers_of_the_tables(alone: Wor
 def test_a_standstill_tells_no_models_apart_and_no_friction(standstill: Workflow) -> None:
     report = standstill.folder / "results" / "standstill" / "report.html"
     check_structure(report)
+    check_results(report.parent)
     check_summary(report, yaml.safe_load(STANDSTILL))
     text = sentences(report)
     assert "The arm rests in every recording, which does not tell link models apart." in text

@@ -107,6 +107,18 @@ def test_the_report_says_what_the_study_lacks(built_workflow: Workflow) -> None:
     assert f"<li>Accelerations: {reason}.</li>" in report
 
 
+def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
+    """Its figures by the scripts of the report's, so that they show the same."""
+    drawn = jobs("draw_figures") | DRAWINGS
+    expected = {f"{rule}_for_paper": count for rule, count in drawn.items()}
+    expected |= {"write_paper": 1, "paper": 1}
+    assert workflow.plan("paper") == expected
+    made = "results/small/paper/figures/filters.pdf"
+    assert workflow.run(made).returncode == 0
+    assert (workflow.folder / made).read_bytes().startswith(b"%PDF")
+    assert workflow.plan("paper").keys() == expected.keys() - {"draw_filters_for_paper"}
+
+
 def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     assert not [*(built_workflow.folder / "results").rglob("*.part")]
 
@@ -152,6 +164,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | REPORT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
+        ("ur5lib/report/paper.py", {}),  # made on demand
         ("ur5lib/report/views/found.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
         ("workflow/scripts/make_tables.py", REPORT),

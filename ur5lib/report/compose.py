@@ -235,6 +235,7 @@ def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -
         label=label,
         source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
         rule=wanted.rule,
+        of=of,
     )
 
 

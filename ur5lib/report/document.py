@@ -84,7 +84,8 @@ class Table:
 class Picture:
     """A figure: an SVG file, its caption, and what it shows in words for who cannot see it.
 
-    source: its numbers, relative to the study's results; rule: what made it.
+    source: its numbers, relative to the study's results; rule: what made it; of: the recording or
+    arm that it is of, if it is of one.
     """
 
     caption: str
@@ -93,8 +94,28 @@ class Picture:
     label: str = ""
     source: str = ""
     rule: str = ""
+    of: str = ""
     number: int = 0
     kind: str = "picture"
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that the summary states.
+
+    place: recording, joint or component that it is of; low, high: ends of its interval, which
+    `interval` names; baseline: the same number of what `baseline_of` names.
+    """
+
+    name: str
+    value: float
+    unit: str
+    place: str = ""
+    low: float | None = None
+    high: float | None = None
+    interval: str = ""
+    baseline: float | None = None
+    baseline_of: str = ""
 
 
 @dataclass(frozen=True)
@@ -102,7 +123,8 @@ class Verdict:
     """What the results say about one topic, at a glance.
 
     evidence: the number behind the sentence, with its interval and its baseline; drawing: an SVG,
-    empty if there is nothing to draw; caption: what the drawing shows.
+    empty if there is nothing to draw; caption: what the drawing shows; numbers: those of sentence
+    and evidence.
     """
 
     topic: str
@@ -111,6 +133,7 @@ class Verdict:
     evidence: str = ""
     drawing: str = ""
     caption: str = ""
+    numbers: tuple[Number, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The house style of all figures, and how they are written: SVG, with the data beside it."""
+"""The house style of all figures, and how they are written: as SVG with their data, or PDF."""
 
 from io import BytesIO
 from pathlib import Path
@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from ur5lib.report.column_figures import fit_column
 from ur5lib.tables import write_bytes, write_csv
 
 # Okabe and Ito's palette, which colour-blind readers can distinguish; dashes help in print.
@@ -32,6 +33,7 @@ HOUSE_STYLE: Any = {
     "grid.alpha": 0.3,
     "grid.linewidth": 0.5,
     "path.simplify_threshold": 0.5,
+    "pdf.fonttype": 42,  # TrueType, which publishers ask for
     "svg.hashsalt": "ur5lib",  # the same figure gives the same file
 }
 DOTS: Any = {"markersize": 1.5, "alpha": 0.4, "rasterized": True}
@@ -45,10 +47,14 @@ MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
 class Drawing(NamedTuple):
-    """A figure and its numbers; no rows for an empty figure."""
+    """A figure and its numbers; no rows for an empty figure.
+
+    styles: of a figure over time, the style of each line, in the order of the data's columns.
+    """
 
     figure: Figure
     data: pd.DataFrame
+    styles: tuple[str, ...] = ()
 
 
 def nothing_to_draw() -> Drawing:
@@ -59,16 +65,29 @@ def nothing_to_draw() -> Drawing:
 
 
 def save(drawing: Drawing, path: str | Path) -> None:
-    """Write a figure as SVG, byte for byte the same for the same data, and its numbers as CSV.
+    """Write a figure and its numbers, byte for byte the same for the same data.
 
-    Lines stay lines while they are few; many become an image inside the SVG, which is smaller.
+    As SVG, lines stay lines while they are few; many become an image inside it, which is smaller.
+    Styles of lines become keywords, and the numbers a CSV file beside it. As PDF, the figure fits a
+    column of a paper, without images, with its fonts.
     """
+    path = Path(path)
+    if path.suffix == ".pdf":
+        fit_column(drawing.figure)
+        write_bytes(_rendered(drawing, "pdf", {"CreationDate": None}), path)
+        return
     axes = drawing.figure.axes
     if sum(np.size(line.get_xdata()) for axis in axes for line in axis.lines) > MOST_VERTICES:
         for artist in (artist for axis in axes for artist in [*axis.lines, *axis.collections]):
             artist.set_rasterized(True)
+    keywords = {"Keywords": [*drawing.styles]} if drawing.styles else {}
+    write_bytes(_rendered(drawing, "svg", {"Date": None} | keywords), path)
+    write_csv(drawing.data, path.with_suffix(".csv"), digits=6)
+
+
+def _rendered(drawing: Drawing, kind: str, metadata: dict[str, Any]) -> bytes:
+    """Return a figure as a file of some kind."""
     buffer = BytesIO()
     with matplotlib.rc_context(HOUSE_STYLE):
-        drawing.figure.savefig(buffer, format="svg", dpi=DPI, metadata={"Date": None})
-    write_bytes(buffer.getvalue(), path)
-    write_csv(drawing.data, Path(path).with_suffix(".csv"), digits=6)
+        drawing.figure.savefig(buffer, format=kind, dpi=DPI, metadata=metadata)
+    return buffer.getvalue()

@@ -12,6 +12,7 @@ import jinja2
 import typst
 from markupsafe import Markup
 
+from ur5lib.report.closer_look import packed_lines
 from ur5lib.report.document import Document
 from ur5lib.tables import write_bytes, write_text
 
@@ -21,7 +22,7 @@ PLAIN = " '!$()*+,-./:;=?@[]_~"  # what may stand in a data URI as it is
 
 
 def write_html(document: Document, path: str | Path) -> None:
-    """Write a self-contained HTML file, with styles and figures, without links or scripts."""
+    """Write a self-contained HTML file, with styles, figures and a script that zooms into them."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -29,7 +30,7 @@ def write_html(document: Document, path: str | Path) -> None:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["data_uri"] = _data_uri
+    environment.filters |= {"data_uri": _data_uri, "packed_lines": packed_lines}
     data = document.as_data()
     equations = _blocks(data, "equation")
     for block, drawn in zip(equations, _drawn([e["source"] for e in equations]), strict=True):

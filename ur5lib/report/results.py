@@ -1,15 +1,19 @@
 """Everything a report is written from."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
+import yaml
 
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.document import Cell
-from ur5lib.report.reference import Erratum
+from ur5lib.report.reference import Erratum, read_reference
+from ur5lib.report.versions import commit, versions
+from ur5lib.tables import read_csv
 
 MOST_ROWS = 60  # of a table; the file it was made from has all
 
@@ -41,6 +45,24 @@ class Results:
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
     left_out: Sequence[str] = ()
+
+    @classmethod
+    def read(
+        cls, study: str, tables: Sequence[str], figures: Sequence[str], reference: str | None
+    ) -> "Results":
+        """Read a study's results.
+
+        study: the configuration as YAML; tables, figures, reference: paths, of published values.
+        """
+        return cls(
+            study=yaml.safe_load(study),
+            tables={Path(path).stem: read_csv(path) for path in tables},
+            figures=Path(os.path.commonpath(figures)),
+            drawn=frozenset(Path(path).parent.name for path in figures),
+            errata=read_reference(reference).errata,
+            commit=commit(),
+            versions=versions(),
+        )
 
     def roles(self) -> dict[str, str]:
         """Return the role of each recording."""

@@ -30,6 +30,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 Series = Mapping[str, tuple[Array, str]]
 SMALLEST_SPAN = 1e-3  # of a panel
 ERRORS = "error of {}"
+BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 
 
 class Panel(NamedTuple):
@@ -96,7 +97,8 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
             for axis in [*above, *below]:
                 _shade(axis, starts, ends, style)
         _legend(figure, thin, [(style, name) for starts, _, style, name in spans if len(starts)])
-    return Drawing(figure, _data(thin, panels))
+    styles = tuple(style for _, style in thin.series.values())
+    return Drawing(figure, _data(thin, panels), styles)
 
 
 def _decimated(traces: Traces) -> Traces:
@@ -178,15 +180,20 @@ def _data(traces: Traces, panels: Sequence[Panel]) -> pd.DataFrame:
     drawn = dict(_columns(traces.series, "{}", panels))
     drawn |= _columns(traces.errors or {}, ERRORS, panels)
     if traces.band:
-        edges = zip(("lower", "upper"), traces.band, strict=True)
-        drawn |= _columns({f"95 % band, {edge}": (v, "") for edge, v in edges}, "{}", panels)
+        edges = zip(BAND_EDGES, traces.band, strict=True)
+        drawn |= _columns({edge: (values, "") for edge, values in edges}, "{}", panels)
     return pd.DataFrame({"time [s]": traces.time, **drawn})
 
 
 def _columns(series: Series, name: str, panels: Sequence[Panel]) -> Iterator[tuple[str, Array]]:
     for label, (values, _) in series.items():
         for i, panel in enumerate(panels):
-            yield f"{name.format(label)}, {panel.name} [{panel.unit}]", values[:, i]
+            yield column_name(name.format(label), panel.name, panel.unit), values[:, i]
+
+
+def column_name(line: str, panel: str, unit: str) -> str:
+    """Return the name of a line's column in the numbers of a figure."""
+    return f"{line}, {panel} [{unit}]"
 
 
 def _gaps(time: Array) -> tuple[Array, Array]:

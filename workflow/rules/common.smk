@@ -280,6 +280,11 @@ def drawings(folder, names):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
+def columns(folder, names):
+    """Return the figures of a folder as wide as a column of a paper."""
+    return {name: f"{folder}/{name}.pdf" for name in names}
+
+
 def tables(names):
     """Return the tables of results."""
     return {
@@ -294,7 +299,10 @@ def tables(names):
 
 
 def of_every_job(kind):
-    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above."""
+    """Return the outputs or logs (`output`, `log`) that a run makes by the rules above.
+
+    What is for a paper is made on demand alone.
+    """
     only = {
         "ablate_forces": TOUCHED,
         "audit_sensor": WITH_WRIST_SENSOR,
@@ -306,6 +314,7 @@ def of_every_job(kind):
         re.sub(r"\{(\w+),[^}]*\}", r"{\1}", str(file)): only.get(name, RECORDINGS)
         for name, found in files.items()
         for file in ([found] if isinstance(found, str) else found)
+        if not str(file).startswith(f"{RESULTS}/paper")
     }
     return [
         path

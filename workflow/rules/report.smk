@@ -169,11 +169,15 @@ rule write_report:
         templates=[
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",
+            "ur5lib/report/templates/lines.js",
+            "ur5lib/report/templates/zoom.js",
         ],
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
         study=f"{RESULTS}/configuration.yaml",
+        results=f"{RESULTS}/results.json",
+        schema=f"{RESULTS}/results.schema.json",
     log:
         **traces("write_report"),
     params:

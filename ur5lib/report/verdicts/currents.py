@@ -1,13 +1,14 @@
 """Whether friction and torque constants predict motor currents."""
 
-from ur5lib.report.document import Verdict
+from ur5lib.report.document import Number, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
-from ur5lib.report.verdicts.errors import by_joint, ratios, with_range, worst
+from ur5lib.report.verdicts.errors import by_joint, ratios, stated, with_range, worst
 from ur5lib.report.verdicts.states import HELD, state
 from ur5lib.report.views.currents import unseen
 
 TOPIC = "Friction and currents"
+CONSTANT = "a constant current"
 
 
 def verdict(results: Results) -> Verdict:
@@ -20,7 +21,7 @@ def verdict(results: Results) -> Verdict:
     joint = worst(errors)
     held = rows.groupby("joint")["coverage95"].mean()
     least = held.idxmin()
-    shown = with_range(errors.loc[joint], 2, "A", zero="a constant current")
+    shown = with_range(errors.loc[joint], 2, "A", zero=CONSTANT)
     judged = state(errors["error"][joint], errors["zero"][joint], held.min())
     tells = "are no better predicted than by a constant"
     if judged != "do not use":
@@ -34,6 +35,10 @@ def verdict(results: Results) -> Verdict:
         f"holds {100 * held.min():.0f} % on joint {least}.",
         drawing=bars(ratios(errors)),
         caption="Error by joint; a full bar is the error of a constant current.",
+        numbers=(
+            stated(errors.loc[joint], "RMSE below 2 Hz", "A", f"joint {joint}", CONSTANT),
+            Number("share in the 95 % band", 100 * float(held.min()), "%", f"joint {least}"),
+        ),
     )
 
 

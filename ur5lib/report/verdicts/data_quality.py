@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ur5lib.report.cells import sentence
-from ur5lib.report.document import State, Verdict
+from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
@@ -30,6 +30,10 @@ def verdict(results: Results) -> Verdict:
         evidence=_counts(found, len(lost)),
         drawing=bars(lost),
         caption="Share of frames lost, by recording.",
+        numbers=tuple(
+            Number(f"findings of severity “{name}”", int((found["severity"] == name).sum()), "")
+            for name in SEVERITIES
+        ),
     )
 
 

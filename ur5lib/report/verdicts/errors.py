@@ -3,6 +3,7 @@
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.document import Number
 
 ZERO = "an estimate of zero"
 
@@ -26,6 +27,22 @@ def ratios(errors: pd.DataFrame) -> dict[str, float]:
 def worst(errors: pd.DataFrame) -> object:
     """Return the name whose error is the largest share of that of zero."""
     return (errors["error"] / errors["zero"]).idxmax()
+
+
+def stated(row: pd.Series, name: str, unit: str, place: str, zero: str = ZERO) -> Number:
+    """Return an error with its range over recordings and its baseline."""
+    several = row["count"] > 1
+    return Number(
+        name=name,
+        value=float(row["error"]),
+        unit=unit,
+        place=place,
+        low=float(row["low"]) if several else None,
+        high=float(row["high"]) if several else None,
+        interval=f"range over {row['count']:.0f} recordings" if several else "",
+        baseline=float(row["zero"]),
+        baseline_of=zero,
+    )
 
 
 def with_range(row: pd.Series, digits: int, unit: str, zero: str = ZERO) -> str:

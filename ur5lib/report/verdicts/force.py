@@ -6,7 +6,7 @@ import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.cells import fixed, interval, sentence
-from ur5lib.report.document import Verdict
+from ur5lib.report.document import Number, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import error_bar
 from ur5lib.report.verdicts.errors import ZERO
@@ -49,6 +49,7 @@ def verdict(results: Results) -> Verdict:
         evidence=" ".join(_evidence(row, held)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=f"{dot}; line: error of zero force.",
+        numbers=tuple(_numbers(row, held)),
     )
 
 
@@ -70,6 +71,25 @@ def _evidence(row: pd.Series, held: float) -> Iterator[str]:
         yield f"The 95 % band holds {100 * held:.0f} % at worst."
     if not known:
         yield "Fewer than three contacts: no interval."
+
+
+def _numbers(row: pd.Series, held: float) -> Iterator[Number]:
+    """Yield the numbers of the evidence."""
+    known = not pd.isna(row["mae_low"])
+    place = f"{row.name}, mean over x, y, z, in contact"
+    yield Number(
+        name=f"mean absolute error of {ESTIMATES[row['estimate']]}",
+        value=float(row["mae"]),
+        unit="N",
+        place=place,
+        low=float(row["mae_low"]) if known else None,
+        high=float(row["mae_high"]) if known else None,
+        interval="95 %" if known else "",
+        baseline=float(row["mean_force"]),
+        baseline_of=ZERO,
+    )
+    if not pd.isna(held):
+        yield Number("least share in the 95 % band", 100 * float(held), "%")
 
 
 def _unjudged(results: Results) -> Verdict:

@@ -8,7 +8,7 @@ from ur5lib.report.cells import SMALLEST_DIFFERENCE, sentence
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
-from ur5lib.report.verdicts.errors import by_joint, ratios, with_range, worst
+from ur5lib.report.verdicts.errors import by_joint, ratios, stated, with_range, worst
 from ur5lib.report.verdicts.states import state
 
 TOPIC = "Link model"
@@ -73,6 +73,7 @@ def verdict(results: Results) -> Verdict:
         evidence=f"Worst on joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}.",
         drawing=bars(ratios(errors)),
         caption="Error by joint; a full bar is the error of zero torque.",
+        numbers=(stated(errors.loc[joint], "mean absolute error", "Nm", f"joint {joint}"),),
     )
 
 

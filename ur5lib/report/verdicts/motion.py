@@ -3,7 +3,7 @@
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
-from ur5lib.report.verdicts.errors import by_joint, ratios, with_range, worst
+from ur5lib.report.verdicts.errors import by_joint, ratios, stated, with_range, worst
 from ur5lib.report.verdicts.states import state
 
 TOPIC = "Motion"
@@ -17,7 +17,8 @@ def verdict(results: Results) -> Verdict | None:
     if errors.empty:
         return None
     component = str(worst(errors))
-    shown = with_range(errors.loc[component], 3, UNITS[component.startswith("r")])
+    unit = UNITS[component.startswith("r")]
+    shown = with_range(errors.loc[component], 3, unit)
     judged = state(errors["error"][component], errors["zero"][component])
     agrees = "agrees" if judged in ("good", "usable") else "does not agree"
     return Verdict(
@@ -27,4 +28,5 @@ def verdict(results: Results) -> Verdict | None:
         evidence=f"Worst along {component}: {shown}.",
         drawing=bars(ratios(errors)),
         caption="Error in x, y, z, rx, ry, rz; a full bar is the error of no acceleration.",
+        numbers=(stated(errors.loc[component], "mean absolute error", unit, component),),
     )

@@ -1,0 +1,184 @@
+"""What a paper takes over: figures as wide as a column, tables and methods as LaTeX."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pypdfium2
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from pypdf import PdfReader
+
+from tests.conftest import PROJECT
+from tests.latex import ERRORS, check_latex, compile_latex
+from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
+from ur5lib.report.document import Cell, Document, Picture, Section, Table
+from ur5lib.report.house_style import Drawing, save
+from ur5lib.report.paper import methods, paper, references, write_tables
+from ur5lib.report.results import Results
+from ur5lib.report.summary import STATED
+from ur5lib.report.tex import tex, tex_table
+from ur5lib.report.traces import CURRENT, WRENCH, Traces, draw_traces
+from ur5lib.study.reading import parse_study
+
+COLUMN = 88.0  # mm
+SMALLEST = 6.0  # points
+HOSTILE = (
+    r"\input{/etc/passwd} $x_1^2$ & 100 % #1 {~} \\ \end{document} “é” F̂ᵐᵃᵖ q̈ τ ≥ 中 <b> [N] [x]"
+)
+
+
+def drawings() -> dict[str, Drawing]:
+    """Figures of several kinds, one with more vertices than the report keeps as lines."""
+    time = np.linspace(0, 60, 20_000)
+    waves = np.outer(np.sin(time), np.arange(1.0, 7.0))
+    thin = waves[::40]
+    series = {"force sensor": (waves, "measured"), "F̂ᵐᵃᵖ": (0.9 * waves, "third")}
+    errors = {"F̂ᵐᵃᵖ": (0.1 * waves, "third")}
+    shares = {"in contact": np.full((3, 3), 80.0), "free": np.full((3, 3), 90.0)}
+    return {
+        "forces": draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH),
+        "currents": draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT),
+        "residuals": residual_panels(thin, {"q̇ [rad/s]": thin, "τ [Nm]": thin}, "A"),
+        "friction": scatter_panels(thin, thin, ("velocity of joint {} [rad/s]", "τ of {} [Nm]")),
+        "calibration": calibration_panels([50, 80, 95], {"F̂ᵐᵃᵖ": shares}, ["Fx", "Fy", "Fz"]),
+    }
+
+
+@pytest.mark.parametrize("name", ["forces", "currents", "residuals", "friction", "calibration"])
+def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> None:
+    for copy in ("a", "b"):
+        save(drawings()[name], tmp_path / f"{copy}.pdf")
+    assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
+    assert not (tmp_path / "a.csv").exists()
+    (page,) = PdfReader(tmp_path / "a.pdf").pages
+    assert float(page.mediabox.width) / 72 * 25.4 == pytest.approx(COLUMN, abs=0.1)
+    assert len(page.images) == 0
+    text = pypdfium2.PdfDocument(tmp_path / "a.pdf")[0].get_textpage()
+    boxes = np.array([text.get_rect(i) for i in range(text.count_rects())])
+    assert boxes.min() >= 0, "no text is cut"
+    assert (boxes.max(axis=0)[2:] <= page.mediabox.upper_right).all()
+    fonts = [font.get_object() for font in page["/Resources"]["/Font"].values()]
+    assert fonts
+    for font in fonts:
+        described = font["/DescendantFonts"][0].get_object()["/FontDescriptor"].get_object()
+        assert "/FontFile2" in described, "TrueType, embedded"
+    sizes: list[float] = []
+    page.extract_text(visitor_text=lambda *told: sizes.append(told[-1]))
+    assert min(size for size in sizes if size) >= 0.7 * SMALLEST  # indices are smaller
+
+
+# Tables
+
+
+def table() -> Table:
+    rows = [
+        [Cell("joint 1"), Cell("−1.5"), Cell("0.12 ± 0.03", "lowest"), Cell("1 to 2")],
+        [Cell("joint_2"), Cell("1,234.25"), Cell("–"), Cell("F̂ᵐᵃᵖ")],
+        [Cell("joint 3"), Cell("+0.5"), Cell("12.00 ± 1.50", "highest"), Cell("5 %")],
+    ]
+    return Table(
+        "Errors [Nm, N] of 5 %.", ["joint", "Fx [N]", "c [kg m²]", "words"], rows, "a.b-c_1"
+    )
+
+
+def test_columns_of_numbers_stand_at_the_point() -> None:
+    text = tex_table(table())
+    check_latex(text)
+    assert "{l S[table-format=-4.2, retain-explicit-plus] S[table-format=2.2 +- 1.2] l}" in text
+    assert r"joint & {Fx [\unit{N}]} & {c [\unit{kg.m^2}]} & words \\" in text
+    assert r"joint 1 & -1.5 & \bfseries 0.12 +- 0.03 & 1 to 2 \\" in text
+    assert r"joint\_2 & 1234.25 & {--} & $\hat{F}$\textsuperscript{m}" in text
+    assert r"\caption{Errors [\unit{N.m}, \unit{N}] of 5 \%.}" in text
+    assert r"\label{tab:a-b-c_1}" in text
+
+
+@given(st.text())
+def test_any_text_is_harmless(text: str) -> None:
+    check_latex(tex(text))
+    known = r"text\w+|(?:hat|tilde|bar|dot|ddot)|pm|times|cdot|leq|geq|to|ldots|unit|[A-Za-z]{2,7}"
+    assert all(re.fullmatch(known, name) for name in re.findall(r"\\([A-Za-z]+)", tex(text)))
+
+
+def test_every_sign_stands_for_itself() -> None:
+    assert tex("a_b & 5 % {x} #1 $y$") == r"a\_b \& 5 \% \{x\} \#1 \$y\$"
+    assert tex("\\input") == r"\textbackslash{}input"
+    assert tex("q̈ in rad/s² [rad/s²]") == r"$\ddot{q}$ in rad/s\textsuperscript{2} [\unit{rad/s^2}]"
+    assert tex("中 Δτ [x_1]") == r"U+4E2D $\Delta$$\tau$ [x\_1]"
+
+
+def results(folder: Path, **tables: pd.DataFrame) -> Results:
+    """Those of a study of one recording, with settings of its own; most tables are empty."""
+    recording = {"name": "still", "robot": "ur5", "format": "thesis-csv", "role": "fit"}
+    given = {
+        "study": "small",
+        "title": HOSTILE,
+        "recordings": [recording | {"folder": str(folder)}],
+        "settings": {"lowpass": {"motion": {"order": 3, "cutoff_hz": 12.5}}},
+    }
+    study = parse_study(given, "config.yaml").model_dump(mode="json", exclude_none=True)
+    empty = ("parameters", "friction", "detection", "force_mae")
+    return Results(study, dict.fromkeys(empty, pd.DataFrame()) | tables, folder, commit="1a2b")
+
+
+def test_methods_name_the_settings_in_use(tmp_path: Path) -> None:
+    text = methods(results(tmp_path))
+    check_latex(text)
+    assert r"order 3 and \qty{12.5}{Hz} for torques in the identification" in text
+    assert r"\qty{0.1}{s}" in text
+    assert "1 without contact for the fits." in text
+    assert "friction" not in text  # of which the study has none
+    fitted = methods(results(tmp_path, friction=pd.DataFrame({"joint": [1]})))
+    assert "Coulomb, viscous and load-dependent friction" in fitted
+
+
+def test_what_is_cited_can_be_found(tmp_path: Path) -> None:
+    rows = dict.fromkeys(("parameters", "friction", "detection", "force_mae"), pd.DataFrame([1]))
+    cited = re.findall(r"\\cite\{(.*?)\}", methods(results(tmp_path, **rows)))
+    listed = re.findall(r"^@\w+\{(.*),$", references(), re.MULTILINE)
+    assert {*cited} == {*listed} - {"kufieta2014"}  # which the study of the thesis cites
+    check_latex(references())
+
+
+def test_the_references_are_those_of_the_citation_file() -> None:
+    known = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
+    bare = re.sub(r"[{}]", "", references())
+    for title in (known["title"], known["references"][0]["title"], known["version"]):
+        assert title in bare
+
+
+def test_everything_compiles(tmp_path: Path) -> None:
+    figures = tmp_path / "figures"
+    save(drawings()["currents"], figures / "still" / "currents.svg")
+    save(drawings()["currents"], figures / "still" / "currents.pdf")
+    picture = Picture(HOSTILE, figures / "still" / "currents.svg", HOSTILE, "currents")
+    row = [Cell(HOSTILE), Cell("1")]
+    many = [Table(HOSTILE, [HOSTILE, "a"], [row], f"t.{i}") for i in range(40)]
+    document = Document(HOSTILE, HOSTILE, [Section("", [picture, table(), *many])]).numbered()
+    known = results(figures)
+    write_tables(document, tmp_path / "tables")
+    for name, text in (
+        ("methods.tex", methods(known)),
+        ("references.bib", references()),
+        ("paper.tex", paper(document, known)),
+    ):
+        check_latex(text)
+        (tmp_path / name).write_text(text)
+    log = compile_latex(tmp_path / "paper.tex")
+    assert ERRORS.findall(log) == []
+    assert "undefined" not in log
+    text = "\n".join(page.extract_text() for page in PdfReader(tmp_path / "paper.pdf").pages)
+    assert "U+4E2D" in text
+    assert "1234.25" in text.replace(" ", "").replace("\u202f", "")
+
+
+def test_the_numbers_of_a_sentence_are_read() -> None:
+    text = "A load of −2.75 ± 0.03 kg, 2,216 of 4,460 frames, 84 % on joint 6, v2 of r1.5; 3 N."
+    found = [match.groups(default="") for match in STATED.finditer(text)]
+    assert found == [
+        ("−2.75", "0.03", "kg"), ("2,216", "", ""), ("4,460", "", ""), ("84", "", "%"),
+        ("6", "", ""), ("3", "", "N"),
+    ]  # fmt: skip

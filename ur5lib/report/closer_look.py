@@ -1,0 +1,88 @@
+"""The lines of a figure over time, packed into few bytes for the script of the report."""
+
+import json
+import re
+import zlib
+from base64 import b64encode
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.report.house_style import JOINTS, STYLES
+from ur5lib.report.traces import BAND_EDGES, column_name
+from ur5lib.tables import read_csv
+from ur5lib.timeseries.arrays import Array
+
+LEVELS = 511  # that a line's values are rounded to: two for each dot of a panel on the screen
+COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
+
+
+def packed_lines(path: str | Path) -> str:
+    """Return the lines of a figure over time [s] as Base64 text; empty for other figures.
+
+    path: an SVG that `save` wrote, its numbers as CSV beside it. Decompressed (zlib), the text is
+    one line of JSON and then, column by column, the steps from each value to the next, in levels
+    from 0 (no value) to LEVELS: 2 n for n up, 2 n − 1 for n down, all low bytes before all high
+    ones. A column has a range, its smallest and largest value; time has steps in ms, null in gaps.
+    """
+    figure = Path(path)
+    styles = re.findall(r"<rdf:li>(\w+)</rdf:li>", figure.read_text(encoding="utf-8"))
+    if not styles:
+        return ""
+    data = read_csv(figure.with_suffix(".csv"))
+    panels, labels = _panels_and_labels(data.columns[1:], len(styles))
+    edges = [edge for edge in BAND_EDGES if column_name(edge, *panels[0]) in data]
+    columns = [column_name(line, *panel) for line in [*labels, *edges] for panel in panels]
+    values = data[columns].to_numpy(float).T
+    head = {
+        "panels": panels,
+        "lines": [_line(*line) for line in zip(labels, styles, strict=True)],
+        "band": len(edges) > 0,
+        "ranges": [[float(f"{end:.6g}") for end in _range(column)] for column in values],
+        "levels": LEVELS,
+        "steps": _time_steps(data.iloc[:, 0]),
+    }
+    content = json.dumps(head, separators=(",", ":")).encode() + b"\n" + _packed(values)
+    return b64encode(zlib.compress(content, 9)).decode()
+
+
+def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, str]], list[str]]:
+    """Return name and unit of each panel, and the labels of the first lines."""
+    found = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
+    panels = [*dict.fromkeys((name, unit) for _, name, unit in found)]
+    return panels, [*dict.fromkeys(label for label, *_ in found)][:lines]
+
+
+def _line(label: str, style: str) -> dict[str, Any]:
+    """Return a line's label, its colour in each panel, and its dashes."""
+    drawn = STYLES[style]
+    colours: Sequence[str] = JOINTS if drawn["color"] is JOINTS else [drawn["color"]]
+    _, dashes = drawn.get("linestyle", (0, ()))
+    return {"label": label, "colours": [*colours], "dashes": [*dashes]}
+
+
+def _range(column: Array) -> tuple[float, float]:
+    """Return the smallest and the largest value of a column (N,); zeros if it has none."""
+    known = column[np.isfinite(column)]
+    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+
+
+def _time_steps(time: pd.Series) -> list[int | None]:
+    """Return the steps of time [ms] from 0 on; None where a line is broken."""
+    known = (1000 * time.dropna()).round().astype(int)
+    steps = known.diff().fillna(known).astype(int).reindex(time.index)
+    return [None if pd.isna(step) else int(step) for step in steps]
+
+
+def _packed(columns: Array) -> bytes:
+    """Return the steps of columns (M, N) from level to level."""
+    ends = np.array([_range(column) for column in columns])
+    low, width = ends[:, :1], np.diff(ends, axis=1)
+    shares = (columns - low) / np.where(width > 0, width, 1.0)
+    levels = np.where(np.isfinite(shares), 1 + np.round(shares * (LEVELS - 1)), 0)
+    steps = np.diff(levels, prepend=0, axis=1)
+    codes = np.where(steps < 0, -2 * steps - 1, 2 * steps).astype("<u2")
+    return codes.view(np.uint8).reshape(-1, 2).T.tobytes()
