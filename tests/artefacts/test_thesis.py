@@ -588,3 +588,21 @@ def test_the_readme_tells_the_numbers_of_the_tables(
         (line,) = [line for line in readme.splitlines() if words in line]
         assert f"(mean force there {row['mean_force']:.1f} N)" in line
         assert line.endswith(f"| | {row['mae']:.2f} | {row['zero_mae']:.2f} |")
+
+
+@pytest.mark.parametrize("during", ["motion", "rest"])
+def test_bands_of_accelerations_hold_on_recordings_that_they_have_not_seen(
+    thesis_results: Path, during: str
+) -> None:
+    """Encoders beside the IMU below 5 Hz: of each component, over recordings."""
+    table = read_csv(thesis_results / "tables" / "acceleration_bands.csv")
+    held = table[(table["range"] == "below 5 Hz") & (table["during"] == during)]
+    shares = held.groupby("component")["held"].mean()
+    assert shares.between(0.92, 0.98).all(), shares
+
+
+def test_encoders_tell_vibrations(thesis_results: Path) -> None:
+    """Below 20 Hz, at most 0.45 m/s² from the IMU, which itself feels up to 1.1 m/s² there."""
+    table = read_csv(thesis_results / "tables" / "acceleration_bands.csv")
+    rows = table.query("recording == @TABLE_5_7 and range == '5 to 20 Hz' and during == 'motion'")
+    assert (rows[rows["component"].isin(["x", "y", "z"])]["rms"] < 0.45).all()

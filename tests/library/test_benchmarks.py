@@ -12,6 +12,7 @@ from tests.conftest import PROJECT
 PRINTED = {  # what each prints at least
     "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
     "smoothing": ["200 samples", "this library", "loop, Pinocchio"],
+    "motion": ["Fourier series", "within the 95 % band", "with an IMU", "bridged"],
     "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "long_recording": ["1 min", "processor time", "wall s"],
@@ -55,7 +56,7 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
 def test_what_make_bench_runs_is_there() -> None:
     makefile = (PROJECT / "Makefile").read_text()
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
-    slow = {"stand_seeds", "wrist_sensor", "long_recording", "excitation"}
+    slow = {"motion", "stand_seeds", "wrist_sensor", "long_recording", "excitation"}
     assert set(named.split()[2:]) == set(PRINTED) - slow
 
 

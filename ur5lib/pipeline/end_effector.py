@@ -27,6 +27,7 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.segments import by_segment
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
+RANGE_ORDER = 4  # of the filters that separate ranges of frequency
 EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
 
 
@@ -106,6 +107,21 @@ def compared(
         published=published,
     )
     return accelerations, bias
+
+
+def difference(
+    robot: Robot,
+    signals: Signals,
+    kinematics: Kinematics,
+    motion: Motion,
+    calibration: ImuCalibration,
+    cutoff: float,
+) -> Array:
+    """Return the IMU's acceleration less that of a motion (N, 6), low-passed at a cut-off [Hz]."""
+    design = Butterworth(RANGE_ORDER, cutoff)
+    known = robot, signals, kinematics, {"motion": motion}
+    felt, estimates, _ = as_calibrated(*known, calibration, design)
+    return felt - estimates["motion"]
 
 
 def derivative(signals: Signals, values: Array) -> Array:

@@ -1,8 +1,10 @@
 """Acceleration of the end effector: from joints, through Euler angles, and from an IMU."""
 
+from functools import partial
 from typing import Any
 
-from ur5lib.pipeline.end_effector import acceleration_errors, compared
+from ur5lib.pipeline.acceleration_ranges import by_range
+from ur5lib.pipeline.end_effector import acceleration_errors, compared, difference
 from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -30,5 +32,6 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         accelerations, bias = compared(*own, motions, calibration, design, placed)
         errors = acceleration_errors(accelerations)
         summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
+        summary["ranges"] = by_range(partial(difference, *own, motion, calibration), motion.qd)
     accelerations.write(output.accelerations)
     write_json(summary, output.summary)

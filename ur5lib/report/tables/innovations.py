@@ -16,6 +16,7 @@ COLUMNS = [
     "portmanteau_limit",
     "consistent",
     "white",
+    "colour",
 ]
 
 CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in range(1, 7)]
@@ -46,6 +47,7 @@ def innovation_rows(recording: str, summary: Mapping[str, Any]) -> Iterator[Row]
                 "portmanteau_limit": test["portmanteau_limit"],
                 "consistent": _word(test["consistent"][index]),
                 "white": _word(test["white"][index]),
+                "colour": test["colour"][index],
             }
 
 

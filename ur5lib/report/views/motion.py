@@ -2,9 +2,11 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ur5lib.report.cells import listed, number, signed, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import NOTHING, Body, Results
 
 COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "rad/s²", "rz": "rad/s²"}
 
@@ -64,6 +66,30 @@ def beside_imu(results: Results) -> Iterator[str]:
         )
 
 
+def bands(results: Results) -> Body:
+    """Return the differences from the IMU and the share within their bands, over recordings."""
+    table = results.tables["acceleration_bands"]
+    body = []
+    for (name, state), rows in table.groupby(["range", "during"], sort=False):
+        of = rows.groupby("component", sort=False)
+        linear, angular = slice(0, 3), slice(3, 6)
+        rms = np.sqrt(of["rms"].apply(lambda x: np.mean(x**2)))
+        held = 100 * of["held"].mean()
+        parts = [listed(values[part], digits) for values, digits, part in (
+            (rms, 3, linear), (held, 0, linear), (rms, 3, angular), (held, 0, angular)
+        )]  # fmt: skip
+        body.append([Cell(name), Cell(state), *map(Cell, parts)])
+    header = [
+        "frequency",
+        "arm",
+        "difference x, y, z [m/s²]",
+        "in band [%]",
+        "difference rx, ry, rz [rad/s²]",
+        "in band [%]",
+    ]
+    return Body(header, body) if body else NOTHING
+
+
 def calibration(results: Results) -> Body:
     """Return the IMU's mounting, the base's tilt and the gyroscope's bias."""
     body = [
@@ -89,9 +115,10 @@ def innovations(results: Results) -> Iterator[str]:
             f"{estimate}: of {len(rows)} channels, {consistent} have innovations of the stated "
             f"variance, {white} have white innovations"
         )
+    widest = np.sqrt(table["colour"]).max()
     verdict = (
-        "Innovations that are not white show that the encoders' errors are correlated in time; "
-        "the stated standard deviations are then too small."
+        "Innovations that are not white show that errors stay for several samples. The bands of a "
+        f"joint are widened by what such errors average out less, at most by a factor {widest:.1f}."
         if (table["white"] == "no").any()
         else "The estimated noise explains the innovations."
     )

@@ -1,0 +1,73 @@
+"""Bands of the end effector's acceleration, and the bands of the joints on the stand."""
+
+import numpy as np
+import pytest
+
+from benchmarks.motion import judged, simulated, with_imu
+from ur5lib.pipeline.acceleration_ranges import by_range
+from ur5lib.report.tables.acceleration_bands import band_rows
+from ur5lib.signals.noise import innovation_test
+from ur5lib.signals.smoothing import widening
+from ur5lib.timeseries.arrays import Array
+
+SAMPLES = 20_000
+
+
+def of_noise(deviation: float, seed: int) -> dict[str, object]:
+    """A recording whose difference is white: twice as large in motion, three times above 5 Hz."""
+    random = np.random.default_rng(seed)
+    slow, quick = random.normal(size=(2, SAMPLES, 6))
+    moving = (np.arange(SAMPLES) < SAMPLES // 2)[:, None]
+    scale = deviation * np.where(moving, 2, 1)
+    slow, quick = scale * slow, 3 * scale * quick
+    slow[100], quick[101] = np.nan, np.nan
+
+    def difference(cutoff: float) -> Array:
+        return slow + quick if cutoff > 5 else slow
+
+    return {"ranges": by_range(difference, np.where(moving, 0.5, 0.0) * np.ones(6))}
+
+
+def test_a_band_is_that_of_the_other_recordings() -> None:
+    others = [of_noise(0.1, seed) for seed in (1, 2)]
+    rows = list(band_rows("a", of_noise(0.1, 3), others))
+    assert len(rows) == 3 * 2 * 6
+    for row in rows:
+        size = 0.1 * (2 if row["during"] == "motion" else 1)
+        size *= 3 if row["range"] == "5 to 20 Hz" else 1
+        assert row["rms"] == pytest.approx(size, rel=0.05)
+        assert row["std"] == pytest.approx(size, rel=0.05)
+        assert row["held"] == pytest.approx(0.95, abs=0.015)
+    narrow = list(band_rows("a", of_noise(0.2, 3), others))
+    assert all(row["held"] == pytest.approx(0.673, abs=0.03) for row in narrow)
+
+
+def test_a_recording_alone_has_no_band() -> None:
+    assert not list(band_rows("a", of_noise(0.1, 1), []))
+    assert not list(band_rows("a", {"errors": {}}, [of_noise(0.1, 1)]))
+
+
+def test_colour_widens_by_what_averages_out_less() -> None:
+    """Of an autoregressive series, 1 + 2 Σ ρ is (1 + a)/(1 − a); white and restless ones do not."""
+    random = np.random.default_rng(0)
+    white = random.normal(size=(40_000, 12))
+    share = np.zeros(12)
+    share[3], share[10], share[5] = 0.5, 0.3, -0.5
+    series = white.copy()
+    for k in range(1, len(series)):
+        series[k] = share * series[k - 1] + white[k]
+    test = innovation_test(series, np.zeros(len(series), np.int64))
+    expected = np.sqrt([1, 1, 1, 3, 1.3 / 0.7, 1])
+    np.testing.assert_allclose(widening(test), expected, rtol=0.05)
+
+
+@pytest.mark.parametrize("kind", ["moves", "Fourier series"])
+def test_bands_hold_the_true_motion_and_an_imu_halves_the_shaking(kind: str) -> None:
+    own = simulated(kind, 0, 12.0)
+    moving, _, ratios = judged(own)
+    assert (moving > 0.92).all()
+    assert (moving < 0.985).all()
+    assert np.mean(ratios) < 0.85
+    shaken, bridged, alone = with_imu(own)
+    assert shaken < 0.6
+    assert bridged < 1e-3 < alone
