@@ -4,6 +4,7 @@ The model below defines every key of `config.yaml`; `workflow/study.schema.json`
 `docs/settings.md` are generated from it.
 """
 
+import datetime
 import json
 from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
@@ -51,6 +52,11 @@ class Part(Strict):
         description="load on the flange that the arm's description and its tool lack, whether the "
         "controller knows it or not; default: the recorded `payload` channels of RTDE, otherwise "
         "none",
+    )
+    date: datetime.date | None = Field(
+        None,
+        description="day of the recording, as in 2026-03-09; default: that of its start stamp (UTC)"
+        ", where it has one; six dates or more show how an arm changes",
     )
     from_s: float | None = Field(
         None, ge=0, description="use the recording from this time on, counted from its first frame"

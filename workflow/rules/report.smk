@@ -71,6 +71,7 @@ rule make_tables:
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
         friction=parameters("friction.json"),
+        health=parameters("health.json"),
         residuals=parameters("residuals.json"),
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
@@ -103,6 +104,19 @@ rule draw_friction:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("draw_friction"),
         recordings=fitted_on,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_health:
+    input:
+        health=parameter("health.json"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["health"]),
+    log:
+        **traces("draw_health", "{robot}"),
+    params:
+        code=code("draw_health"),
     run:
         run_step(rule, input, output, params, log)
 
