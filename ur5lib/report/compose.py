@@ -40,6 +40,7 @@ from ur5lib.report.results import MOST_ROWS, Body, Results
 from ur5lib.report.views import (
     audit,
     closed_loop,
+    comparison,
     contacts,
     currents,
     errata,
@@ -58,6 +59,7 @@ from ur5lib.report.views import (
 VIEWS: dict[str, ModuleType] = {
     "audit": audit,
     "closed_loop": closed_loop,
+    "comparison": comparison,
     "contacts": contacts,
     "currents": currents,
     "errata": errata,

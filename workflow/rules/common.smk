@@ -281,6 +281,11 @@ def drawings(folder, names):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
+def tables_of(studies, names):
+    """Return the paths of tables of results of some studies."""
+    return [f"results/{study}/tables/{name}.csv" for study in studies for name in names]
+
+
 def tables(names):
     """Return the tables of results."""
     return {
