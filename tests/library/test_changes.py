@@ -105,6 +105,20 @@ def test_temperature_s_part_is_told_apart() -> None:
     assert change.explained == pytest.approx(-0.054, abs=0.03)
 
 
+def test_groups_hide_no_change_and_make_none() -> None:
+    """Three groups in turn, far apart; then one group before a date and another one after."""
+    series = replace(made_up(4), covariate=None, group=np.arange(DATES) % 3)
+    apart = replace(series, value=series.value + 0.5 * series.group)
+    assert find_changes(apart, LEVEL) == []
+    (change,) = find_changes(jumping(apart), LEVEL)
+    assert change.low < JUMP < change.high
+    assert change.before == pytest.approx(1.5, abs=0.05)
+    later = np.array(series.day >= series.day[JUMPED], dtype=int)
+    assert find_changes(replace(jumping(series, 0.5), group=later), LEVEL) == []
+    alone = replace(jumping(series), group=np.arange(DATES))  # each date of its own
+    assert [one.kind for one in find_changes(alone, LEVEL)] == ["jump"]
+
+
 def test_two_changes_of_one_series_are_both_found() -> None:
     series = replace(made_up(5), covariate=None)
     twice = jumping(drifting(series, 0.3), -0.4)

@@ -26,15 +26,16 @@ EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
 INDEX = {"index_free_runs": 1}
-FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS | INDEX
+HEALTH = {"track_health": 1, "draw_health": 1}
+FRICTION = {"fit_friction": 1, "draw_friction": 1} | HEALTH | RESIDUALS | INDEX
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
 DOCUMENT = {"time_steps": 1, "write_report": 1}
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
-DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_models": 1, "draw_calibration": 1}
+DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_health": 1, "draw_models": 1, "draw_calibration": 1}
 DESCRIBED = {"describe_arm": 1}
-ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
+ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1, "compare_studies": 1} | REPORT
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS, touched: int = 1) -> dict[str, int]:

@@ -10,9 +10,10 @@ import numpy as np
 
 from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
 from ur5lib.identification.currents import CurrentFit
-from ur5lib.identification.samples import Record, Smooth
+from ur5lib.identification.samples import Record, Smooth, passed
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes
+from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm
 WARMER = 1.0  # K between dates, below which temperatures tell nothing
@@ -24,13 +25,14 @@ class Checkup:
     """What one recording tells of an arm on its date.
 
     joints: of joints 1 to 6; temperature: (6,) mean of the motors [°C], NaN where not recorded;
-    lost: share of lost frames.
+    lost: share of lost frames; path: that it moved along.
     """
 
     date: date
     joints: list[Estimates]
     temperature: Array
     lost: float
+    path: Passed
 
 
 def checkup(
@@ -41,9 +43,8 @@ def checkup(
     warmth = np.full(6, np.nan)
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)
-    return Checkup(
-        day, joint_conditions(record, smooth, fit), warmth, sum(lost) / quality["frames"]
-    )
+    joints, path = joint_conditions(record, smooth, fit), passed(record)
+    return Checkup(day, joints, warmth, sum(lost) / quality["frames"], path)
 
 
 def dated(given: str, quality: Mapping[str, Any], currents: Mapping[str, Any]) -> date | None:
@@ -75,21 +76,31 @@ def health_summary(checkups: Sequence[Checkup]) -> dict[str, list[Row]]:
 
 
 def _by_date(checkups: Sequence[Checkup]) -> Iterator[Row]:
-    """Yield value and standard error of each quantity on each date, ascending."""
+    """Yield value and standard error of each quantity on each date, ascending.
+
+    group: dates of the same paths, of which some show friction and noise better than others.
+    """
+    paths = group_by_path([one.path for one in checkups])
     days = defaultdict(list)
-    for one in sorted(checkups, key=lambda one: one.date):
-        days[one.date.isoformat()].append(one)
-    for day, group in days.items():
-        yield {"date": day, "quantity": "lost_frames", "value": max(one.lost for one in group)}
-        for joint in range(6):
-            warmth = float(np.mean([one.temperature[joint] for one in group]))
-            here = {"date": day, "joint": joint + 1, "temperature_c": warmth}
-            for quantity in UNITS:
-                found = np.array([one.joints[joint][quantity] for one in group])
-                found = found[np.isfinite(found).all(axis=1)]
-                if len(found):
-                    value, error = together(*found.T)
-                    yield here | {"quantity": quantity, "value": value, "std_error": error}
+    for place in sorted(range(len(checkups)), key=lambda place: checkups[place].date):
+        days[checkups[place].date.isoformat()].append(place)
+    groups = [frozenset(int(paths[place]) for place in places) for places in days.values()]
+    for (day, places), group in zip(days.items(), groups, strict=True):
+        yield from _on_date([checkups[place] for place in places], day, groups.index(group))
+
+
+def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Row]:
+    """Yield the rows of one date."""
+    yield {"date": day, "quantity": "lost_frames", "value": max(one.lost for one in checkups)}
+    for joint in range(6):
+        warmth = float(np.mean([one.temperature[joint] for one in checkups]))
+        here = {"date": day, "joint": joint + 1, "temperature_c": warmth, "group": group}
+        for quantity in UNITS:
+            found = np.array([one.joints[joint][quantity] for one in checkups])
+            found = found[np.isfinite(found).all(axis=1)]
+            if len(found):
+                value, error = together(*found.T)
+                yield here | {"quantity": quantity, "value": value, "std_error": error}
 
 
 def together(value: Array, std_error: Array) -> tuple[float, float]:
@@ -122,7 +133,8 @@ def _series(rows: Sequence[Row]) -> Series:
     value, error = (np.array([row[name] for row in rows]) for name in ("value", "std_error"))
     warmth = np.array([row["temperature_c"] for row in rows], dtype=float)
     tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
-    return Series(day, value, error, warmth if tells else None)
+    group = np.array([row["group"] for row in rows])
+    return Series(day, value, error, warmth if tells else None, group)
 
 
 def _day(ordinal: float) -> str:

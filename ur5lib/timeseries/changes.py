@@ -1,10 +1,12 @@
 """Changes of a quantity from date to date: slow drifts, and jumps.
 
-A value y of date t, with the standard error s, is a constant, plus an effect of a covariate x such
-as the temperature, plus changes: c x + Σ d f(t), where f is t for a drift and 0 before, 1 after a
-jump. Changes are found one by one by the largest F among all of them. Its distribution without any
-change depends on the dates and the weights alone; it is simulated, so that the chance of a false
-change is the stated one although many jumps were tried.
+A value of date t is a constant of its group, such as the path that was recorded, plus an effect of
+a covariate x, such as the temperature, plus changes: y = a + c x + Σ d f(t), where f is t for a
+drift and 0 before, 1 after a jump. What changed together with group or covariate is not told apart.
+
+Changes are found one by one by the largest F among all of them. Its distribution without any change
+depends on the dates and the weights alone; it is simulated, so that the chance of a false change is
+the stated one although many jumps were tried.
 """
 
 from collections.abc import Sequence
@@ -16,13 +18,15 @@ from scipy.special import stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-FEWEST = 6  # dates: a constant, a covariate and a change leave three degrees of freedom
+FREEDOM = 3  # degrees of freedom of what remains, at least
+FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
 BESIDE = 2  # dates on either side of a jump, at least: one alone may be an outlier
 MOST = 3  # changes of one series
 DRAWS = 20_000
 COVERED = 0.95
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 LEAST = 1e-12  # of what is divided by, beside its scale
+SAME = 1e-9  # of a covariate's difference within groups, up to which it is theirs
 APART = 1e-6  # share of a change that the covariate leaves, above which both can be told apart
 
 
@@ -31,13 +35,15 @@ class Series:
     """A quantity on n dates, (n,) each.
 
     day: ascending, in days; value; std_error: of each value on its own date; covariate: None where
-    it is unknown. The variation from date to date is estimated.
+    it is unknown; group: labels of dates whose values may differ systematically. The variation from
+    date to date is estimated.
     """
 
     day: Array
     value: Array
     std_error: Array
     covariate: Array | None = None
+    group: Labels | None = None
 
 
 @dataclass(frozen=True)
@@ -45,9 +51,9 @@ class Change:
     """A change of a series.
 
     kind: drift, evenly between the days `first` and `last`, or jump, at some time between them
-    (95 %); before: the value on the first date; size: of the change, with its standard error and
-    95 % interval (low, high); explained: what the covariate contributed in the same time, in the
-    same unit; chance: of a change as clear as this without any.
+    (95 %); before: the value on the first date, of the mean group; size: of the change, with its
+    standard error and 95 % interval (low, high); explained: what the covariate contributed in the
+    same time, in the same unit; chance: of a change as clear as this without any.
     """
 
     kind: Literal["drift", "jump"]
@@ -66,53 +72,70 @@ class Change:
 class _Problem:
     """A series as columns of a regression, multiplied by the square root of the weights.
 
-    base: (n, P), of the constant and the covariate; tried: (n, K), of a drift and of every jump;
-    value: (n,); after: (K - 1,), the first date after each jump.
+    base: (n, P), of the constant, the groups and the covariate; tried: (n, K), of a drift and of
+    every jump; value: (n,); after: (K - 1,), the first date after each jump; adjusts: whether the
+    covariate is among the base, as its last column.
     """
 
     base: Array
     tried: Array
     value: Array
     after: Labels
+    adjusts: bool
 
     @classmethod
     def of(cls, series: Series) -> "_Problem":
         variance = series.std_error**2 + variation(series.value, series.std_error)
         root = 1 / np.sqrt(np.maximum(variance, LEAST * np.mean(series.value**2)))[:, None]
-        base = [np.ones_like(series.day)]
-        if series.covariate is not None and np.ptp(series.covariate) > 0:
-            base.append(series.covariate - series.covariate.mean())
+        groups = _indicators(series)
+        base = [np.ones_like(series.day), *(groups[:, 1:] - groups[:, 1:].mean(axis=0)).T]
+        if series.covariate is not None:
+            within = series.covariate - groups @ np.linalg.lstsq(groups, series.covariate)[0]
+            base += [within] * bool(np.ptp(within) > SAME)
         date = np.arange(len(series.day))
         after = date[BESIDE : len(date) - BESIDE + 1]
         drift = (series.day - series.day[0]) / np.ptp(series.day)
         tried = np.column_stack([drift, date[:, None] >= after])
-        return cls(root * np.stack(base, axis=1), root * tried, root[:, 0] * series.value, after)
+        scaled = root * np.stack(base, axis=1), root * tried, root[:, 0] * series.value
+        return cls(*scaled, after, adjusts=len(base) > groups.shape[1])
 
     def columns(self, chosen: Sequence[int]) -> Array:
-        """Return the columns (n, P + C) of the constant, the covariate and chosen changes."""
+        """Return the columns (n, P + C) of the base and of chosen changes."""
         return np.column_stack([self.base, self.tried[:, chosen]])
 
 
 def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
     """Return the changes of a series, the clearest first.
 
-    level: chance of any false change. With fewer than FEWEST dates, there are none.
+    level: chance of any false change. Few dates for the number of groups tell none.
     """
     if len(series.day) < FEWEST:
         return []
     problem = _Problem.of(series)
     noise = np.random.default_rng(seed).standard_normal((DRAWS, len(series.day)))
     chosen, chances = list[int](), list[float]()
-    while len(chosen) < min(MOST, len(series.day) - FEWEST + 1):
+    while len(chosen) < MOST:
         fixed = problem.columns(chosen)
+        freedom = len(series.day) - fixed.shape[1] - 1
+        if freedom < FREEDOM:
+            break
         share = explained_shares(fixed, problem.tried, problem.value[None])[0]
         by_chance = explained_shares(fixed, problem.tried, noise).max(axis=1)
         chance = float((1 + (by_chance >= share.max()).sum()) / (1 + DRAWS))
         if chance > level:
             break
-        chosen.append(_likeliest(share, len(series.day) - fixed.shape[1] - 1))
+        chosen.append(_likeliest(share, freedom))
         chances.append(chance)
     return [_change(series, problem, chosen, *pair) for pair in enumerate(chances)]
+
+
+def _indicators(series: Series) -> Array:
+    """Return for each group a column (n,) of 1 on its dates; groups of one date are one."""
+    if series.group is None:
+        return np.ones((len(series.day), 1))
+    _, place, count = np.unique(series.group, return_inverse=True, return_counts=True)
+    label = np.where(count[place] > 1, place, -1)
+    return (label[:, None] == np.unique(label)).astype(float)
 
 
 def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
@@ -171,7 +194,7 @@ def _change(
     half = std_error[own] * float(stdtrit(freedom, 0.5 + COVERED / 2))
     is_drift = chosen[place] == 0
     when = (0, len(series.day) - 1) if is_drift else _jump_dates(problem, chosen, place)
-    effect = value[1] if problem.base.shape[1] > 1 else 0.0
+    effect = value[problem.base.shape[1] - 1] if problem.adjusts else 0.0
     return Change(
         kind="drift" if is_drift else "jump",
         first=float(series.day[when[0]]),

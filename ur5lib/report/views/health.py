@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.report.cells import fixed, interval, number, significant
+from ur5lib.report.cells import fixed, interval, number, rounded, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
 
@@ -31,10 +31,11 @@ def told(results: Results) -> Iterator[str]:
         rows = results.rows("health", robot=robot)
         lost = rows.loc[rows["quantity"] == "lost_frames", "value"].max()
         warmth = "" if rows["temperature_c"].notna().any() else "not "
+        frames = f"A recording lost at most {rounded(100 * lost, 1)} % of its frames"
         yield (
             f"{robot} was recorded on {rows['date'].nunique()} dates, "
             f"{span(rows['date'].min(), rows['date'].max())}. Temperatures of its joints were "
-            f"{warmth}recorded. A recording lost at most {100 * lost:.1f} % of its frames."
+            f"{warmth}recorded. {frames if lost else 'No frame was lost'}."
         )
 
 
@@ -63,7 +64,9 @@ def sentence(row: Any) -> str:
         verb, when = f"slowly {rose}", span(row.first, row.last)
     by = f"{significant(abs(row.size), 2)} ± {significant(row.std_error, 1)} {unit}"
     if row.quantity != "offset":
-        by = f"{abs(share(row.size, row)):.0f} ± {share(row.std_error, row):.0f} %"
+        error = share(row.std_error, row)
+        digits = int(error < 1)
+        by = f"{abs(share(row.size, row)):.{digits}f} ± {rounded(error, digits)} %"
     added = share(row.by_temperature, row)
     also = f"; temperature adds {fixed(added, 0)} %" if abs(added) >= LEAST else ""
     also = "" if row.quantity == "offset" else also
@@ -116,4 +119,5 @@ def steps(results: Results) -> Iterator[str]:
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
         when = f"since {day(row.last)}" if row.kind == "jump" else "of late"
-        yield f"Fit {row.robot} only to what was recorded {when}: {sentence(row)}"
+        told = f"{NAMES[row.quantity][0]} of joint {row.joint} has changed"
+        yield f"Fit {row.robot} only to what was recorded {when}: {told}."
