@@ -33,9 +33,16 @@ ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
 DOCUMENT = {"time_steps": 1, "write_report": 1}
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
-DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_health": 1, "draw_models": 1, "draw_calibration": 1}
+DRAWINGS = {
+    "draw_filters": 1,
+    "draw_friction": 1,
+    "draw_health": 1,
+    "draw_models": 1,
+    "draw_calibration": 1,
+}
 DESCRIBED = {"describe_arm": 1}
-ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1, "compare_studies": 1} | REPORT
+ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
+FRESH = DESCRIBED | ALL_ELSE | {"compare_studies": 1}
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS, touched: int = 1) -> dict[str, int]:
@@ -80,7 +87,7 @@ def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
 
 def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "results")
-    assert workflow.plan() == jobs(*EACH_RECORDING) | DESCRIBED | ALL_ELSE
+    assert workflow.plan() == jobs(*EACH_RECORDING) | FRESH
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -150,7 +157,10 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
-        ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | REPORT),
+        ("ur5lib/identification/payload.py",
+         jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | HEALTH | REPORT),
+        ("ur5lib/timeseries/changes.py", HEALTH | REPORT),
+        ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/views/found.py", {"write_report": 1}),
@@ -216,7 +226,7 @@ def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> N
     others = ("compare_accelerations", "estimate_forces", *FROM_SENSOR)
     again = jobs(*others, recordings=RECORDINGS + 1)
     alone = jobs(*EACH_RECORDING, recordings=1)
-    shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS
+    shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS | HEALTH
     assert workflow.plan() == alone | again | shared | REPORT
 
 
@@ -285,7 +295,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     run.wait()
     assert not (folder / "report.html").exists()
     remaining = workflow.plan()
-    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | ALL_ELSE).values())
+    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | FRESH).values())
     workflow.build()
     assert results(workflow) == before
     assert workflow.plan() == {}
@@ -300,7 +310,7 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
         workflow.plan("--configfile", "other.yaml")
-        == jobs(*EACH_RECORDING, recordings=1, touched=0) | DESCRIBED | ALL_ELSE
+        == jobs(*EACH_RECORDING, recordings=1, touched=0) | FRESH
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()
