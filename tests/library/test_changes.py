@@ -93,6 +93,18 @@ def test_what_temperature_explains_is_no_change() -> None:
     assert 0 < false <= 12
 
 
+def test_errors_that_are_uncertain_make_no_false_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each from six degrees of freedom; of 200 quiet series, some ten change falsely at 5 %."""
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
+    false = 0
+    for seed in range(10_000, 10_200):
+        random = np.random.default_rng(seed)
+        value = 1 + SPREAD * random.standard_normal(DATES)
+        error = SPREAD * np.sqrt(random.chisquare(6, DATES) / 6)
+        false += bool(find_changes(Series(np.arange(20.0), value, error), 0.05))
+    assert 3 <= false <= 17
+
+
 def test_temperature_s_part_is_told_apart() -> None:
     """It warms by 6 K with the jump and by some K at random; -0.9 % per kelvin."""
     series = made_up(3)

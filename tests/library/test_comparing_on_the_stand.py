@@ -47,7 +47,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
 
 
 def plan(path: int, seed: int, coulomb_3: float) -> dict[str, object]:
-    trajectory = MOTION | {"draw": 40 + path, "period_s": SECONDS}
+    trajectory = MOTION | {"draw": 10 * seed + path, "period_s": SECONDS}
     factors = [1.0, 1.0, coulomb_3, 1.0, 1.0, 1.0]
     noise = {"seed": 100 * seed + path, "seconds": SECONDS}
     return {"trajectory": trajectory, "coulomb_factor": factors} | noise

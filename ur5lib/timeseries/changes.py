@@ -85,7 +85,9 @@ class _Problem:
 
     @classmethod
     def of(cls, series: Series) -> "_Problem":
-        variance = series.std_error**2 + variation(series.value, series.std_error)
+        # a recording's error is uncertain itself: trusted, a small one makes false changes
+        error = np.maximum(series.std_error, np.median(series.std_error))
+        variance = error**2 + variation(series.value, error)
         root = 1 / np.sqrt(np.maximum(variance, LEAST * np.mean(series.value**2)))[:, None]
         groups = _indicators(series)
         base = [np.ones_like(series.day), *(groups[:, 1:] - groups[:, 1:].mean(axis=0)).T]

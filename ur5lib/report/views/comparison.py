@@ -17,8 +17,8 @@ def found(results: Results) -> Iterator[str]:
         rows = results.rows("changes", study=study)
         changed = rows[rows["changed"] == "yes"]
         topics = ", ".join(changed["topic"].unique())
-        told = f"{len(changed)} numbers changed, of: {topics}" if topics else "nothing changed"
-        yield f"Compared with {study}, {told} ({len(rows)} numbers compared)."
+        told = f"{len(changed) or 'none'} of {len(rows)} numbers changed"
+        yield f"Compared with {study}, {told}{f': {topics}' if topics else ''}."
 
 
 def topics(results: Results, of: str) -> Body:
