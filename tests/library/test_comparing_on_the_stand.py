@@ -1,4 +1,4 @@
-"""`ur5 compare` on simulated studies: what noise changes, and what worn joints do."""
+"""`ur5 compare` on simulated studies: what other recordings change, and what a worn joint does."""
 
 from collections.abc import Callable
 from functools import cache
@@ -24,7 +24,7 @@ Study = Callable[..., Path]
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    """The results of a study of one arm by the seed of all noise and joint 3's Coulomb friction."""
+    """The results of a study of one arm by the seed of paths and noise, and joint 3's friction."""
 
     @cache
     def build(seed: int, coulomb_3: float = 1.0) -> Path:
@@ -63,13 +63,12 @@ def test_a_study_does_not_differ_from_itself(study: Study) -> None:
     assert not any(one.differs or one.changed for one in found)
 
 
-def test_other_noise_differs_as_seldom_as_stated(study: Study) -> None:
-    """At most one in twenty intervals; fewer, as they contain what other paths would change."""
+def test_other_recordings_of_the_same_arm_have_not_changed(study: Study) -> None:
+    """Other paths, other noise: at most one in twenty differs; five paths make intervals wide."""
     pairs = combinations(range(1, SEEDS + 1), 2)
     found = [compare(study(one), study(other)) for one, other in pairs]
     each = [one for pair in found for one in of_friction(pair)]
     assert len(each) >= 3 * 24
-    print(sum(one.differs for one in each), len(each))
     assert sum(one.differs for one in each) <= 0.05 * len(each) + 2
     assert not any(one.changed for pair in found for one in pair)
 

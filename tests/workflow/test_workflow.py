@@ -318,6 +318,17 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     assert "pushed" not in report
 
 
+def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
+    """With a copy of its own results: nothing has changed."""
+    folder = workflow.folder / "results"
+    shutil.copytree(folder / "small", folder / "before")
+    append(workflow.folder / "config.yaml", "compare_with: [before]\n")
+    assert workflow.plan() == {"compare_studies": 1} | DOCUMENT
+    workflow.build()
+    report = (folder / "small" / "report.html").read_text()
+    assert re.search(r"<li>Compared with before, none of \d+ numbers changed\.</li>", report)
+
+
 # Bad input: one clear sentence, a non-zero exit, nothing destroyed
 
 
