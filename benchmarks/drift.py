@@ -48,7 +48,7 @@ def main() -> None:
         holds = part[["size holds", "date holds"]].eq("yes").sum()
         print(f"{kind}: found in {len(part)} of {seeds} seeds, {holds.to_dict()}")
     follows = (rows["quantity"] == "noise") & rows["joint"].isin([DRIFTING, JUMPING])
-    false = rows[rows["true"].isna() & ~follows]  # what friction jerks, the low-pass leaves over
+    false = rows[rows["true"].isna() & ~follows]  # noise follows friction, whose reversals are fast
     print(f"false changes: {len(false)} in {seeds} seeds")
 
 
