@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
-from ur5lib.comparing.account import account, write_junit
+from ur5lib.comparing.account import COLUMNS, account, rows, write_junit
 from ur5lib.comparing.topics import TOPICS, compare
 from ur5lib.errors import InputError
 
@@ -109,6 +109,22 @@ def test_an_unknown_topic_is_refused(tmp_path: Path) -> None:
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds no results of a study"):
         compare(results(tmp_path / "a"), tmp_path / "b")
+
+
+def test_tables_without_rows_have_nothing_to_compare(tmp_path: Path) -> None:
+    folders = results(tmp_path / "a"), results(tmp_path / "b")
+    for path in (path for folder in folders for path in (folder / "tables").iterdir()):
+        path.write_text(path.read_text().partition("\n")[0] + "\n")
+    assert compare(*folders) == []
+
+
+def test_a_row_of_the_report_says_what_the_command_says(tmp_path: Path) -> None:
+    found = compare(results(tmp_path / "a"), results(tmp_path / "b", error=2.0))
+    told = [*rows("monday", found)]
+    assert [*told[0]] == COLUMNS
+    assert [row["name"] for row in told if row["changed"] == "yes"] == [
+        one.name for one in found if one.changed
+    ]
 
 
 def test_results_that_are_not_whole_are_refused(tmp_path: Path) -> None:

@@ -90,7 +90,7 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         ),
         (lambda raw: raw["recordings"][0].update(columns=["time"]),
          "unknown key `recordings[0].columns`; known keys: name, robot, folder, role, gravity, "
-         "mounting, tool, payload, from_s, to_s, format, simulate"),
+         "mounting, tool, payload, date, from_s, to_s, format, simulate"),
         (lambda raw: raw["recordings"][0].update(gravity=[0, 0, 0.981]),
          "`recordings[0].gravity` is [0, 0, 0.981]; give three numbers [m/s²] with a magnitude of "
          "9 to 10.5"),
@@ -125,7 +125,15 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
         (lambda raw: raw.update(hosts={"pc": "imu"}), "`hosts.pc` is 'imu'; give a list"),
         (lambda raw: raw.update(host={"pc": ["imu"]}),
          "unknown key `host` (did you mean `hosts`?); "
-         "known keys: study, title, robot, recordings, reference, devices, hosts, settings"),
+         "known keys: study, title, robot, recordings, reference, compare_with, devices, hosts, "
+         "settings"),
+        (lambda raw: raw["recordings"][0].update(date="next week"),
+         "`recordings[0].date` is 'next week'; give a date, as in 2026-03-09"),
+        (lambda raw: raw.update(compare_with=["monday"]),
+         "`compare_with` names 'monday', but results/monday holds no results; run snakemake on "
+         "that study first"),
+        (lambda raw: raw.update(compare_with=[raw["study"]]),
+         "`compare_with` names 'mine', this study itself; name another"),
     ],
 )  # fmt: skip
 def test_an_error_names_key_value_range_and_near_name(

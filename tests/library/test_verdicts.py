@@ -40,6 +40,9 @@ COLUMNS = {
     "excitation": ["robot", "combinations", "undetermined", "advice"],
     "audit": ["recording", "quantity", "verdict"],
     "parameters": ["robot", "determined"],
+    "health": ["robot", "date", "joint", "quantity", "value", "std_error", "temperature_c"],
+    "health_changes": ["robot", "joint", "quantity", "kind", "first", "last", "before", "size"],
+    "changes": ["study", "topic", "name", "before", "after", "differs", "changed"],
     "cross_validation": ["robot", "fitted_on", "tested_on", "joint", "rmse_2hz"],
 }
 ROLES = {"fitted": "fit", "seen": "validate", "pushed": "contact"}

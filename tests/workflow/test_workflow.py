@@ -26,15 +26,23 @@ EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
 RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
 INDEX = {"index_free_runs": 1}
-FRICTION = {"fit_friction": 1, "draw_friction": 1} | RESIDUALS | INDEX
+HEALTH = {"track_health": 1, "draw_health": 1}
+FRICTION = {"fit_friction": 1, "draw_friction": 1} | HEALTH | RESIDUALS | INDEX
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
 DOCUMENT = {"time_steps": 1, "write_report": 1}
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
-DRAWINGS = {"draw_filters": 1, "draw_friction": 1, "draw_models": 1, "draw_calibration": 1}
+DRAWINGS = {
+    "draw_filters": 1,
+    "draw_friction": 1,
+    "draw_health": 1,
+    "draw_models": 1,
+    "draw_calibration": 1,
+}
 DESCRIBED = {"describe_arm": 1}
 ALL_ELSE = DRIFTS | ARM | {"draw_filters": 1} | REPORT
+FRESH = DESCRIBED | ALL_ELSE | {"compare_studies": 1}
 
 
 def jobs(*rules: str, recordings: int = RECORDINGS, touched: int = 1) -> dict[str, int]:
@@ -79,7 +87,7 @@ def test_a_second_run_has_nothing_to_do(workflow: Workflow) -> None:
 
 def test_a_fresh_run_does_every_step(workflow: Workflow) -> None:
     shutil.rmtree(workflow.folder / "results")
-    assert workflow.plan() == jobs(*EACH_RECORDING) | DESCRIBED | ALL_ELSE
+    assert workflow.plan() == jobs(*EACH_RECORDING) | FRESH
 
 
 def test_every_step_leaves_a_log_and_its_time(built_workflow: Workflow) -> None:
@@ -161,7 +169,10 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
-        ("ur5lib/identification/payload.py", jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | REPORT),
+        ("ur5lib/identification/payload.py",
+         jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | HEALTH | REPORT),
+        ("ur5lib/timeseries/changes.py", HEALTH | REPORT),
+        ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/paper.py", {}),  # made on demand
@@ -228,7 +239,7 @@ def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> N
     others = ("compare_accelerations", "estimate_forces", *FROM_SENSOR)
     again = jobs(*others, recordings=RECORDINGS + 1)
     alone = jobs(*EACH_RECORDING, recordings=1)
-    shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS
+    shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS | HEALTH
     assert workflow.plan() == alone | again | shared | REPORT
 
 
@@ -297,7 +308,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     run.wait()
     assert not (folder / "report.html").exists()
     remaining = workflow.plan()
-    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | ALL_ELSE).values())
+    assert 0 < sum(remaining.values()) < sum((jobs(*EACH_RECORDING) | FRESH).values())
     workflow.build()
     assert results(workflow) == before
     assert workflow.plan() == {}
@@ -312,12 +323,23 @@ def test_another_study_inherits_nothing(workflow: Workflow) -> None:
     (workflow.folder / "other.yaml").write_text("\n".join(other))
     assert (
         workflow.plan("--configfile", "other.yaml")
-        == jobs(*EACH_RECORDING, recordings=1, touched=0) | DESCRIBED | ALL_ELSE
+        == jobs(*EACH_RECORDING, recordings=1, touched=0) | FRESH
     )
     workflow.build("--configfile", "other.yaml")
     report = (workflow.folder / "results" / "other" / "report.html").read_text()
     assert "cutoff_hz: 33.0" not in report
     assert "pushed" not in report
+
+
+def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
+    """With a copy of its own results: nothing has changed."""
+    folder = workflow.folder / "results"
+    shutil.copytree(folder / "small", folder / "before")
+    append(workflow.folder / "config.yaml", "compare_with: [before]\n")
+    assert workflow.plan() == {"compare_studies": 1} | DOCUMENT
+    workflow.build()
+    report = (folder / "small" / "report.html").read_text()
+    assert re.search(r"<li>Compared with before, none of \d+ numbers changed\.</li>", report)
 
 
 # Bad input: one clear sentence, a non-zero exit, nothing destroyed

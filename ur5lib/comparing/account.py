@@ -8,6 +8,8 @@ from ur5lib.comparing.changes import Comparison
 from ur5lib.comparing.topics import TOPICS
 from ur5lib.tables import write_text
 
+COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
+
 
 def account(found: Sequence[Comparison]) -> Iterator[str]:
     """Yield lines: per topic, how much was compared and what changed."""
@@ -20,6 +22,15 @@ def account(found: Sequence[Comparison]) -> Iterator[str]:
         changed = [one for one in its if one.changed]
         yield f"{topic}: {len(its)} compared, {differ} beyond their error, {len(changed)} changed"
         yield from (f"  {one.sentence()}" for one in changed)
+
+
+def rows(study: str, found: Sequence[Comparison]) -> Iterator[dict[str, str]]:
+    """Yield each comparison as a row of changes.csv; study: the name of the one before."""
+    for one in found:
+        row = {"study": study, "topic": one.topic, "name": one.name}
+        told = {"before": one.before, "after": one.after}
+        known = {"differs": one.differs, "changed": one.changed}
+        yield row | told | {name: "yes" if holds else "no" for name, holds in known.items()}
 
 
 def write_junit(found: Sequence[Comparison], path: Path) -> None:

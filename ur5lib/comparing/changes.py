@@ -43,8 +43,9 @@ def compare_estimates(
     counts as changed where the difference exceeds the interval of the difference, widened as in
     Bonferroni's correction for as many comparisons as there are.
     """
-    apart = np.abs(rows["value_b"] - rows["value_a"]).to_numpy()
-    half = np.hypot(rows["half_a"], rows["half_b"]).to_numpy()
+    numbers = rows[["value_a", "value_b", "half_a", "half_b"]].to_numpy(float)  # also of no rows
+    apart = np.abs(numbers[:, 1] - numbers[:, 0])
+    half = np.hypot(numbers[:, 2], numbers[:, 3])
     wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
     told = [
         [
@@ -63,7 +64,7 @@ def compare_errors(
     topic: str, rows: pd.DataFrame, names: Sequence[str], unit: str
 ) -> list[Comparison]:
     """Compare errors that have no interval: by their ratio. rows: `value_a`, `value_b`."""
-    changed = _ratio(rows["value_a"].to_numpy(), rows["value_b"].to_numpy()) > WORSE
+    changed = _ratio(rows["value_a"].to_numpy(float), rows["value_b"].to_numpy(float)) > WORSE
     return [
         Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(other), bool(other))
         for name, a, b, other in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)

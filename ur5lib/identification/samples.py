@@ -130,9 +130,12 @@ def joint_samples(
 
 def record_paths(records: Sequence[Record]) -> Labels:
     """Return labels (R,) of recordings by their trajectory."""
-    return group_by_path(
-        [Passed.of(own.q, own.qd, max(1, round(STEP / own.period))) for own in records]
-    )
+    return group_by_path([passed(record) for record in records])
+
+
+def passed(record: Record) -> Passed:
+    """Return the states on the path of a recording."""
+    return Passed.of(record.q, record.qd, max(1, round(STEP / record.period)))
 
 
 def design(

@@ -6,7 +6,9 @@ The magnitudes are those of the thesis's UR5 (fits of its currents), relative to
 torque, so that they apply to any arm.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
@@ -54,6 +56,10 @@ class FrictionParameters:
         stribeck = (self.stiction - 1) * np.exp(-((qd / self.stribeck_velocity) ** 2))
         coulomb = self.coulomb * (1 + self.coulomb_warming * warmth)
         return coulomb * (1 + stribeck) + self.load * np.abs(load)
+
+    def changed(self, coulomb: Sequence[float], viscous: Sequence[float]) -> Self:
+        """Return friction as wear changes it; coulomb, viscous: factors (6,)."""
+        return replace(self, coulomb=self.coulomb * coulomb, viscous=self.viscous * viscous)
 
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:

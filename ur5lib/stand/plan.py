@@ -16,6 +16,8 @@ Share = Annotated[float, Field(ge=0, le=0.5)]
 NotNegative = Annotated[float, Field(ge=0)]
 Stiffness = Annotated[float, Field(gt=0, le=50_000)]  # stable at steps of 1 ms
 Damping = Annotated[float, Field(ge=0, le=500)]
+Factor = Annotated[float, Field(ge=0.1, le=10)]
+Factors = tuple[Factor, Factor, Factor, Factor, Factor, Factor]
 
 
 def _direction(vector: Vector3) -> Vector3:
@@ -266,6 +268,16 @@ class SimulatedRecording(Planned):
         (30.0, 30.0), description="of the motors, at the start and at the end [°C]"
     )
     friction: bool = Field(True, description="whether the joints have friction")
+    coulomb_factor: Factors = Field(
+        (1.0,) * 6,
+        description="each joint's Coulomb friction, relative to the usual one, which the "
+        "controller expects",
+    )
+    viscous_factor: Factors = Field(
+        (1.0,) * 6,
+        description="each joint's viscous friction, relative to the usual one, which the "
+        "controller expects",
+    )
     noise: bool = Field(True, description="whether measurements have noise")
     contacts: list[Contact] = Field(default=[], description="contacts with the arm")
     force_sensor: ForceSensor | None = Field(None, description="force sensor, if any")

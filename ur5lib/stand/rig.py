@@ -99,7 +99,8 @@ def build_rig(
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
     plant = build_arm(loaded, model, mounting, STEP)
     known = build_arm(robot.carrying(declared), model, mounting, STEP)
-    friction = friction_of(robot, plan.friction)
+    usual = friction_of(robot, plan.friction)
+    friction = usual.changed(plan.coulomb_factor, plan.viscous_factor)
     return Rig(
         robot=loaded,
         model=model,
@@ -110,6 +111,6 @@ def build_rig(
         declared=declared,
         friction=friction,
         rubbing=Friction(friction, random.uniform(-START, START, 6)),
-        drive=drive_of(robot, friction),
+        drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )

@@ -4,11 +4,12 @@ The model below defines every key of `config.yaml`; `workflow/study.schema.json`
 `docs/settings.md` are generated from it.
 """
 
+import datetime
 import json
 from functools import cached_property
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from ur5lib.recorder.lab import Lab
 from ur5lib.recordings.quality import SENSORS
@@ -17,6 +18,18 @@ from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
 from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
+
+
+def _day(value: Any) -> datetime.date:
+    """Return the day that YAML or a text states, whatever the hour."""
+    try:
+        stated = value if isinstance(value, datetime.date) else datetime.date.fromisoformat(value)
+    except (TypeError, ValueError):
+        raise ValueError("a date, as in 2026-03-09") from None
+    return stated.date() if isinstance(stated, datetime.datetime) else stated
+
+
+Day = Annotated[datetime.date, BeforeValidator(_day)]
 
 
 class Part(Strict):
@@ -51,6 +64,11 @@ class Part(Strict):
         description="load on the flange that the arm's description and its tool lack, whether the "
         "controller knows it or not; default: the recorded `payload` channels of RTDE, otherwise "
         "none",
+    )
+    date: Day | None = Field(
+        None,
+        description="day of the recording, as in 2026-03-09; default: that of its start stamp (UTC)"
+        ", where it has one; six dates or more show how an arm changes",
     )
     from_s: float | None = Field(
         None, ge=0, description="use the recording from this time on, counted from its first frame"
@@ -413,6 +431,11 @@ class Study(Strict):
     recordings: list[Recording] = Field(min_length=1, description="recordings to analyse")
     reference: Annotated[str, AfterValidator(existing_file)] | None = Field(
         None, description="YAML file with published values and errata to compare the results with"
+    )
+    compare_with: list[Name] = Field(
+        [],
+        description="other studies whose results are built: the report shows what differs from "
+        "theirs by more than its error, as `ur5 compare` does",
     )
     devices: Lab | None = Field(
         None, description="devices that `ur5 record` records; the analysis does not use them"

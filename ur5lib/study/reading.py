@@ -59,6 +59,7 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
         *_empty_parts(raw),
         *_devices_on_two_hosts(raw),
         *_renamed_settings(raw),
+        *_missing_results(raw),
     ]
     try:
         study = Study.model_validate(_with_arms(_with_simulated_files(raw)))
@@ -89,6 +90,22 @@ def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
                 "run in the project's folder, correct the path, or fetch the data "
                 "(`ur5 fetch`)"
             )
+
+
+def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
+    given = raw.get("compare_with")
+    for name in filter(_is_text, given if isinstance(given, list) else []):
+        if name == raw.get("study"):
+            yield f"`compare_with` names {shown(name)}, this study itself; name another"
+        elif not Path("results", name, "tables").is_dir():
+            yield (
+                f"`compare_with` names {shown(name)}, but results/{name} holds no results; run "
+                "snakemake on that study first"
+            )
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
 
 
 def _files_of_simulated(raw: Mapping[str, Any]) -> Iterator[str]:

@@ -134,7 +134,18 @@ def recording_of(wildcards):
 
 def what_was_recorded(wildcards):
     """Return the description of a recording for its reader, without its use in the study."""
-    names = ["name", "role", "robot", "gravity", "mounting", "tool", "payload", "simulate", "truth"]
+    names = [
+        "name",
+        "role",
+        "robot",
+        "date",
+        "gravity",
+        "mounting",
+        "tool",
+        "payload",
+        "simulate",
+        "truth",
+    ]
     unread = dict.fromkeys(names, True) | {"force_sensor": {"mounting"}}
     return recording_of(wildcards).model_dump_json(exclude=unread)
 
@@ -153,6 +164,12 @@ def gravities(names):
 def fitted_gravities(wildcards):
     """Return gravity in the base frames of an arm's `fit` recordings."""
     return gravities(fitted_on(wildcards))
+
+
+def contact_free_dates(wildcards):
+    """Return the dates of an arm's contact-free recordings; empty where the study gives none."""
+    dates = [RECORDINGS[name].date for name in contact_free(wildcards)]
+    return [day.isoformat() if day else "" for day in dates]
 
 
 def contact_free_gravities(wildcards):
@@ -283,6 +300,11 @@ def drawings(folder, names):
 def columns(folder, names):
     """Return the figures of a folder as wide as a column of a paper."""
     return {name: f"{folder}/{name}.pdf" for name in names}
+
+
+def tables_of(studies, names):
+    """Return the paths of tables of results of some studies."""
+    return [f"results/{study}/tables/{name}.csv" for study in studies for name in names]
 
 
 def tables(names):

@@ -117,3 +117,25 @@ rule predict_currents:
         role=lambda wildcards: recording_of(wildcards).role,
     run:
         run_step(rule, input, output, params, log)
+
+
+rule track_health:
+    input:
+        quality=free_results("quality.json"),
+        signals=free_results("signals.parquet"),
+        motion=free_results("motion.parquet"),
+        torques=free_results("torques.parquet"),
+        currents=free_results("currents.json"),
+        friction=parameter("friction.json"),
+        arm=parameter("arm.yaml"),
+    output:
+        health=parameter("health.json"),
+    log:
+        **traces("track_health", "{robot}"),
+    params:
+        **SETTINGS.lowpass.currents.model_dump(),
+        code=code("track_health"),
+        recordings=contact_free,
+        dates=contact_free_dates,
+    run:
+        run_step(rule, input, output, params, log)

@@ -24,6 +24,13 @@ use rule draw_friction as draw_friction_for_paper with:
         **traces("draw_friction_for_paper", "{robot}"),
 
 
+use rule draw_health as draw_health_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{robot}}", ["health"]),
+    log:
+        **traces("draw_health_for_paper", "{robot}"),
+
+
 use rule draw_models as draw_models_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{robot}}", ["models"]),

@@ -14,6 +14,15 @@ PUBLISHED_FIGURES = [
     "forces_friction_corrected",
 ]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
+COMPARED = [
+    "quality",
+    "parameters",
+    "rotor_inertia",
+    "friction",
+    "payload",
+    "current_rmse",
+    "force_mae",
+]
 TABLES = sorted(path.stem for path in Path("ur5lib/report/tables").glob("[!_]*.py"))
 
 
@@ -71,6 +80,7 @@ rule make_tables:
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
         friction=parameters("friction.json"),
+        health=parameters("health.json"),
         residuals=parameters("residuals.json"),
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
@@ -103,6 +113,19 @@ rule draw_friction:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("draw_friction"),
         recordings=fitted_on,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_health:
+    input:
+        health=parameter("health.json"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["health"]),
+    log:
+        **traces("draw_health", "{robot}"),
+    params:
+        code=code("draw_health"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -143,6 +166,20 @@ rule draw_calibration:
         **traces("draw_calibration"),
     params:
         code=code("draw_calibration"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule compare_studies:
+    input:
+        own=tables_of([STUDY.study], COMPARED if STUDY.compare_with else []),
+        others=tables_of(STUDY.compare_with, COMPARED),
+    output:
+        **tables(["changes"]),
+    log:
+        **traces("compare_studies"),
+    params:
+        code=code("compare_studies"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -10,6 +10,7 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.link_model import compare, named
+from ur5lib.report.views import comparison
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.contacts import counted, quiet, undetermined_moments
 from ur5lib.report.views.currents import loaded
@@ -32,6 +33,7 @@ def findings(results: Results) -> list[str]:
         *undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
         *beside_truth(results.tables.get("truth")),
+        *comparison.found(results),
     ]
     return told or [NOTHING]
 

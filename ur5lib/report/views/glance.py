@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts import currents as current_verdict
-from ur5lib.report.verdicts import data_quality, force, link_model, motion
+from ur5lib.report.verdicts import data_quality, drift, force, link_model, motion
 from ur5lib.report.views.currents import loaded, predicted
 from ur5lib.report.views.models import compared
 
@@ -15,6 +15,7 @@ VERDICTS: list[Callable[[Results], Verdict | None]] = [
     current_verdict.verdict,
     force.verdict,
     motion.verdict,
+    drift.verdict,
 ]
 
 

@@ -7,6 +7,7 @@ from ur5lib.report.cells import joints, rounded
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.data_quality import lost_shares
+from ur5lib.report.views import health
 from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
@@ -28,6 +29,7 @@ def _all(results: Results) -> Iterator[str]:
     yield from contradictions(results)
     yield from lossy_files(results)
     yield from doubted_sensors(results)
+    yield from health.steps(results)
     yield from missing_recordings(results)
 
 

@@ -1,0 +1,175 @@
+"""Changes between dates: those that are there are found, and no others."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ur5lib.timeseries.changes import (
+    FEWEST,
+    Change,
+    Series,
+    explained_shares,
+    find_changes,
+    variation,
+)
+
+DATES, SEEDS, JOINTS = 20, 20, 6
+SPREAD = 0.02  # between dates, of a value of 1
+DRIFT, JUMP, JUMPED = 0.15, 0.12, 11
+LEVEL = 0.05 / JOINTS
+
+
+def made_up(seed: int, dates: int = DATES) -> Series:
+    """A quantity that does not change but for its spread and its temperature."""
+    random = np.random.default_rng(seed)
+    day = np.sort(random.choice(np.arange(1.0, 90.0), dates, replace=False))
+    std_error = 0.01 * np.exp(0.3 * random.standard_normal(dates))
+    warmth = 30 + 3 * random.standard_normal(dates)
+    noise = np.hypot(std_error, SPREAD) * random.standard_normal(dates)
+    return Series(day, 1 - 0.009 * (warmth - 30) + noise, std_error, warmth)
+
+
+def drifting(series: Series, size: float = DRIFT) -> Series:
+    course = (series.day - series.day[0]) / np.ptp(series.day)
+    return replace(series, value=series.value + size * course)
+
+
+def jumping(series: Series, size: float = JUMP) -> Series:
+    return replace(series, value=series.value + size * (series.day >= series.day[JUMPED]))
+
+
+def arm(seed: int) -> list[Series]:
+    """Six joints, of which the second drifts and the fifth jumps."""
+    joints = [made_up(100 * seed + joint) for joint in range(JOINTS)]
+    joints[1], joints[4] = drifting(joints[1]), jumping(joints[4])
+    return joints
+
+
+@pytest.fixture(scope="module")
+def found() -> list[list[list[Change]]]:
+    """The changes of each joint of twenty arms."""
+    return [[find_changes(own, LEVEL) for own in arm(seed)] for seed in range(SEEDS)]
+
+
+def test_a_drift_is_found_with_its_size(found: list[list[list[Change]]]) -> None:
+    changes = [joints[1][0] for joints in found]
+    drifts = [change for change in changes if change.kind == "drift"]
+    assert len(drifts) >= 18  # dates may leave open whether it was a jump
+    assert sum(one.low < DRIFT < one.high for one in drifts) >= 16
+    assert all(abs(one.before - 1) < 5 * SPREAD for one in drifts)
+
+
+def test_a_jump_is_found_with_its_size_and_date(found: list[list[list[Change]]]) -> None:
+    jumps = [joints[4][0] for joints in found]
+    assert [one.kind for one in jumps] == ["jump"] * SEEDS
+    assert sum(one.low < JUMP < one.high for one in jumps) >= 17
+    days = [arm(seed)[4].day[JUMPED - 1 : JUMPED + 1] for seed in range(SEEDS)]
+    dated = [one.first <= a and b <= one.last for one, (a, b) in zip(jumps, days, strict=True)]
+    assert sum(dated) >= 17
+
+
+def test_intervals_hold_the_size_as_often_as_stated(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 500)
+    for change, size in ((drifting, DRIFT), (jumping, JUMP)):
+        found = [find_changes(change(made_up(seed)), LEVEL)[0] for seed in range(1000, 1100)]
+        assert 90 <= sum(one.low < size < one.high for one in found) <= 99
+
+
+def test_the_other_joints_have_not_changed(found: list[list[list[Change]]]) -> None:
+    """The stated rate of false alarms is 5 % of an arm, over all its joints."""
+    quiet = [sum(map(bool, (joints[j] for j in (0, 2, 3, 5)))) for joints in found]
+    assert sum(quiet) <= 3  # two thirds of one expected; four or more have a chance of 0.5 %
+
+
+def test_what_temperature_explains_is_no_change() -> None:
+    """A hundred quiet series that warm up over time: at 5 %, some five false changes."""
+    false = 0
+    for seed in range(100):
+        series = made_up(seed)
+        warmth = series.day / 5 + series.covariate
+        value = series.value - 0.009 * series.day / 5
+        false += bool(find_changes(replace(series, value=value, covariate=warmth), 0.05))
+    assert 0 < false <= 12
+
+
+def test_errors_that_are_uncertain_make_no_false_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each from six degrees of freedom; of 200 quiet series, some ten change falsely at 5 %."""
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
+    false = 0
+    for seed in range(10_000, 10_200):
+        random = np.random.default_rng(seed)
+        value = 1 + SPREAD * random.standard_normal(DATES)
+        error = SPREAD * np.sqrt(random.chisquare(6, DATES) / 6)
+        false += bool(find_changes(Series(np.arange(20.0), value, error), 0.05))
+    assert 3 <= false <= 17
+
+
+def test_temperature_s_part_is_told_apart() -> None:
+    """It warms by 6 K with the jump and by some K at random; -0.9 % per kelvin."""
+    series = made_up(3)
+    later = series.day >= series.day[JUMPED]
+    warmer = replace(
+        series, value=series.value - 0.054 * later, covariate=series.covariate + 6.0 * later
+    )
+    (change,) = find_changes(jumping(warmer, 0.3), LEVEL)
+    assert change.low < 0.3 < change.high
+    assert change.explained == pytest.approx(-0.054, abs=0.03)
+
+
+def test_groups_hide_no_change_and_make_none() -> None:
+    """Three groups in turn, far apart; then one group before a date and another one after."""
+    series = replace(made_up(4), covariate=None, group=np.arange(DATES) % 3)
+    apart = replace(series, value=series.value + 0.5 * series.group)
+    assert find_changes(apart, LEVEL) == []
+    (change,) = find_changes(jumping(apart), LEVEL)
+    assert change.low < JUMP < change.high
+    assert change.before == pytest.approx(1.5, abs=0.05)
+    later = np.array(series.day >= series.day[JUMPED], dtype=int)
+    assert find_changes(replace(jumping(series, 0.5), group=later), LEVEL) == []
+    alone = replace(jumping(series), group=np.arange(DATES))  # each date of its own
+    assert [one.kind for one in find_changes(alone, LEVEL)] == ["jump"]
+
+
+def test_two_changes_of_one_series_are_both_found() -> None:
+    series = replace(made_up(5), covariate=None)
+    twice = jumping(drifting(series, 0.3), -0.4)
+    kinds = {change.kind: change for change in find_changes(twice, LEVEL)}
+    assert kinds["drift"].size == pytest.approx(0.3, abs=0.1)
+    assert kinds["jump"].size == pytest.approx(-0.4, abs=0.1)
+
+
+def test_few_dates_tell_no_change() -> None:
+    few = made_up(1, FEWEST - 1)
+    assert find_changes(replace(few, value=few.day), 0.5) == []
+
+
+def test_values_without_any_spread_have_no_change_but_the_true_one() -> None:
+    flat = replace(made_up(1), value=np.ones(DATES), std_error=np.zeros(DATES), covariate=None)
+    assert find_changes(flat, LEVEL) == []
+    (change,) = find_changes(jumping(flat), LEVEL)
+    assert (change.kind, change.size) == ("jump", pytest.approx(JUMP))
+
+
+def test_neither_drift_nor_jump_adds_to_the_variation() -> None:
+    """A median over twenty dates scatters itself: the mean over seeds counts."""
+    series = [replace(made_up(seed), covariate=None) for seed in range(100)]
+    plain, changed = (
+        np.mean([variation(own.value, own.std_error) for own in some])
+        for some in (series, [jumping(drifting(own)) for own in series])
+    )
+    assert changed == pytest.approx(plain, rel=0.25)
+
+
+def test_shares_are_those_of_least_squares() -> None:
+    random = np.random.default_rng(0)
+    fixed, tried, value = (random.standard_normal((12, k)) for k in (2, 3, 1))
+    share = explained_shares(fixed, np.column_stack([tried, fixed[:, 0]]), value.T)[0]
+
+    def left(columns: np.ndarray) -> float:
+        return float(np.linalg.lstsq(columns, value)[1][0])
+
+    for k in range(3):
+        both = np.column_stack([fixed, tried[:, k]])
+        assert share[k] == pytest.approx(1 - left(both) / left(fixed))
+    assert share[3] == 0.0  # nothing new

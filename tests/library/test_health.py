@@ -1,0 +1,225 @@
+"""The health of an arm: from recordings with changed friction to the words of the report."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from datetime import date, timedelta
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.library.current_study import (
+    CONSTANT,
+    FRICTION,
+    OFFSET,
+    PRESLIDING,
+    make_record,
+    prior,
+    smooth,
+)
+from ur5lib.identification.condition import UNITS, joint_conditions
+from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.friction import BASE
+from ur5lib.identification.samples import Record, design
+from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
+from ur5lib.report.health_figure import health_figure
+from ur5lib.report.results import Results
+from ur5lib.report.tables import health as health_table
+from ur5lib.report.tables import health_changes
+from ur5lib.report.verdicts import drift
+from ur5lib.report.views import health
+
+START = date(2026, 3, 3)
+QUALITY = {"frames": 1000, "findings": [{"finding": "lost frames", "count": 20}]}
+NOISE = 0.05  # A
+
+
+def worn(seed: int, coulomb: dict[int, float], viscous: dict[int, float]) -> Record:
+    """A recording whose joints, 1 to 6, have more friction [Nm, Nm s/rad] than the usual one."""
+    record, random = make_record(seed), np.random.default_rng(seed)
+    current = record.current + NOISE * random.standard_normal(record.current.shape)
+    for kind, more in ((BASE[0], coulomb), (BASE[1], viscous)):
+        for joint, size in more.items():
+            columns, _ = design(record, joint - 1, [kind], PRESLIDING)
+            current[:, joint - 1] += size * columns[:, -1] / CONSTANT[joint - 1]
+    return replace(record, current=current)
+
+
+@pytest.fixture(scope="module")
+def fit() -> CurrentFit:
+    return fit_currents([worn(seed, {}, {}) for seed in range(6)], smooth, prior(), [])
+
+
+def test_friction_of_a_recording_comes_back(fit: CurrentFit) -> None:
+    found = joint_conditions(worn(7, {1: 1.0}, {2: 2.0}), smooth, fit)
+    true = {(1, "coulomb"): FRICTION[0][0] + 1.0, (2, "viscous"): FRICTION[1][1] + 2.0}
+    true |= {(4, "coulomb"): FRICTION[3][0], (5, "viscous"): FRICTION[4][1]}
+    true |= {(1, "offset"): OFFSET[0], (2, "torque_constant"): CONSTANT[1], (6, "noise"): NOISE}
+    for (joint, name), value in true.items():
+        assert found[joint - 1][name][0] == pytest.approx(value, rel=0.1, abs=0.03), (joint, name)
+    assert np.isnan(found[5]["torque_constant"]).all()  # nothing loads joint 6
+
+
+def test_stated_errors_are_those_between_recordings(fit: CurrentFit) -> None:
+    """White noise is all that differs between these recordings of one path."""
+    bare = make_record(3)
+    random = np.random.default_rng(0)
+    drawn = [
+        joint_conditions(
+            replace(bare, current=bare.current + NOISE * random.standard_normal(bare.q.shape)),
+            smooth,
+            fit,
+        )
+        for _ in range(40)
+    ]
+    for name in ("coulomb", "viscous", "noise"):
+        values = np.array([joints[3][name] for joints in drawn])
+        assert values[:, 1].mean() == pytest.approx(values[:, 0].std(), rel=0.4), name
+
+
+def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:
+    record = worn(1, {}, {})
+    still = replace(record, q=0 * record.q, qd=0 * record.qd)
+    (first, *_) = joint_conditions(still, smooth, fit)
+    assert np.isnan([first[name] for name in UNITS if name != "noise"]).all()
+
+
+def test_a_recording_has_the_date_that_it_is_given_or_its_stamp_s() -> None:
+    stamped, bare = {"start_epoch_s": 1386687528.2}, {"start_epoch_s": None}
+    free: dict[str, Any] = {"scores": {"fitted": []}, "load": None}
+    assert dated("2026-03-09", stamped, free) == date(2026, 3, 9)
+    assert dated("", stamped, free) == date(2013, 12, 10)
+    assert dated("", bare, free) is None
+    assert dated("2026-03-09", stamped, {"scores": {}}) is None  # a stop sign
+    assert dated("2026-03-09", stamped, free | {"load": {"taken": True}}) is None
+
+
+def test_recordings_of_a_date_count_by_their_errors_and_their_scatter() -> None:
+    alike = together(np.array([1.0, 1.0]), np.array([0.1, 0.1]))
+    assert alike == pytest.approx((1.0, 0.1 / np.sqrt(2)))
+    apart = together(np.array([0.0, 2.0]), np.array([0.1, 0.1]))
+    assert apart == pytest.approx((1.0, 1.0))
+    assert together(np.array([1.0, 5.0]), np.array([0.1, 100.0]))[0] == pytest.approx(1.0, abs=0.01)
+
+
+# From twelve dates to the report
+
+
+@pytest.fixture(scope="module")
+def summary(fit: CurrentFit) -> dict[str, Any]:
+    """Joint 2 drifts by a fifth, joint 4 jumps by a quarter on the seventh of twelve dates."""
+    return health_summary([*_checkups(fit)])
+
+
+def _checkups(fit: CurrentFit) -> Iterator[Checkup]:
+    for k in range(12):
+        viscous = {2: 0.2 * FRICTION[1][1] * k / 11}
+        record = worn(20 + k % 3, {4: 0.25 * FRICTION[3][0] * (k >= 6)}, viscous)
+        random = np.random.default_rng(k)
+        noisy = record.current + NOISE * random.standard_normal(record.current.shape)
+        temperature = np.full(record.q.shape, 30.0 + k % 4)
+        record = replace(record, current=noisy, temperature=temperature)
+        yield checkup(record, smooth, fit, START + timedelta(3 * k), QUALITY)
+
+
+@pytest.fixture(scope="module")
+def results(summary: dict[str, Any]) -> Results:
+    return of_arm(summary)
+
+
+def of_arm(summary: dict[str, Any]) -> Results:
+    """The two tables of a study of one arm."""
+
+    class Health:
+        def each(self, kind: str) -> Iterator[tuple[str, Any]]:
+            yield "ur5", {"health": summary}[kind]
+
+    tables = {
+        table.__name__.rpartition(".")[2]: pd.DataFrame(
+            table.rows(Health()),  # type: ignore[arg-type]
+            columns=table.COLUMNS,
+        )
+        for table in (health_table, health_changes)
+    }
+    return Results({"recordings": []}, tables, Path())
+
+
+def test_what_changed_is_found_and_nothing_else(summary: dict[str, Any]) -> None:
+    changes = {(one["joint"], one["quantity"]): one for one in summary["changes"]}
+    assert set(changes) == {(2, "viscous"), (4, "coulomb")}
+    grown, jumped = changes[2, "viscous"], changes[4, "coulomb"]
+    assert (grown["kind"], jumped["kind"]) == ("drift", "jump")
+    assert grown["size"] / grown["before"] == pytest.approx(0.2, abs=0.04)
+    assert jumped["size"] / jumped["before"] == pytest.approx(0.25, abs=0.02)
+    assert jumped["first"] < (START + timedelta(18)).isoformat() <= jumped["last"]
+
+
+def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
+    summary = health_summary([*_checkups(fit)][:5])
+    assert summary == {"dates": [], "changes": []}
+    results = of_arm(summary)
+    assert drift.verdict(results) is None
+    assert health.dated(results) == [*health.found(results)] == [*health.steps(results)] == []
+    assert health_figure([], []).data.empty
+
+
+def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
+    jump, slow = health.found(results)
+    assert jump.startswith("ur5, joint 4: Coulomb friction rose by 2")
+    assert "% between 18 and 21 March 2026" in jump
+    assert slow.startswith("ur5, joint 2: viscous friction slowly rose by ")
+    assert "% from 3 March to 5 April 2026" in slow
+    assert [*health.steps(results)] == [
+        "Fit ur5 only to what was recorded since 21 March 2026: Coulomb friction of joint 4 has "
+        "changed."
+    ]
+
+
+def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) -> None:
+    told = drift.verdict(results)
+    assert told is not None
+    assert told.state == "usable"
+    assert told.sentence.startswith("Joint 4: Coulomb friction rose by 2")
+    assert told.evidence == (
+        "Dates: 12, from 3 March to 5 April 2026. Quantities tested: 29, changes: 2; chance of a "
+        "false one: 5 %."
+    )
+    unchanged = results.tables | {"health_changes": results.tables["health_changes"][:0]}
+    calm = drift.verdict(replace(results, tables=unchanged))
+    assert calm is not None
+    assert (calm.state, calm.sentence) == (
+        "good",
+        "No joint changed by more than chance explains.",
+    )
+
+
+def test_the_section_tells_of_dates_and_lost_frames(results: Results) -> None:
+    assert [*health.told(results)] == [
+        "ur5 was recorded on 12 dates, from 3 March to 5 April 2026. Temperatures of its joints "
+        "were recorded. A recording lost at most 2.0 % of its frames."
+    ]
+    table = health.changes(results)
+    assert [row[3].text for row in table.rows] == [
+        "jump, 18 to 21 March 2026",
+        "drift, 3 March to 5 April 2026",
+    ]
+
+
+def test_every_joint_and_quantity_is_drawn(summary: dict[str, Any]) -> None:
+    drawing = health_figure(summary["dates"], summary["changes"])
+    assert len(drawing.figure.axes) == 36
+    assert {*drawing.data["quantity"]} == {*UNITS, "temperature"}
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "told"),
+    [
+        ("2026-03-03", "2026-03-09", "3 and 9 March 2026"),
+        ("2026-03-03", "2026-04-09", "3 March and 9 April 2026"),
+        ("2025-03-03", "2026-03-09", "3 March 2025 and 9 March 2026"),
+    ],
+)
+def test_two_dates_in_words(first: str, last: str, told: str) -> None:
+    assert health.days(first, last, "and") == told

@@ -1,0 +1,102 @@
+"""The condition of each joint on one recording: what wear, grease and age change.
+
+Friction and the current's offset are fitted to one recording with the torque constant and all
+other terms of the arm's fit held; the torque constant in a second fit, with friction free. A
+single recording tells the torque constant badly, and held, it does not blur the friction.
+"""
+
+import numpy as np
+
+from ur5lib.identification.currents import CurrentFit, JointFit
+from ur5lib.identification.friction import BASE, CONSIDERED
+from ur5lib.identification.regression import Normal, regress
+from ur5lib.identification.samples import BLOCK, Record, Samples, Smooth, joint_samples
+from ur5lib.identification.selection import FEWEST
+from ur5lib.timeseries.arrays import Array
+
+UNITS = {
+    "coulomb": "Nm",
+    "viscous": "Nm s/rad",
+    "torque_constant": "Nm/A",
+    "offset": "Nm",
+    "noise": "A",
+}
+FITTED = {"offset": 1, "coulomb": 2, "viscous": 3}  # columns of a joint's samples
+Estimates = dict[str, tuple[float, float]]
+UNTOLD = 0.2  # relative error of a torque constant that a recording does not tell
+UNKNOWN = float("nan"), float("nan")
+
+
+def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Estimates]:
+    """Return value and standard error of each quantity in UNITS, of joints 1 to 6.
+
+    fit: of the arm. NaN where a joint moves too little. The standard errors are those within the
+    recording; how much recordings differ among one another, only several of them tell.
+    """
+    family = {term for joint in fit.joints for term in joint.terms} - {*BASE, *CONSIDERED}
+    presliding = [joint.presliding for joint in fit.joints]
+    samples = joint_samples([record], smooth, sorted(family, key=repr), presliding)
+    noise = _noise(record, smooth)
+    return [
+        {**_friction(own, joint), "torque_constant": _constant(own, joint), "noise": level}
+        for own, joint, level in zip(samples, fit.joints, noise, strict=True)
+    ]
+
+
+def _friction(samples: Samples, joint: JointFit) -> Estimates:
+    """Return offset, Coulomb and viscous friction, with the torque constant held."""
+    moving = samples.where(samples.moving)
+    torque = moving.columns[:, 0] * joint.estimate.coefficients[0]
+    columns = moving.columns[:, [*FITTED.values()]]
+    value, error = _fitted(columns, moving.current - torque - _held(moving, joint), moving)
+    sign = np.array([-1.0, 1.0, 1.0])  # k i = τ + τ_friction - b
+    constant = 1 / joint.estimate.coefficients[0]
+    rows = zip(constant * sign * value, constant * error, strict=True)
+    return {name: (float(a), float(b)) for name, (a, b) in zip(FITTED, rows, strict=True)}
+
+
+def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
+    """Return the torque constant, with offset, Coulomb and viscous friction free."""
+    moving = samples.where(samples.moving)
+    columns = moving.columns[:, [0, *FITTED.values()]]
+    value, error = _fitted(columns, moving.current - _held(moving, joint), moving)
+    if not value[0] > error[0] / UNTOLD:  # also where both are NaN
+        return UNKNOWN
+    return float(1 / value[0]), float(error[0] / value[0] ** 2)
+
+
+def _held(samples: Samples, joint: JointFit) -> Array:
+    """Return the current (n,) [A] of the arm's other friction terms.
+
+    Without the effect of temperature: what friction is on each date includes it.
+    """
+    names = [name for term in joint.terms for name in term.names()]
+    own = [name not in FITTED and not name.startswith("warming") for name in names]
+    coefficients = joint.estimate.coefficients[2:] * own
+    current: Array = samples.design(joint.terms)[:, 2:] @ coefficients
+    return current
+
+
+def _fitted(columns: Array, target: Array, samples: Samples) -> tuple[Array, Array]:
+    """Return coefficients (P,) and their standard errors; NaN where they are not determined."""
+    size = columns.shape[1]
+    if len(target) < FEWEST or np.linalg.matrix_rank(columns) < size:
+        return np.full(size, np.nan), np.full(size, np.nan)
+    flat = Normal(np.zeros(size), np.zeros((size, size)))
+    found = regress(columns, target, samples.block, flat)
+    # Huber's estimate: its samples count by their weights, their errors are correlated in blocks
+    information = columns.T @ (columns * found.weight[:, None])
+    return found.coefficients, np.sqrt(found.noise * np.diag(np.linalg.inv(information)))
+
+
+def _noise(record: Record, smooth: Smooth) -> list[tuple[float, float]]:
+    """Return the RMS [A] of each joint's current beyond the low-pass, and its standard error."""
+    fast = record.current - smooth(record.current, record)
+    length = max(1, round(BLOCK / record.period))
+    blocks = [fast[i : i + length] for i in range(0, len(fast), length)]
+    power = np.array([np.nanmean(block**2, axis=0) for block in blocks if np.isfinite(block).any()])
+    if not len(power):
+        return [UNKNOWN] * 6
+    root = np.sqrt(power.mean(axis=0))
+    error = power.std(axis=0) / np.sqrt(len(power)) / (2 * np.maximum(root, 1e-12))
+    return [(float(a), float(b)) for a, b in zip(root, error, strict=True)]

@@ -1,0 +1,141 @@
+"""The health of an arm over time: each joint's condition by date, and what changed."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, date, datetime
+from typing import Any
+
+import numpy as np
+
+from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
+from ur5lib.identification.currents import CurrentFit
+from ur5lib.identification.samples import Record, Smooth, passed
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.changes import FEWEST, Series, find_changes
+from ur5lib.timeseries.trajectories import Passed, group_by_path
+
+FALSE_ALARMS = 0.05  # chance of any false change on an arm
+WARMER = 1.0  # K between dates, below which temperatures tell nothing
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Checkup:
+    """What one recording tells of an arm on its date.
+
+    joints: of joints 1 to 6; temperature: (6,) mean of the motors [°C], NaN where not recorded;
+    lost: share of lost frames; path: that it moved along.
+    """
+
+    date: date
+    joints: list[Estimates]
+    temperature: Array
+    lost: float
+    path: Passed
+
+
+def checkup(
+    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Mapping[str, Any]
+) -> Checkup:
+    """Return what a recording tells; fit: of its arm; quality: quality.json."""
+    lost = [one["count"] for one in quality["findings"] if one["finding"] == "lost frames"]
+    warmth = np.full(6, np.nan)
+    if record.temperature is not None:
+        warmth = np.nanmean(record.temperature, axis=0)
+    joints, path = joint_conditions(record, smooth, fit), passed(record)
+    return Checkup(day, joints, warmth, sum(lost) / quality["frames"], path)
+
+
+def dated(given: str, quality: Mapping[str, Any], currents: Mapping[str, Any]) -> date | None:
+    """Return the date of a recording that tells of its arm: free of stop signs and unknown loads.
+
+    given: ISO 8601, by the study; if empty, the date (UTC) of the start stamp in quality.json.
+    currents: currents.json. None where the date is unknown, or the recording tells nothing.
+    """
+    loaded = (currents.get("load") or {}).get("taken", False)
+    start = quality["start_epoch_s"]
+    if loaded or not currents["scores"]:
+        return None
+    if given:
+        return date.fromisoformat(given)
+    return None if start is None else datetime.fromtimestamp(start, UTC).date()
+
+
+def enough(dates: Iterable[date | None]) -> bool:
+    """Return whether there are enough dates for changes among them."""
+    return len({*dates} - {None}) >= FEWEST
+
+
+def health_summary(checkups: Sequence[Checkup]) -> dict[str, list[Row]]:
+    """Return each quantity by date and its changes; nothing with fewer than FEWEST dates."""
+    if not enough([one.date for one in checkups]):
+        return {"dates": [], "changes": []}
+    rows = [*_by_date(checkups)]
+    return {"dates": rows, "changes": [*_changes(rows)]}
+
+
+def _by_date(checkups: Sequence[Checkup]) -> Iterator[Row]:
+    """Yield value and standard error of each quantity on each date, ascending.
+
+    group: dates of the same paths, of which some show friction and noise better than others.
+    """
+    paths = group_by_path([one.path for one in checkups])
+    days = defaultdict(list)
+    for place in sorted(range(len(checkups)), key=lambda place: checkups[place].date):
+        days[checkups[place].date.isoformat()].append(place)
+    groups = [frozenset(int(paths[place]) for place in places) for places in days.values()]
+    for (day, places), group in zip(days.items(), groups, strict=True):
+        yield from _on_date([checkups[place] for place in places], day, groups.index(group))
+
+
+def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Row]:
+    """Yield the rows of one date."""
+    yield {"date": day, "quantity": "lost_frames", "value": max(one.lost for one in checkups)}
+    for joint in range(6):
+        warmth = float(np.mean([one.temperature[joint] for one in checkups]))
+        here = {"date": day, "joint": joint + 1, "temperature_c": warmth, "group": group}
+        for quantity in UNITS:
+            found = np.array([one.joints[joint][quantity] for one in checkups])
+            found = found[np.isfinite(found).all(axis=1)]
+            if len(found):
+                value, error = together(*found.T)
+                yield here | {"quantity": quantity, "value": value, "std_error": error}
+
+
+def together(value: Array, std_error: Array) -> tuple[float, float]:
+    """Return the weighted mean of a date's recordings (n,) and its standard error.
+
+    The larger of the stated error and that by the scatter among the recordings.
+    """
+    weight = 1 / np.maximum(std_error, 1e-9 * np.abs(value) + 1e-300) ** 2
+    mean = float(weight @ value / weight.sum())
+    scatter = float(weight @ (value - mean) ** 2) / max(1, len(value) - 1)
+    return mean, float(np.sqrt(max(1.0, scatter) / weight.sum()))
+
+
+def _changes(rows: Sequence[Row]) -> Iterator[Row]:
+    """Yield the changes of every quantity of every joint."""
+    groups = defaultdict(list)
+    for row in rows:
+        if "joint" in row:
+            groups[row["joint"], row["quantity"]].append(row)
+    tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
+    for (joint, quantity), own in tested.items():
+        for change in find_changes(_series(own), FALSE_ALARMS / len(tested)):
+            row = asdict(change) | {"joint": joint, "quantity": quantity}
+            yield row | {"first": _day(change.first), "last": _day(change.last)}
+
+
+def _series(rows: Sequence[Row]) -> Series:
+    """Return a quantity on all dates; temperatures are its covariate where all are known."""
+    day = np.array([date.fromisoformat(row["date"]).toordinal() for row in rows], dtype=float)
+    value, error = (np.array([row[name] for row in rows]) for name in ("value", "std_error"))
+    warmth = np.array([row["temperature_c"] for row in rows], dtype=float)
+    tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
+    group = np.array([row["group"] for row in rows])
+    return Series(day, value, error, warmth if tells else None, group)
+
+
+def _day(ordinal: float) -> str:
+    return date.fromordinal(round(ordinal)).isoformat()

@@ -1,0 +1,95 @@
+"""The figure of an arm's health: each joint's condition by date, and its changes."""
+
+from collections.abc import Sequence
+from datetime import date
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
+from matplotlib.figure import Figure
+
+from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, SHADE, WIDTH, Drawing, nothing_to_draw
+
+PANELS = {
+    "coulomb": "Coulomb friction [Nm]",
+    "viscous": "viscous friction [Nm s/rad]",
+    "torque_constant": "torque constant [Nm/A]",
+    "offset": "offset [Nm]",
+    "noise": "noise [A]",
+    "temperature": "temperature [°C]",
+}
+TWO_SIDED = 1.96  # standard errors of a 95 % interval
+HEIGHT = 7.4  # inches, of six rows of panels
+PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
+
+
+def health_figure(dates: Sequence[Any], changes: Sequence[Any]) -> Drawing:
+    """Draw a row of panels per quantity, a column per joint; rows of health.json."""
+    rows = _with_temperatures(pd.DataFrame(dates))
+    if rows.empty:
+        return nothing_to_draw()
+    shown = [name for name in PANELS if name in {*rows["quantity"]}]
+    with matplotlib.rc_context({**HOUSE_STYLE, "axes.titlesize": 7.5, "xtick.labelsize": 6.5}):
+        figure = Figure(figsize=(WIDTH, HEIGHT / 6 * len(shown)), layout="constrained")
+        for row, quantity in zip(figure.subplots(len(shown), 6, sharex=True), shown, strict=True):
+            for joint, axis in enumerate(row, start=1):
+                _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
+                for change in changes:
+                    if (change["quantity"], change["joint"]) == (quantity, joint):
+                        _mark(axis, change)
+            row[0].set_ylabel(PANELS[quantity].replace(" [", "\n["), fontsize=6.5)
+        _label(figure, len(shown))
+    return Drawing(figure, rows)
+
+
+def _with_temperatures(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the rows of joints, with those of their temperatures, where recorded."""
+    if rows.empty:
+        return rows
+    joints = rows.dropna(subset="joint").astype({"joint": int})
+    warmth = joints.drop_duplicates(["date", "joint"]).dropna(subset="temperature_c")
+    warmth = warmth.assign(value=warmth["temperature_c"], std_error=np.nan, quantity="temperature")
+    columns = ["date", "joint", "quantity", "value", "std_error"]
+    return pd.concat([part[columns] for part in (joints, warmth) if len(part)], ignore_index=True)
+
+
+def _panel(axis: Axes, rows: pd.DataFrame) -> None:
+    """Draw the values of a joint with their 95 % intervals."""
+    days = [_place(day) for day in rows["date"]]
+    colour = JOINTS[int(rows["joint"].iloc[0]) - 1] if len(rows) else "none"
+    half = TWO_SIDED * rows["std_error"].fillna(0.0)
+    axis.errorbar(
+        days, rows["value"], half, fmt="o", markersize=2, linewidth=0.7, color=colour, zorder=3
+    )
+    axis.tick_params(labelsize=6)
+    axis.yaxis.get_offset_text().set_fontsize(6)
+
+
+def _place(day: str) -> float:
+    """Return the place of a date on an axis."""
+    return float(date2num(date.fromisoformat(day)))
+
+
+def _mark(axis: Axes, change: Any) -> None:
+    """Draw a change: the time of a jump shaded, its size in words."""
+    style = SHADE if change["kind"] == "jump" else PALE
+    axis.axvspan(_place(change["first"]), _place(change["last"]), **style)
+    size = change["size"] / change["before"]
+    told = f"{100 * size:+.0f} %" if change["quantity"] != "offset" else f"{change['size']:+.2g}"
+    rises = change["size"] > 0  # then the corner above the first dates is free
+    place: Any = {"x": 0.05 if rises else 0.95, "ha": "left" if rises else "right"}
+    axis.text(y=0.97, s=told.replace("-", "−"), va="top", transform=axis.transAxes, **place)
+
+
+def _label(figure: Figure, count: int) -> None:
+    """Name the joints above, and the dates below."""
+    for number, axis in enumerate(figure.axes):
+        if number < 6:
+            axis.set_title(f"joint {number + 1}", loc="left", pad=2)
+        if number >= 6 * (count - 1):
+            locator = AutoDateLocator(minticks=2, maxticks=3)
+            axis.xaxis.set_major_locator(locator)
+            axis.xaxis.set_major_formatter(ConciseDateFormatter(locator))

@@ -1,0 +1,41 @@
+"""What differs from the results of other studies."""
+
+from collections.abc import Iterator
+
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results
+
+
+def others(results: Results) -> list[str]:
+    """Return the studies that are compared with."""
+    return [*results.tables["changes"]["study"].unique()]
+
+
+def found(results: Results) -> Iterator[str]:
+    """Report for each other study how much changed, and in which topics."""
+    for study in others(results):
+        rows = results.rows("changes", study=study)
+        changed = rows[rows["changed"] == "yes"]
+        topics = ", ".join(changed["topic"].unique())
+        told = f"{len(changed) or 'none'} of {len(rows)} numbers changed"
+        yield f"Compared with {study}, {told}{f': {topics}' if topics else ''}."
+
+
+def topics(results: Results, of: str) -> Body:
+    """Return how many numbers of each topic were compared, differ and changed."""
+    rows = results.rows("changes", study=of)
+    body = []
+    for topic, part in rows.groupby("topic", sort=False):
+        counts = [len(part), *((part[name] == "yes").sum() for name in ("differs", "changed"))]
+        body.append([Cell(str(topic)), *(Cell(str(count)) for count in counts)])
+    return Body(["topic", "compared", "beyond their error", "changed"], body)
+
+
+def changed(results: Results, of: str) -> Body:
+    """Return what changed."""
+    rows = results.rows("changes", study=of, changed="yes")
+    body = [
+        [Cell(row.topic), Cell(row.name), Cell(str(row.before)), Cell(str(row.after))]
+        for row in rows.itertuples(index=False)
+    ]
+    return Body(["topic", "what", "before", "now"], body)

@@ -1,0 +1,12 @@
+"""Each joint's friction, torque constant, offset and noise over time, with what changed."""
+
+from typing import Any
+
+from ur5lib.report.health_figure import health_figure
+from ur5lib.report.house_style import save
+from ur5lib.tables import read_json
+
+
+def draw_health(input: Any, output: Any, params: Any) -> None:
+    health = read_json(input.health)
+    save(health_figure(health["dates"], health["changes"]), output.health)

@@ -1,0 +1,29 @@
+"""How each joint of an arm changes over time, from its contact-free recordings."""
+
+from typing import Any
+
+from ur5lib.identification.currents import CurrentFit
+from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.health import checkup, dated, enough, health_summary
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_json, write_json
+
+
+def track_health(input: Any, output: Any, params: Any) -> None:
+    model, friction = load_robot(input.arm).fullest_model(), read_json(input.friction)
+    qualities, currents = ([*map(read_json, paths)] for paths in (input.quality, input.currents))
+    days = [*map(dated, params.dates, qualities, currents)]
+    checkups = []
+    if enough(days):
+        fit = CurrentFit.from_plain(friction["fit"])
+        smooth = smoother(params.order, params.cutoff_hz)
+        rows = zip(params.recordings, days, input.signals, input.motion, input.torques, strict=True)
+        for place, (name, day, signals, motion, torques) in enumerate(rows):
+            tables = Signals.read(signals), Motion.read(motion), Torques.read(torques)
+            record = current_record(name, *tables, model)
+            if day is not None and record is not None:
+                checkups.append(checkup(record, smooth, fit, day, qualities[place]))
+    write_json(health_summary(checkups), output.health)
