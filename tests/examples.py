@@ -26,6 +26,7 @@ COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 KEY = re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)")
 CODE = re.compile(r"(?:import|from|def|class|>>>) ")
+WAY_POINT = re.compile(r"-?\d+\.\d+,")
 LISTED = re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S")
 ENTRY = {"name": "run", "robot": "ur5", "role": "fit", "folder": "raw/mine"}
 FORMATS: list[dict[str, Any]] = [
@@ -99,7 +100,7 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What an example is: shell, python, yaml, a listing of files, equations, or unknown."""
+    """What an example is: shell, python, yaml, way-points, a listing of files, equations, or unknown."""
     first = block.splitlines()[0]
     if CODE.match(first):
         return "python"
@@ -110,6 +111,8 @@ def kind_of(block: str) -> str:
         return "shell"
     if LISTED.match(first):
         return "listing"
+    if WAY_POINT.match(first):
+        return "way-points"
     return "equation" if is_equation(block) else "unknown"
 
 

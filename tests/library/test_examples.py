@@ -26,6 +26,7 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from ur5lib.cli import app
 from ur5lib.identification import friction
+from ur5lib.recorder.commanded_motion import read_motion
 from ur5lib.tables import write_table
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
@@ -80,6 +81,13 @@ def test_studies_are_valid(
 @of_kind("listing")
 def test_listed_files_exist(example: Example) -> None:
     assert listing_faults(example.text) == []
+
+
+@of_kind("way-points")
+def test_way_points_can_be_read(example: Example, tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(example.text)
+    assert np.ptp(read_motion(path, 1.0).q, axis=0).min() > 0.1
 
 
 @of_kind("equation")
