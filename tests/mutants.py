@@ -30,7 +30,10 @@ from typing import Any, NamedTuple
 import pytest
 import yaml
 
-ROOMS = [f"ur5lib/{room}/*.py" for room in ("force", "identification", "signals", "recordings")]
+ROOMS = [
+    f"ur5lib/{room}/*.py"
+    for room in ("force", "identification", "signals", "recordings", "timeseries")
+]
 TESTS = ["tests/library/test_*.py", "tests/scripts/test_*.py"]
 FAST, BUDGET, LIMIT = 6.0, 20.0, 60  # s: of a test, of all of a mutant, of CPU until its end
 KNOWN = Path("tests/equivalent_mutants.yaml")

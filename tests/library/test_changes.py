@@ -1,9 +1,11 @@
 """Changes between dates: those that are there are found, and no others."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from ur5lib.timeseries.changes import (
     FEWEST,
@@ -105,16 +107,87 @@ def test_errors_that_are_uncertain_make_no_false_changes(monkeypatch: pytest.Mon
     assert 3 <= false <= 17
 
 
-def test_temperature_s_part_is_told_apart() -> None:
-    """It warms by 6 K with the jump and by some K at random; -0.9 % per kelvin."""
-    series = made_up(3)
-    later = series.day >= series.day[JUMPED]
-    warmer = replace(
-        series, value=series.value - 0.054 * later, covariate=series.covariate + 6.0 * later
-    )
-    (change,) = find_changes(jumping(warmer, 0.3), LEVEL)
+@pytest.mark.parametrize("changing", [drifting, jumping])
+def test_temperature_s_part_is_told_apart(changing: Callable[[Series, float], Series]) -> None:
+    """It warms by 6 K with the change and by some K at random; -0.9 % per kelvin."""
+    series = changing(made_up(3), -0.054)
+    warmth = changing(replace(series, value=series.covariate), 6.0).value
+    (change,) = find_changes(changing(replace(series, covariate=warmth), 0.3), LEVEL)
     assert change.low < 0.3 < change.high
     assert change.explained == pytest.approx(-0.054, abs=0.03)
+
+
+def test_a_temperature_of_each_group_explains_nothing() -> None:
+    series = jumping(replace(made_up(4), group=np.arange(DATES) % 2))
+    (change,) = find_changes(replace(series, covariate=30.0 + series.group), LEVEL)
+    assert change.explained == 0.0
+
+
+def test_units_do_not_matter() -> None:
+    """Weights, sizes and chances are those of the same series in Nm or mNm."""
+    series = drifting(made_up(6))
+    (one,) = find_changes(series, LEVEL)
+    milli = replace(series, value=1000 * series.value, std_error=1000 * series.std_error)
+    (other,) = find_changes(milli, LEVEL)
+    assert (other.kind, other.chance) == (one.kind, one.chance)
+    assert [other.size, other.std_error, other.before, other.explained] == pytest.approx(
+        [1000 * own for own in (one.size, one.std_error, one.before, one.explained)]
+    )
+
+
+def test_a_drift_is_that_of_linear_regression() -> None:
+    """Where all dates weigh the same; with the t-distribution's interval."""
+    series = replace(made_up(7), covariate=None, std_error=np.full(DATES, 0.01))
+    series = drifting(series, 0.5)
+    (change,) = find_changes(series, LEVEL)
+    line, length = stats.linregress(series.day, series.value), np.ptp(series.day)
+    half = line.stderr * length * stats.t.ppf(0.975, DATES - 2)
+    assert [change.size, change.std_error] == pytest.approx(
+        [line.slope * length, line.stderr * length]
+    )
+    assert [change.low, change.high] == pytest.approx([change.size - half, change.size + half])
+    assert change.before == pytest.approx(line.intercept + line.slope * series.day[0])
+
+
+def test_a_jump_s_dates_hold_95_percent_of_its_likelihood(monkeypatch: pytest.MonkeyPatch) -> None:
+    """p ∝ S^(-(n - 2) / 2), with S the sum of squares about the means before and after."""
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 100)
+    monkeypatch.setattr("ur5lib.timeseries.changes.MOST", 1)
+    after = np.arange(2, DATES - 1)
+    for seed in range(40):
+        series = replace(made_up(seed), covariate=None, std_error=np.full(DATES, 0.01))
+        series = jumping(series, 0.06)
+        left = [_scatter(series.value[:k]) + _scatter(series.value[k:]) for k in after]
+        share = (np.array(left) / min(left)) ** (-(DATES - 2) / 2)
+        order = np.argsort(-share)
+        count = 1 + int(np.searchsorted(np.cumsum(share[order]) / share.sum(), 0.95))
+        expected = (
+            series.day[after[order[:count]].min() - 1],
+            series.day[after[order[:count]].max()],
+        )
+        found = [one for one in find_changes(series, 0.2) if one.kind == "jump"]
+        assert [(one.first, one.last) for one in found] in ([], [expected])
+
+
+def _scatter(value: np.ndarray) -> float:
+    return float(((value - value.mean()) ** 2).sum())
+
+
+@pytest.mark.parametrize("outlier", [0, -1])
+def test_one_outlier_at_an_end_is_no_jump_there(outlier: int) -> None:
+    series = replace(made_up(8), covariate=None)
+    series.value[outlier] += 1.0
+    jumps = [one for one in find_changes(series, 0.05) if one.kind == "jump"]
+    assert all(series.day[1] <= one.first and one.last <= series.day[-2] for one in jumps)
+
+
+def test_six_dates_tell_a_change_and_twenty_at_most_three() -> None:
+    six = replace(jumping(made_up(9, 20), 1.0), covariate=None)
+    six = Series(six.day[8:14], six.value[8:14], six.std_error[8:14])
+    assert [one.kind for one in find_changes(six, LEVEL)] == ["jump"]
+    date, many = np.arange(DATES), replace(made_up(10), covariate=None)
+    steps = 100 * (date >= 10) + 20 * (date >= 5) + 4 * (date >= 15) + (date >= 17)
+    assert len(find_changes(replace(many, value=many.value + steps), LEVEL)) == 3
 
 
 def test_groups_hide_no_change_and_make_none() -> None:

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.host_clock import least_delayed
+from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.signals.clocks import BY_HOST
@@ -199,7 +199,54 @@ def test_late_stamps_move_no_clock(
     assert 10 * np.median(ours) < np.median(others)
 
 
+def test_a_record_of_four_seconds_has_the_nominal_rate() -> None:
+    """Below its stamps, and at one of them; a longer one has the rate of its stamps."""
+    own = np.array([7.0, 8.0, 9.0])
+    for delay in ([1.5, 0.5, 0.0], [0.0, 1.0, 2.0]):
+        short = least_delayed(own, BOOT + own + delay, nominal=1.0)
+        assert short.slope == 1.0
+        assert (BOOT + own + delay - short.host(own)).tolist() == delay
+    longer = np.append(own, 9.1)
+    assert least_delayed(longer, BOOT + 2 * longer, nominal=1.0).slope == pytest.approx(2)
+
+
+def test_the_error_of_a_rate_is_that_of_the_sixth_best_stamps() -> None:
+    """Of each half of 20, with delays of 0 to 19 ms in any order; or the resolution of stamps."""
+    random, own = np.random.default_rng(0), np.arange(40.0)
+    delay = np.concatenate([random.permutation(20), random.permutation(20)])
+    half = own[-1] / 2
+    line = least_delayed(own, BOOT + own + 1e-3 * delay)
+    assert line.slope_std == pytest.approx(np.hypot(5e-3, 5e-3) / half, rel=1e-3)
+    assert least_delayed(own, 2 * own).slope_std == pytest.approx(1e-6 / half)
+    few = np.arange(12.0)  # six in each half, the sixth best of which is the worst
+    assert least_delayed(few, 2 * few).slope_std == pytest.approx(1e-6 / (few[-1] / 2))
+    assert least_delayed(few[:11], 2 * few[:11]).slope_std == 1e-3
+
+
+@pytest.mark.parametrize(("stamps", "placed"), [(3, False), (4, True)])
+def test_four_stamps_of_the_robot_are_needed(
+    entry: dict[str, Any], stamps: int, placed: bool
+) -> None:
+    path = Path(entry["folder"], "robot.csv")
+    table = pd.read_csv(path)
+    kept = np.linspace(0, len(table) - 1, stamps).astype(int)
+    table.loc[~table.index.isin(kept), "host_time"] = np.nan
+    table.to_csv(path, index=False)
+    raw = read_recording(entry)
+    start = raw.sensors["force"].start
+    assert start is not None
+    assert (start.since != "host_s") == placed
+
+
+@pytest.mark.parametrize("count", [[0, 1, 1, 3], [3, 2, 1, 0], [0, np.nan, np.nan, np.nan]])
+def test_a_count_that_does_not_increase_tells_nothing(count: list[float]) -> None:
+    time = [0.0, 0.2, 0.3, 0.3]
+    table = without_delays(pd.DataFrame({"time": time, "counter": count}))
+    assert table.to_dict("list") == {"time": time}
+
+
 @settings(max_examples=50, deadline=None)
+@example([1.0, 0.0, 1.0], 0.0)  # an edge of the hull ends at the mean
 @given(st.lists(st.floats(0, 10), min_size=2, max_size=40), st.floats(-1e-3, 1e-3))
 def test_the_line_solves_the_linear_program(delays: list[float], drift: float) -> None:
     """No stamp lies below it, and no other such line has a lesser mean delay."""

@@ -54,7 +54,7 @@ def statements() -> Iterator[str]:
     yield f"by {1e3 * clocks.WANDER:g} ms of wander over the recording"
     yield f"counts as 0 ± {1e6 * clocks.UNKNOWN_DRIFT:g} ppm"
     # motion and the IMU
-    yield f"in windows of {noise.JERK_WINDOW:g} s"
+    yield f"in windows of {noise.WINDOW:g} s"
     yield f"jackknife over blocks of {imu_calibration.BLOCK:g} s. *Evidence:* on 20 simulated"
     # identification
     yield f"within the {percent(closed_loop.LEVEL)} point of F(2, n − 2)"
@@ -123,3 +123,11 @@ STATEMENTS = [*statements()]
 def test_the_page_states_the_numbers_of_the_program(statement: str) -> None:
     page = re.sub(r"\s+", " ", (PROJECT / "docs" / "methods.md").read_text())
     assert statement in page
+
+
+def test_no_paragraph_is_long() -> None:
+    """At most 120 words; tables and equations are none."""
+    page = (PROJECT / "docs" / "methods.md").read_text()
+    paragraphs = re.split(r"\n\n|\n- ", page)
+    long = [own for own in paragraphs if len(own.split()) > 120 and own[0] not in "| "]
+    assert long == []

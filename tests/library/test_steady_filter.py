@@ -21,6 +21,7 @@ def test_innovations_are_those_of_the_riccati_equation(drive: float) -> None:
     S = H @ P @ H.T + R
     K = F @ P @ H.T @ np.linalg.inv(S)
     np.testing.assert_allclose(steady.S, S, rtol=1e-9)
+    assert (steady.poles.shape, steady.zeros.shape) == ((4,), (2, 2, 4))
     theirs = np.zeros_like(z)
     for index in (0, 1):
         zeros, poles = signal.ss2tf(F - K @ H, K, -H, np.eye(2), input=index)

@@ -1,4 +1,4 @@
-"""What a comparison says, as lines of text and as JUnit XML."""
+"""A comparison of two results as lines of text, as rows of a table and as JUnit XML."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
 
 def account(found: Sequence[Comparison]) -> Iterator[str]:
-    """Yield lines: per topic, how much was compared and what changed."""
+    """Yield lines of text: for each topic the number of comparisons, then each change."""
     for topic in TOPICS:
         its = [one for one in found if one.topic == topic]
         if not its:
@@ -25,7 +25,7 @@ def account(found: Sequence[Comparison]) -> Iterator[str]:
 
 
 def rows(study: str, found: Sequence[Comparison]) -> Iterator[dict[str, str]]:
-    """Yield each comparison as a row of changes.csv; study: the name of the one before."""
+    """Yield each comparison as a row of changes.csv; study: name of the study compared with."""
     for one in found:
         row = {"study": study, "topic": one.topic, "name": one.name}
         told = {"before": one.before, "after": one.after}
@@ -34,7 +34,7 @@ def rows(study: str, found: Sequence[Comparison]) -> Iterator[dict[str, str]]:
 
 
 def write_junit(found: Sequence[Comparison], path: Path) -> None:
-    """Write one test case per comparison, failed where it changed, as JUnit XML."""
+    """Write JUnit XML with one test case per comparison, which fails if the number has changed."""
     suites = ElementTree.Element("testsuites")
     for topic in TOPICS:
         its = [one for one in found if one.topic == topic]

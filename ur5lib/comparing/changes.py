@@ -1,4 +1,4 @@
-"""When a number has changed."""
+"""The decision whether a number differs between two results by more than its error."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,11 +15,11 @@ WORSE = 1.1  # ratio of two errors without an interval, from which on they count
 
 @dataclass(frozen=True)
 class Comparison:
-    """One number before and after.
+    """One number in two results, and whether it has changed between them.
 
-    topic: what kind of number; name: which one; before, after: with errors, as text; differs:
-    whether the 95 % intervals contradict each other; changed: whether they do so even though many
-    numbers were compared.
+    topic: what kind of number; name: which one; before, after: its values with errors, as text;
+    differs: whether the difference exceeds its 95 % interval; changed: whether it still does after
+    that interval is widened for the number of comparisons in the topic.
     """
 
     topic: str
@@ -30,18 +30,19 @@ class Comparison:
     changed: bool
 
     def sentence(self) -> str:
-        """Return what changed."""
+        """Return the name and both values as a sentence."""
         return f"{self.name}: {self.before} before, {self.after} now"
 
 
 def compare_estimates(
     topic: str, rows: pd.DataFrame, names: Sequence[str], unit: Sequence[str]
 ) -> list[Comparison]:
-    """Compare estimates with their 95 % intervals, as independent normal variables.
+    """Compare estimates by their 95 % intervals, as independent normal variables.
 
-    rows: `value` and `half` (half of the interval's width), each with suffix `_a` and `_b`. One
-    counts as changed where the difference exceeds the interval of the difference, widened as in
-    Bonferroni's correction for as many comparisons as there are.
+    rows: one pair of estimates each, with columns `value` and `half` (half of the interval's width)
+    that have the suffixes `_a` (before) and `_b` (after); names, unit: of each row. An estimate has
+    changed if the difference exceeds the interval of the difference, widened by Bonferroni's
+    correction for the number of rows.
     """
     numbers = rows[["value_a", "value_b", "half_a", "half_b"]].to_numpy(float)  # also of no rows
     apart = np.abs(numbers[:, 1] - numbers[:, 0])
@@ -63,7 +64,10 @@ def compare_estimates(
 def compare_errors(
     topic: str, rows: pd.DataFrame, names: Sequence[str], unit: str
 ) -> list[Comparison]:
-    """Compare errors that have no interval: by their ratio. rows: `value_a`, `value_b`."""
+    """Compare errors that have no interval; they have changed if their ratio exceeds WORSE.
+
+    rows: one pair of errors each, `value_a` (before) and `value_b` (after); names: of each row.
+    """
     changed = _ratio(rows["value_a"].to_numpy(float), rows["value_b"].to_numpy(float)) > WORSE
     return [
         Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(other), bool(other))

@@ -1,4 +1,4 @@
-"""What is compared of two results: estimates, errors and findings, by topic."""
+"""The numbers that are compared between two results, by topic: estimates, errors, findings."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -17,7 +17,7 @@ Compare = Callable[[Path, Path], list[Comparison]]
 
 
 def compare(before: Path, after: Path) -> list[Comparison]:
-    """Compare the results of two studies, results/<study>: what both have.
+    """Compare all numbers that the results of two studies, results/<study>, have in common.
 
     Raises InputError where a folder holds no results.
     """
@@ -70,7 +70,7 @@ def currents(before: Path, after: Path) -> list[Comparison]:
 
 
 def force(before: Path, after: Path) -> list[Comparison]:
-    """Compare the errors of F^map in contact, with their intervals over contacts."""
+    """Compare the errors of F^map in contact by their intervals over contacts."""
     keys = ["recording", "kind", "estimate", "during", "component"]
     rows = _both(before, after, "force_mae", keys)
     own = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")

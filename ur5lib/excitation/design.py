@@ -26,7 +26,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Design:
-    """A trajectory that keeps all limits, by its margins, and the information (P, P) with it."""
+    """A trajectory that keeps all limits, its margins, and the information (P, P) after it."""
 
     path: Path
     margins: Margins
@@ -37,10 +37,10 @@ USUAL = Effort()
 
 
 def design(task: Task, seed: int, effort: Effort = USUAL) -> Design:
-    """Return the most informative trajectory that several starts find; the same for a seed.
+    """Return the most informative trajectory of several random starts; a seed fixes the result.
 
-    A penalty method with exact gradients (L-BFGS-B); what then is left beyond a limit at 1 kHz is
-    removed by shrinking. Raises InputError where the arm has no room.
+    A penalty method with exact gradients (L-BFGS-B). If the trajectory then still exceeds a limit
+    at 1 kHz, it is shrunk until it does not. Raises InputError if the arm has no room to move.
     """
     random, objective = np.random.default_rng(seed), Objective(task)
     postures = free_postures(task.cell, random)

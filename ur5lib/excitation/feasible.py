@@ -18,9 +18,10 @@ CAUTION, ATTEMPTS = 0.97, 30  # by which a path that fails the fine check is shr
 
 
 def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]:
-    """Return the largest share of a path about its posture that keeps all limits, and its margins.
+    """Return a path, shrunk about its posture until it keeps all limits, and its margins.
 
-    rate: [Hz], of the states that are checked. Raises InputError where nothing of it is left.
+    rate: [Hz], at which states are checked. Raises InputError if even the posture itself breaks a
+    limit.
     """
     path = path.shrunk(_within_rates(cell, path))
     path = path.shrunk(_largest_share(cell, path))
@@ -58,9 +59,9 @@ def _largest_share(cell: Cell, path: Path) -> float:
 
 
 def random_path(task: Task, random: np.random.Generator, postures: Array) -> Path:
-    """Return a random path that keeps all limits, each joint as fast as it may be.
+    """Return a random path that uses the limits as far as its shape allows.
 
-    postures: (M, 6), of which one is drawn; see `free_postures`.
+    postures: (M, 6) [rad], one of which is drawn as the path's; see `free_postures`.
     """
     basis = resting_series(task.seconds, task.harmonics)
     drawn = basis @ random.normal(size=(basis.shape[1], 6))
@@ -71,9 +72,9 @@ def random_path(task: Task, random: np.random.Generator, postures: Array) -> Pat
 
 
 def free_postures(cell: Cell, random: np.random.Generator) -> Array:
-    """Return random postures (M, 6) [rad] in which the arm may rest.
+    """Return random postures (M, 6) [rad] in which the arm keeps all limits at rest.
 
-    Raises InputError where there is none: the sentence says which limit leaves no room.
+    Raises InputError if there is none; its message names the limit that is broken most often.
     """
     q = random.uniform(-TURNED, TURNED, (POSTURES, 6))
     q = np.clip(q, -cell.limits.position, cell.limits.position)

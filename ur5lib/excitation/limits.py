@@ -1,4 +1,4 @@
-"""What a trajectory must keep, and by how much it does."""
+"""The limits that a trajectory must keep, and its margins to them."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -26,10 +26,11 @@ PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of a trajectory, on both sides of zero.
+    """The limits of a trajectory; those of joints hold for both signs.
 
     position, velocity, acceleration, jerk, torque: (6,) [rad, rad/s, rad/s², rad/s³, Nm];
-    clearance: least distance between parts [m]; singular_value: least of the Jacobian.
+    clearance: smallest allowed distance between parts [m]; singular_value: the value below which
+    the Jacobian's smallest singular value must not fall.
     """
 
     position: Array
@@ -42,7 +43,7 @@ class Limits:
 
     @classmethod
     def of(cls, robot: Robot) -> Self:
-        """Return the shares of an arm's limits that a trajectory may use."""
+        """Return the limits of a trajectory: shares of the limits that an arm is described with."""
         motors = [robot.motor(joint) for joint in range(1, 7)]
         return cls(
             POSITION * np.nan_to_num(robot.position_limits(), posinf=TURN),
@@ -59,10 +60,11 @@ class Limits:
 
 @dataclass(frozen=True)
 class Margins:
-    """How much of its limits a trajectory uses; it keeps them where `broken` is empty.
+    """How much of its limits a trajectory uses; it keeps them if `broken` returns nothing.
 
-    used: by name, the largest share of a limit, (6,); clearance: least distance between parts [m],
-    at most REACH; nearest: which parts, empty beyond REACH; singular_value: least of the Jacobian.
+    used: by the name of a limit, the largest share of it that each joint uses, (6,); clearance:
+    smallest distance between parts [m], at most REACH; nearest: the names of these parts, empty
+    beyond REACH; singular_value: the smallest of the Jacobian.
     """
 
     limits: Limits

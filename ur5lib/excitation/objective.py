@@ -20,9 +20,10 @@ INNER = 0.97  # share of the limits within which the optimisation keeps
 
 @dataclass(frozen=True)
 class Task:
-    """What to design: in which cell, to determine what, in how many seconds.
+    """What to design: a motion of so many seconds in a cell, to determine a problem's parameters.
 
-    earlier: the information (P, P) of earlier recordings and the prior.
+    criterion: what is maximised; earlier: the information (P, P) of earlier recordings and the
+    prior.
     """
 
     cell: Cell
@@ -37,14 +38,14 @@ class Task:
         return int(np.clip(self.seconds * FASTEST, FEWEST, MOST))
 
     def information(self, path: Path) -> Array:
-        """Return the information (P, P) of earlier recordings and one along a path."""
+        """Return the information (P, P) of the earlier recordings and one more along a path."""
         _, states = path.sampled(1 / STEP)
         Y = self.cell.model.regressor(states.q, states.qd, states.qdd)
         return self.earlier + self.problem.information(Y, states.qd, STEP)
 
 
 class Objective:
-    """The criterion of a path less the penalty of the limits that it breaks, with its gradient.
+    """The criterion of a path minus a penalty for the limits that it breaks, with its gradient.
 
     A path is given as x: its posture (6,), then coefficients (K, 6) of the series that rest at both
     ends (`resting_series`).
@@ -67,7 +68,7 @@ class Objective:
         return np.concatenate([path.posture, weights.ravel()])
 
     def states(self, x: Array) -> States:
-        """Return the states that are looked at, every STEP."""
+        """Return the states that the optimisation checks, one every STEP seconds."""
         q, qd, qdd, jerk = (term @ x[6:].reshape(-1, 6) for term in self._terms)
         return States(q + x[:6], qd, qdd, jerk)
 

@@ -17,9 +17,10 @@ PREDICTED_SPEED, PREDICTED_ACCELERATION = 1.0, 2.0  # rad/s, rad/s²: where forc
 
 
 def d_optimality(wanted: Mask) -> Criterion:
-    """Return log det of the information on some parameters (P,), whatever the others are.
+    """Return the criterion log det of the information on some parameters, with the others unknown.
 
-    log det M - log det M_oo with o the others: of the Schur complement (D_s-optimality).
+    wanted: (P,), which parameters. log det M - log det M_oo, with o the others, which is the log
+    det of the Schur complement (D_s-optimality).
     """
     others = np.ix_(~wanted, ~wanted)
 
@@ -33,7 +34,10 @@ def d_optimality(wanted: Mask) -> Criterion:
 
 
 def i_optimality(rows: Array) -> Criterion:
-    """Return -P/2 log of the mean variance of predictions rows · θ; rows: (N, P)."""
+    """Return the criterion -P/2 log v, with v the mean variance of predictions rows · θ.
+
+    rows: (N, P).
+    """
     weight, half = rows.T @ rows / len(rows), rows.shape[1] / 2
 
     def of(information: Array) -> tuple[float, Array]:
@@ -45,9 +49,10 @@ def i_optimality(rows: Array) -> Criterion:
 
 
 def conditioning(scale: Array) -> Criterion:
-    """Return -log of the condition number of the information in units of a scale (P,).
+    """Return the criterion -log of the information's condition number, in units of a scale (P,).
 
-    Parameters of scale zero are left out. Zero where the number is beyond what doubles resolve.
+    Parameters of scale zero are left out. The criterion is zero if the number is beyond what
+    doubles resolve.
     """
     kept = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)

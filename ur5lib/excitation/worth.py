@@ -1,4 +1,4 @@
-"""What a recording along a path would be worth."""
+"""How much a recording along a path would add to what is known of an arm."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,13 +12,13 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 @dataclass(frozen=True)
 class Worth:
-    """What a recording along a path would be worth, in addition to earlier ones.
+    """How much a recording along a path would add to the prior and to earlier recordings.
 
-    log_det: of the information M (P, P) with the recording; gain: of it, by the recording;
-    regressor_condition: condition number of the base
-    parameters' regressor (Gautier 1992); condition: of J with all columns in units of their
-    prior standard deviation; prior, before, after: standard errors (P,) of `Problem.names`, in
-    physical units, of the prior, without and with the recording.
+    log_det: log det of the information M (P, P) after the recording; gain: how much of it the
+    recording adds; regressor_condition: condition number of the base parameters' regressor in SI
+    units (Gautier 1992); condition: condition number of J, each column in units of its prior
+    standard deviation; prior, before, after: standard errors (P,) of `Problem.names` in physical
+    units, by the prior alone, before the recording, and after it.
     """
 
     log_det: float
@@ -30,9 +30,10 @@ class Worth:
     after: Array
 
     def least_determined(self) -> Labels:
-        """Return the order of the parameters (P,), those first of which least is known so far.
+        """Return the indices (P,) that sort the parameters, the least determined first.
 
-        By the share of the prior's standard error that was left before, then after the recording.
+        They are sorted by the share of the prior's standard error that remains before the
+        recording; parameters that are equal in this, by the share that remains after it.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 

@@ -1,8 +1,9 @@
-"""The condition of each joint on one recording: what wear, grease and age change.
+"""The condition of each joint on one recording: the quantities that wear, grease and age change.
 
-Friction and the current's offset are fitted to one recording with the torque constant and all
-other terms of the arm's fit held; the torque constant in a second fit, with friction free. A
-single recording tells the torque constant badly, and held, it does not blur the friction.
+Friction and the current's offset are fitted to one recording, with the torque constant and all
+other terms held at the arm's fit. The torque constant comes from a second fit, with friction free.
+One recording alone determines it badly; holding it in the first fit keeps its error out of the
+friction.
 """
 
 import numpy as np
@@ -23,15 +24,16 @@ UNITS = {
 }
 FITTED = {"offset": 1, "coulomb": 2, "viscous": 3}  # columns of a joint's samples
 Estimates = dict[str, tuple[float, float]]
-UNTOLD = 0.2  # relative error of a torque constant that a recording does not tell
+UNTOLD = 0.2  # relative error from which on a torque constant counts as undetermined
 UNKNOWN = float("nan"), float("nan")
 
 
 def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Estimates]:
-    """Return value and standard error of each quantity in UNITS, of joints 1 to 6.
+    """Return value and standard error of each quantity in UNITS, for each of joints 1 to 6.
 
-    fit: of the arm. NaN where a joint moves too little. The standard errors are those within the
-    recording; how much recordings differ among one another, only several of them tell.
+    record: one contact-free recording; smooth: the low-pass; fit: of its arm. Both are NaN if the
+    joint moves too little. The standard errors are those within the recording; they do not include
+    how much recordings differ from one another.
     """
     family = {term for joint in fit.joints for term in joint.terms} - {*BASE, *CONSIDERED}
     presliding = [joint.presliding for joint in fit.joints]
@@ -44,7 +46,7 @@ def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Es
 
 
 def _friction(samples: Samples, joint: JointFit) -> Estimates:
-    """Return offset, Coulomb and viscous friction, with the torque constant held."""
+    """Return offset, Coulomb and viscous friction and their errors, the torque constant held."""
     moving = samples.where(samples.moving)
     torque = moving.columns[:, 0] * joint.estimate.coefficients[0]
     columns = moving.columns[:, [*FITTED.values()]]
@@ -56,7 +58,7 @@ def _friction(samples: Samples, joint: JointFit) -> Estimates:
 
 
 def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
-    """Return the torque constant, with offset, Coulomb and viscous friction free."""
+    """Return the torque constant and its error [Nm/A], the terms in FITTED free; or UNKNOWN."""
     moving = samples.where(samples.moving)
     columns = moving.columns[:, [0, *FITTED.values()]]
     value, error = _fitted(columns, moving.current - _held(moving, joint), moving)
@@ -66,9 +68,9 @@ def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
 
 
 def _held(samples: Samples, joint: JointFit) -> Array:
-    """Return the current (n,) [A] of the arm's other friction terms.
+    """Return the current (n,) [A] of the friction terms that are held at the arm's fit.
 
-    Without the effect of temperature: what friction is on each date includes it.
+    The effect of temperature is left out, because it belongs to the friction of the date.
     """
     names = [name for term in joint.terms for name in term.names()]
     own = [name not in FITTED and not name.startswith("warming") for name in names]

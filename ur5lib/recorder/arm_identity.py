@@ -4,7 +4,7 @@ from ur5lib.errors import InputError
 
 
 def identify(address: str) -> dict[str, str]:
-    """Return `model`, `serial_number` and `firmware` of the arm at an address, as far as told.
+    """Return `model`, `serial_number` and `firmware` of the arm at an address, if they are known.
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """

@@ -28,8 +28,8 @@ class MotionError(Exception):
 class ArmMotion:
     """Commands to the arm at an address: `with ArmMotion(address) as motion:`.
 
-    Every motion returns whether it was completed: not, where `stop` was called, after which no
-    motion begins. From the first motion on, the controller stops the arm by itself when this
+    Every motion returns whether it was completed: False if `stop` was called, after which no
+    further motion begins. From the first motion on, the controller stops the arm by itself if this
     program dies.
     """
 

@@ -38,9 +38,11 @@ SAFE = (1, 2)
 
 @dataclass(frozen=True)
 class ArmState:
-    """q, qd: angles and speeds of the joints (6,) [rad, rad/s]; modes in words.
+    """The state of an arm and its controller at one moment.
 
-    ready: whether the arm could move; program_runs: whether somebody's program moves it already.
+    q, qd: angles and speeds of the joints (6,) [rad, rad/s]; robot_mode, safety_mode: the
+    controller's modes, in words; ready: whether the arm can move now; program_runs: whether a
+    program is running, which may move it.
     """
 
     q: Array

@@ -21,11 +21,11 @@ REPORT = 0.25  # s between reports to the recorder
 
 @dataclass
 class Status:
-    """What became of a device so far.
+    """The progress of recording one device.
 
-    samples, lost: counts; seconds: since its first sample; latest: its last sample by column;
-    low, high: extent of its columns so far; ended: why it was not recorded to the end, None while
-    it is.
+    samples, lost: numbers of samples recorded and lost; seconds: from its first sample to its last;
+    latest: its last sample, by column; low, high: smallest and largest value of each column;
+    ended: why the recording stopped early, None if it did not.
     """
 
     samples: int = 0
@@ -37,15 +37,15 @@ class Status:
     ended: str | None = None
 
     def rate(self) -> float:
-        """Return the samples per second so far."""
+        """Return the mean number of samples per second so far."""
         return self.samples / self.seconds if self.seconds > 0 else 0.0
 
 
 def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Event) -> None:
-    """Record a device into a file until `stop`: what its process runs.
+    """Record a device into a file until `stop` is set; runs in the device's own process.
 
-    zero: as in Growing.write. Reports through `line`: first what the device says of itself or why
-    it cannot be recorded, then its Status again and again, and once at the end.
+    zero: as in Growing.write. Sends through `line`: first the device's entry for the manifest, or
+    why it cannot be recorded; then its Status repeatedly, and once at the end.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the recorder's to handle
     device = plan.device()

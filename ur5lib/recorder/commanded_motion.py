@@ -22,10 +22,11 @@ DOUBLING = 4 * np.pi  # rad; no joint turns further
 
 @dataclass(frozen=True)
 class CommandedMotion:
-    """A motion of all joints.
+    """A motion of all joints: way-points, or a trajectory if it has times.
 
-    q: (N, 6) [rad]: way-points for movej, each of which the arm stops at; or, with time (N,) [s], a
-    trajectory for servoj; speed: share of the speed as written, above 0 and at most 1.
+    q: (N, 6) [rad]; time: (N,) [s] of a trajectory, which the arm follows by servoj; None for
+    way-points, at each of which it stops after a movej; speed: share of the full speed, or of the
+    trajectory's, above 0 and at most 1.
     """
 
     q: Array
@@ -66,9 +67,10 @@ def read_motion(path: Path, speed: float) -> CommandedMotion:
 def refusals(
     motion: CommandedMotion, robot: Robot, start: Array, table: float | None
 ) -> Iterator[str]:
-    """Yield what forbids a motion, one sentence each. start: where the arm is (6,) [rad].
+    """Yield what forbids a motion, one sentence each; nothing if it may be executed.
 
-    table: height of the table in the base frame [m], None for none.
+    start: the arm's present posture (6,) [rad]; table: height of the table in the base frame [m],
+    None if there is none.
     """
     path = dense_path(np.vstack([start, motion.q]))
     yield from _beyond_limits(path, robot)
@@ -80,7 +82,7 @@ def refusals(
 
 
 def dense_path(q: Array) -> Array:
-    """Return a path (M, 6), straight between angles (N, 6) [rad], in steps of DENSE at most."""
+    """Return a path (M, 6) [rad] of straight lines between angles (N, 6) [rad], in small steps."""
     parts = [
         np.linspace(begin, end, 2 + int(np.abs(end - begin).max() / DENSE))
         for begin, end in pairwise(q)

@@ -1,4 +1,4 @@
-"""What the recorder knows of a device."""
+"""The interface between the recorder and any device that it records."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -7,12 +7,12 @@ from ur5lib.timeseries.arrays import Array
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
-    """A device that was being recorded has gone: no sample for a second, or its port is closed."""
+    """A device failed during the recording: no sample for a second, or its port is closed."""
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples of a device in the order of its counter.
+    """Samples of a device since the last call of `read`, in the order of its counter.
 
     received: the host's time.monotonic at the arrival of each sample (n,) [s];
     values: one row per sample (n, len(columns)); lost: samples missing before or among them, by
@@ -25,17 +25,19 @@ class Samples:
 
 
 class Device(Protocol):
-    """A device that is recorded: open, read until closed, close.
+    """A device to record: call `open`, then `read` repeatedly, then `close`.
 
-    name: "robot", "force_sensor" or "imu", also its file's name; columns: of its samples after the
-    host's time, the device's own counters and times among them.
+    name: "robot", "force_sensor" or "imu", also the name of its file; columns: the names of its
+    samples' values, which include the device's own counters and times, but not the host's time.
     """
 
     name: str
     columns: tuple[str, ...]
 
     def open(self) -> dict[str, Any]:
-        """Connect, start, and return what the manifest says: model, serial number, units, rate_hz.
+        """Connect, start the stream, and return the device's entry in the manifest.
+
+        It holds at least model, serial number, units and rate_hz.
 
         Raises InputError, with address and remedy, when the device does not answer.
         """

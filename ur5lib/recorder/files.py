@@ -9,7 +9,7 @@ HOST_TIME = "host_time"
 
 
 class Growing(Protocol):
-    """A file that a device's samples are written to."""
+    """A file to which a device's samples are appended while it is recorded."""
 
     def write(self, samples: Any, zero: float) -> None:
         """Append samples; zero: time of the host's clock when time.monotonic read zero [s]."""

@@ -1,4 +1,4 @@
-"""What is shown while a recording goes on, and what is wrong with it at once."""
+"""What is shown during a recording, and warnings as soon as something is wrong."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -26,7 +26,7 @@ def table(statuses: Mapping[str, Status]) -> Table:
 
 
 def reading(latest: Mapping[str, float]) -> str:
-    """Return what tells most of a sample: forces, specific force, or joints and temperature."""
+    """Return a sample as one line of text: forces, specific force, or joints and temperature."""
     for first, label, unit in (("ft_fx", "force", "N"), ("imu_ax", "specific force", "m/s²")):
         if first in latest:
             size = np.linalg.norm([latest[f"{first[:-1]}{axis}"] for axis in "xyz"])
@@ -41,7 +41,7 @@ def reading(latest: Mapping[str, float]) -> str:
 def warnings(
     statuses: Mapping[str, Status], identities: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """Yield what should be known at once, a sentence each, the same as long as it lasts."""
+    """Yield warnings, one sentence each; a sentence stays the same while its cause lasts."""
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"

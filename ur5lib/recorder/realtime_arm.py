@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
+from ur5lib.recorder.arrivals import receive
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.silence import LONGEST, Silence
 from ur5lib.robots.realtime_message import SOFTWARE
@@ -19,17 +20,16 @@ from ur5lib.timeseries.arrays import Array
 PORT = 30003
 PATIENCE = 3.0  # s, for the controller to answer
 HEAD = struct.Struct(">id")  # size and timestamp of a message
-CHUNK = 1 << 16  # bytes read at a time
 WAIT = 0.1  # s, for which one call waits
 
 
 @dataclass(frozen=True)
 class Packets:
-    """What came from a socket, as it came.
+    """Packets of bytes as they arrived from a socket.
 
-    received: the host's time.monotonic at the arrival of each packet (n,) [s]; packets: the bytes;
-    messages: how many messages of the controller ended in them; lost: messages missing before or
-    among those, by the controller's timestamps.
+    received: the host's time.monotonic at the arrival of each packet (n,) [s]; packets: bytes;
+    messages: the number of the controller's messages that ended in them; lost: the number of
+    messages missing before or among those, by the controller's timestamps.
     """
 
     received: Array
@@ -87,13 +87,7 @@ class RealtimeArm:
         if not select.select([self._socket], [], [], WAIT)[0]:
             self._silence.check(0)
             return Packets(np.zeros(0), [], 0, 0)
-        try:
-            data = self._socket.recv(CHUNK)
-        except OSError as error:
-            raise DeviceLost(f"{self._address}: {error}") from error
-        arrived = time.monotonic()
-        if not data:
-            raise DeviceLost(f"{self._address} has closed the connection")
+        arrived, data = receive(self._socket, self._address)
         self._silence.check(1)
         return Packets(np.array([arrived]), [data], *self._count(data))
 

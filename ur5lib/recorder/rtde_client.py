@@ -12,10 +12,10 @@ import contextlib
 import select
 import socket
 import struct
-import time
 from collections.abc import Sequence
 
 from ur5lib.errors import InputError
+from ur5lib.recorder.arrivals import receive
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.robots.rtde_variables import FORMATS, layout
 
@@ -24,7 +24,6 @@ PATIENCE = 3.0  # s, for the controller to answer
 HEADER = struct.Struct(">HB")
 PROTOCOL = 2
 VERSION, SOFTWARE, SETUP_OUTPUTS, START, PAUSE, DATA = b"VvOSPU"
-CHUNK = 1 << 16  # bytes read at a time
 
 
 class RtdeClient:
@@ -61,18 +60,12 @@ class RtdeClient:
     def receive(self, patience: float) -> list[tuple[float, tuple[float, ...]]]:
         """Return the packages that have come, after waiting at most `patience` [s].
 
-        Each with the host's time.monotonic of its arrival, and the numbers of its outputs. Raises
-        DeviceLost when the controller has closed the connection.
+        Each is the host's time.monotonic [s] at its arrival, and the values of its outputs. Raises
+        DeviceLost when the connection fails or the controller closes it.
         """
         if not select.select([self._socket], [], [], patience)[0]:
             return []
-        try:
-            data = self._socket.recv(CHUNK)
-        except OSError as error:
-            raise DeviceLost(f"{self._address}: {error}") from error
-        arrived = time.monotonic()
-        if not data:
-            raise DeviceLost(f"{self._address} has closed the connection")
+        arrived, data = receive(self._socket, self._address)
         self._buffer += data
         return [(arrived, package) for package in self._packages()]
 

@@ -62,11 +62,11 @@ class Session:
         return self._folder / f"{name}.csv"
 
     def identities(self) -> dict[str, dict[str, Any]]:
-        """Return what each device says of itself."""
+        """Return each device's entry in the manifest, by name."""
         return {name: line.identity for name, line in self._lines.items()}
 
     def statuses(self) -> dict[str, Status]:
-        """Return what became of each device so far."""
+        """Return the progress of each device so far, by name."""
         for name, line in self._lines.items():
             self._listen(name, line)
         return {name: line.status for name, line in self._lines.items()}

@@ -8,14 +8,14 @@ LONGEST = 1.0  # s
 
 
 class Silence:
-    """Watches that a device goes on sending; name: what a message calls it."""
+    """Detects that a device has stopped sending; name: of the device, for messages."""
 
     def __init__(self, name: str) -> None:
         """Begin now, as if a sample had just come."""
         self._name, self._heard = name, time.monotonic()
 
     def check(self, samples: int) -> None:
-        """Take note of samples that have come; raise DeviceLost if the last is 1 s ago."""
+        """Note how many samples have just come; raise DeviceLost if the last came over 1 s ago."""
         now = time.monotonic()
         if samples:
             self._heard = now

@@ -1,4 +1,4 @@
-"""The lines of a figure over time, packed into few bytes for the script of the report."""
+"""The data behind *Look closer*: the lines of a figure, packed into few bytes for the script."""
 
 import json
 import re
@@ -23,10 +23,14 @@ COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 def packed_lines(path: str | Path) -> str:
     """Return the lines of a figure over time [s] as Base64 text; empty for other figures.
 
-    path: an SVG that `save` wrote, its numbers as CSV beside it. Decompressed (zlib), the text is
-    one line of JSON and then, column by column, the steps from each value to the next, in levels
-    from 0 (no value) to LEVELS: 2 n for n up, 2 n − 1 for n down, all low bytes before all high
-    ones. A column has a range, its smallest and largest value; time has steps in ms, null in gaps.
+    path: an SVG that `save` wrote, with its numbers as CSV beside it.
+
+    The decoded and decompressed (zlib) text is one line of JSON, followed by the values. The JSON
+    holds panels, lines, the range (smallest and largest value) of each column, and the steps of
+    time in ms, null in gaps. Each value is a level from 1 to LEVELS within the range of its column,
+    or 0 if it is missing. Stored are the steps from each level to the next, column by column, as
+    two-byte numbers: 2 n for n levels up, 2 n − 1 for n down; all low bytes come before all high
+    ones.
     """
     figure = Path(path)
     styles = re.findall(r"<rdf:li>(\w+)</rdf:li>", figure.read_text(encoding="utf-8"))
@@ -50,7 +54,7 @@ def packed_lines(path: str | Path) -> str:
 
 
 def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, str]], list[str]]:
-    """Return name and unit of each panel, and the labels of the first lines."""
+    """Return name and unit of each panel, and the labels of so many lines."""
     found = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
     panels = [*dict.fromkeys((name, unit) for _, name, unit in found)]
     return panels, [*dict.fromkeys(label for label, *_ in found)][:lines]
@@ -78,7 +82,7 @@ def _time_steps(time: pd.Series) -> list[int | None]:
 
 
 def _packed(columns: Array) -> bytes:
-    """Return the steps of columns (M, N) from level to level."""
+    """Return the steps of columns (M, N) from level to level, as bytes; see `packed_lines`."""
     ends = np.array([_range(column) for column in columns])
     low, width = ends[:, :1], np.diff(ends, axis=1)
     shares = (columns - low) / np.where(width > 0, width, 1.0)

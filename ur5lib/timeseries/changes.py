@@ -1,12 +1,13 @@
 """Changes of a quantity from date to date: slow drifts, and jumps.
 
-A value of date t is a constant of its group, such as the path that was recorded, plus an effect of
-a covariate x, such as the temperature, plus changes: y = a + c x + Σ d f(t), where f is t for a
-drift and 0 before, 1 after a jump. What changed together with group or covariate is not told apart.
+A value of date t is y = a + c x + Σ d f(t): a constant a of its group, such as the path that was
+recorded; an effect c of a covariate x, such as the temperature; and changes of size d. The shape f
+rises evenly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A change that comes
+together with another group or covariate cannot be separated from it.
 
-Changes are found one by one by the largest F among all of them. Its distribution without any change
-depends on the dates and the weights alone; it is simulated, so that the chance of a false change is
-the stated one although many jumps were tried.
+Changes are added one by one, each the one with the largest F statistic of all candidates. Without
+any change, the distribution of that F depends on the dates and the weights alone. It is simulated,
+so that the chance of a false change is the stated one although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -18,9 +19,9 @@ from scipy.special import stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-FREEDOM = 3  # degrees of freedom of what remains, at least
+FREEDOM = 3  # smallest degrees of freedom of the residuals
 FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
-BESIDE = 2  # dates on either side of a jump, at least: one alone may be an outlier
+BESIDE = 2  # fewest dates on either side of a jump: one alone may be an outlier
 MOST = 3  # changes of one series
 DRAWS = 20_000
 COVERED = 0.95
@@ -32,11 +33,11 @@ APART = 1e-6  # share of a change that the covariate leaves, above which both ca
 
 @dataclass(frozen=True)
 class Series:
-    """A quantity on n dates, (n,) each.
+    """A quantity on n dates, all arrays (n,).
 
-    day: ascending, in days; value; std_error: of each value on its own date; covariate: None where
-    it is unknown; group: labels of dates whose values may differ systematically. The variation from
-    date to date is estimated.
+    day: the dates, ascending, in days; value, std_error: in any unit, the error being that within
+    the date (the variation from date to date is estimated); covariate: None if it is unknown;
+    group: labels; dates of different groups may differ systematically; None for one group.
     """
 
     day: Array
@@ -48,12 +49,13 @@ class Series:
 
 @dataclass(frozen=True)
 class Change:
-    """A change of a series.
+    """A change of a series, in the unit of its values.
 
-    kind: drift, evenly between the days `first` and `last`, or jump, at some time between them
-    (95 %); before: the value on the first date, of the mean group; size: of the change, with its
-    standard error and 95 % interval (low, high); explained: what the covariate contributed in the
-    same time, in the same unit; chance: of a change as clear as this without any.
+    kind: a drift rises evenly from the day `first` to the day `last`; a jump happened at some time
+    between them, with a probability of 95 %; before: the value on the first date, mean of all
+    groups; size: of the change, with std_error and 95 % interval (low, high); explained: what the
+    covariate contributed in the same time; chance: the probability that noise alone shows a change
+    as clear as this one.
     """
 
     kind: Literal["drift", "jump"]
@@ -107,9 +109,10 @@ class _Problem:
 
 
 def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
-    """Return the changes of a series, the clearest first.
+    """Return the changes of a series in the order in which they were found, the clearest first.
 
-    level: chance of any false change. Few dates for the number of groups tell none.
+    level: the chance of any false change; seed: of the simulated noise. Returns none if there are
+    fewer than FEWEST dates, or too few for the number of groups.
     """
     if len(series.day) < FEWEST:
         return []
@@ -141,10 +144,11 @@ def _indicators(series: Series) -> Array:
 
 
 def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
-    """Return what each further column explains of the variance that others leave, (B, K).
+    """Return the share (B, K) of the remaining variance that each further column explains.
 
-    fixed: (n, P); tried: (n, K), one of which is added; values: (B, n). F = share / (1 - share)
-    times the degrees of freedom. A column that hardly differs from the fixed ones explains nothing.
+    fixed: (n, P), columns whose part is removed first; tried: (n, K), of which one at a time is
+    added; values: (B, n), rows to explain. F is share / (1 - share) times the degrees of freedom. A
+    column that hardly differs from the fixed ones explains nothing.
     """
     basis = np.linalg.qr(fixed)[0]
     rest = tried - basis @ (basis.T @ tried)
@@ -158,7 +162,9 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
 
 
 def variation(value: Array, std_error: Array) -> float:
-    """Return the variance from date to date beyond the standard errors; value, std_error: (n,).
+    """Return the variance from date to date that exceeds the standard errors.
+
+    value, std_error: (n,).
 
     From the median of squared successive differences, d² = (s₁² + s₂² + 2 σ²) χ²₁: neither a slow
     drift nor a few jumps add to it.
