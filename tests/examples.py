@@ -100,7 +100,7 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What an example is: shell, python, yaml, way-points, a listing of files, equations, or unknown."""
+    """What an example is: shell, python, yaml, way-points, files, equations, or unknown."""
     first = block.splitlines()[0]
     if CODE.match(first):
         return "python"
