@@ -102,7 +102,7 @@ def fused(own: Simulated) -> SmoothedMotion:
     def model(rows: slice) -> LinearImu:
         return linearise_imu(rotation[rows], J[rows], encoders.qd[rows], point, axes, up)
 
-    return smooth_with_imu(*samples, own.imu, model, encoders)
+    return smooth_with_imu(*samples, own.imu, model, encoders.known())
 
 
 def judged(own: Simulated) -> tuple[Array, Array, Array]:

@@ -33,7 +33,7 @@ from ur5lib.signals.noise import (
     moving_mean,
     quantum,
 )
-from ur5lib.signals.smoothing import SmoothedMotion, encoder_system, smooth_encoders
+from ur5lib.signals.smoothing import SmoothedJoints, SmoothedMotion, encoder_system, smooth_encoders
 from ur5lib.timeseries import kalman
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 
@@ -120,7 +120,7 @@ def measured(truth: Motion) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def by_encoders(measured: tuple[np.ndarray, np.ndarray]) -> SmoothedMotion:
+def by_encoders(measured: tuple[np.ndarray, np.ndarray]) -> SmoothedJoints:
     return smooth_encoders(*clock(SAMPLES), *measured)
 
 
@@ -129,13 +129,13 @@ def by_both(
     ur5: Robot,
     truth: Motion,
     measured: tuple[np.ndarray, np.ndarray],
-    by_encoders: SmoothedMotion,
+    by_encoders: SmoothedJoints,
 ) -> SmoothedMotion:
     noise = np.random.default_rng(3).normal(size=(SAMPLES, 6))
     readings = true_readings(ur5, truth) + IMU_BIAS + IMU_NOISE * noise
     readings[500:600] = np.nan
     model = partial(model_of, ur5, *measured)
-    return smooth_with_imu(*clock(SAMPLES), *measured, readings, model, by_encoders)
+    return smooth_with_imu(*clock(SAMPLES), *measured, readings, model, by_encoders.known())
 
 
 def random_states(count: int = 50) -> Motion:

@@ -32,3 +32,15 @@ def test_innovations_are_those_of_the_riccati_equation(drive: float) -> None:
     for measured, innovation in zip(z, steady.innovations(z), strict=True):
         np.testing.assert_allclose(innovation, measured - H @ x, atol=1e-8)
         x = F @ x + K @ (measured - H @ x)
+
+
+def test_a_stack_of_filters_is_each_of_them() -> None:
+    F = np.array([[1, 1, 0.5], [0, 1, 1], [0, 0, 1]])
+    driven = np.array([[1 / 6], [0.5], [1]])
+    Q = np.array([1e-5, 1e-2, 10.0])[:, None, None] ** 2 * (driven @ driven.T)
+    H, R = np.array([[1, 0, 0], [0, 0.7, -0.2]]), np.diag([1.0, 2.0])
+    z = np.random.default_rng(0).normal(size=(100, 2))
+    for own, each in zip(Q, steady_filter(F, Q, H, R).each(), strict=True):
+        alone = steady_filter(F, own, H, R)
+        np.testing.assert_allclose(each.S, alone.S, rtol=1e-9)
+        np.testing.assert_allclose(each.innovations(z), alone.innovations(z), atol=1e-8)

@@ -48,7 +48,7 @@ PLAN: dict[str, Any] = {
 }
 ARM = robot_path("ur5")
 TABLES = (
-    "robot force imu kinematics signals motion fused accelerations torques "
+    "robot force imu kinematics signals motion noise fused accelerations torques "
     "forces published sensor truth"
 )
 SUMMARIES = "quality clocks calibration"
@@ -105,7 +105,8 @@ class Mounted:
         gravity = [self.params["gravity"]]
         self.run("calibrate_imu", own, recordings=["other"], gravities=gravity)
         self.run("smooth_motion")
-        self.run("fuse_imu", {"motion": self.files["fused"]}, recording="made")
+        account = {"account": f"{self.folder}/smooth_motion.json"}
+        self.run("fuse_imu", account, recording="made")
         self.run("compare_accelerations", others, others=["other"], other_gravities=gravity)
         self.run("compute_torques")
         grid = {"time": self.signals.time, "segment": self.signals.segment}

@@ -17,8 +17,8 @@ FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures", "ablate_forc
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
 FROM_TORQUES = ["compute_torques", *FROM_FRICTION]
-FROM_MOTION = ["smooth_motion", "compare_accelerations", *FROM_TORQUES]
-FROM_SIGNALS = ["fuse_imu", "estimate_gains", *FROM_MOTION]
+FROM_MOTION = ["smooth_motion", "fuse_imu", "compare_accelerations", *FROM_TORQUES]
+FROM_SIGNALS = ["estimate_gains", *FROM_MOTION]
 FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures"]
 FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
 FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
@@ -144,9 +144,9 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
-         jobs("fuse_imu", *FROM_MOTION) | ARM | REPORT),
+         jobs(*FROM_MOTION) | ARM | REPORT),
         ("ur5lib/signals/smoothing.py",
-         jobs("fuse_imu", *FROM_MOTION) | ARM | REPORT),
+         jobs(*FROM_MOTION) | ARM | REPORT),
         # Side branches: no force estimate runs again.
         ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
         ("ur5lib/signals/imu_model.py",  # a wrist sensor's tool moves by its Jacobian

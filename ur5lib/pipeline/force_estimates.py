@@ -79,7 +79,7 @@ def estimated_forces(
     """Return the estimates of all problems, and least squares in the contacts of Fmap."""
     forces, background = Forces(time=motion.time, segment=motion.segment), None
     least_squares: dict[str, Array] = {}
-    for name, problem in found.items():  # what is not kept of one is gone before the next
+    for name, problem in found.items():
         estimate = problem.solve(jacobian, prior)
         forces.wrench[name], forces.std[name] = estimate.wrench, estimate.std
         forces.log_odds[name] = estimate.log_odds
@@ -87,6 +87,7 @@ def estimated_forces(
         if name == "Fmap":
             background = estimate.background
             least_squares = {"wrench": estimate.least_squares, "std": estimate.least_squares_std}
+        del estimate  # what is not kept of one is gone before the next
     for kind, values in least_squares.items():
         getattr(forces, kind)["least_squares"] = values
     return replace(forces, background=background)

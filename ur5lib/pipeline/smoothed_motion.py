@@ -1,18 +1,21 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.motion import Motion, MotionNoise
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.signals.smoothing import SmoothedMotion
+from ur5lib.signals.noise import EncoderNoise
+from ur5lib.signals.smoothing import KnownJoints, SmoothedJoints, SmoothedMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.segments import by_segment
 
+LOCAL_NOISE = ("jerk", "vibration", "position", "velocity")
 STATES = {"q": slice(0, 6), "qd": slice(6, 12), "qdd": slice(12, 18)}
 
 
@@ -34,6 +37,24 @@ def motion_record(signals: Signals, motion: SmoothedMotion) -> Motion:
     return Motion(time=signals.time, segment=signals.segment, **state_parts(motion, STATES))
 
 
+def motion_noise(signals: Signals, motion: SmoothedJoints) -> MotionNoise:
+    """Return the noise at each sample, or at none without an IMU."""
+    rows = slice(0 if signals.accelerometer is None else None)
+    noise = {name: getattr(motion.encoders, name)[rows] for name in LOCAL_NOISE}
+    noise["shared"] = motion.shared[rows]
+    return MotionNoise(time=signals.time[rows], segment=signals.segment[rows], **noise)
+
+
+def known_joints(motion: Motion, noise: MotionNoise, account: Mapping[str, Any]) -> KnownJoints:
+    """Return what `smooth_encoders` found; account: that of `motion_account`."""
+    state, std = (
+        np.hstack([getattr(motion, name + kind) for name in STATES]) for kind in ("", "_std")
+    )
+    local = {name: getattr(noise, name) for name in LOCAL_NOISE}
+    lasting = {name: np.array(account["noise"][name]) for name in ("frequency", "damping", "lag")}
+    return KnownJoints(state, std, noise.shared, EncoderNoise(**local, **lasting))
+
+
 def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Array]:
     """Return parts of the state, their standard deviations and the motors' velocities by name."""
     values = {name: motion.state[:, part] for name, part in parts.items()}
@@ -44,7 +65,7 @@ def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Ar
 def motion_account(motion: SmoothedMotion) -> dict[str, Any]:
     """Return the estimated noise and the tests of the innovations."""
     noise = asdict(motion.encoders)
-    for name in ("jerk", "vibration", "position", "velocity"):
+    for name in LOCAL_NOISE:
         noise[name] = np.quantile(noise[name], [0.1, 0.5, 0.9], axis=0)
     if motion.imu is not None:
         noise["imu"] = np.nanmedian(motion.imu, axis=0)

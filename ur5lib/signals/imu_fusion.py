@@ -11,7 +11,7 @@ from ur5lib.signals.smoothing import (
     LINK,
     MOTION,
     STATES,
-    SmoothedJoints,
+    KnownJoints,
     SmoothedMotion,
     encoder_system,
     widened,
@@ -40,12 +40,12 @@ def smooth_with_imu(
     qd: Array,
     readings: Array,
     model: Model,
-    encoders: SmoothedJoints,
+    encoders: KnownJoints,
 ) -> SmoothedMotion:
     """Estimate the motion from joints and an IMU, whose biases continue across segments.
 
     Arguments as in smooth_encoders; readings: (N, 6) specific force [m/s²] and angular rate
-    [rad/s], NaN where missing; model: the IMU's equation; encoders: result of smooth_encoders.
+    [rad/s], NaN where missing; model: the IMU's equation; encoders: from smooth_encoders.
     """
     # local noise of the IMU from its residuals under the encoders' motion
     residual, explained = np.empty_like(readings), np.empty_like(readings)
@@ -55,7 +55,7 @@ def smooth_with_imu(
         residual[rows] = readings[rows] - predicted
     noise = imu_noise(time, segment, residual, explained)
     # smoother of q, q̇, q̈ and both biases
-    joints = encoder_system(time, segment, q, qd, encoders.encoders)
+    joints = encoder_system(time, segment, q, qd, encoders.noise)
     system = add_imu(joints, time, readings, model, noise)
     state, std = np.empty((2, len(time), MOTION + BIASES))
     innovations, motor_qd = np.empty((len(time), 12 + BIASES)), np.empty((len(time), 6))
@@ -66,7 +66,7 @@ def smooth_with_imu(
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     test = innovation_test(innovations, segment)
     std[:, :MOTION] = widened(std[:, :MOTION], test, q)
-    return SmoothedMotion(state, std, motor_qd, innovations, test, encoders.encoders, noise)
+    return SmoothedMotion(state, std, motor_qd, innovations, test, encoders.noise, noise)
 
 
 def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: Array) -> System:

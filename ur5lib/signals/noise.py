@@ -133,8 +133,8 @@ def _joint_noise(
 
     def cost(parameters: Array) -> float:
         # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-        logdet, square = part.deviance(_Ratios.of(parameters))
-        return logdet + 2 * float(np.log(square[part.valid].mean() + NOTHING))
+        white, logdet = _whitened(_Ratios.of(parameters))
+        return float(logdet + 2 * np.log(part.squares(white)[part.valid].mean() + NOTHING))
 
     best = minimize(
         cost,
@@ -148,7 +148,7 @@ def _joint_noise(
         },
     ).x
     ratios = _Ratios.of(best)
-    _, square = part.deviance(ratios)
+    square = part.squares(_whitened(ratios)[0])
     finest = max(quantum(q) / np.sqrt(12), RESOLUTION)
     position = max(float(np.sqrt(square[part.valid].mean() / 2)), finest)
     record = _Record(time, segment, q, qd, period)
@@ -176,14 +176,15 @@ def _busiest(qd: Array, count: int) -> slice:
 class _Ratios(NamedTuple):
     """Parameters of the filter in cycles, relative to the positions' noise.
 
-    jerk, vibration: what drives motion and vibration; precision: of velocities; lag: of velocities,
-    in cycles; damping and frequency (radians a cycle) of the vibration.
+    jerk, vibration: what drives motion and vibration, of one filter or, as arrays, of several;
+    precision: of velocities; lag: of velocities, in cycles; damping and frequency (radians a cycle)
+    of the vibration.
     """
 
-    jerk: float
+    jerk: float | Array
     precision: float
     lag: float
-    vibration: float
+    vibration: float | Array
     damping: float
     frequency: float
 
@@ -196,7 +197,10 @@ class _Ratios(NamedTuple):
 
 
 class _Record:
-    """One joint's measurements in cycles: q and q̇ T [rad], evenly spaced, missing ones filled."""
+    """One joint's measurements in cycles: q and q̇ T [rad], evenly spaced, missing ones filled.
+
+    Each segment less the straight line on which it starts.
+    """
 
     def __init__(self, time: Array, segment: Labels, q: Array, qd: Array, period: float) -> None:
         observed = np.isfinite(q) & np.isfinite(qd)
@@ -205,29 +209,21 @@ class _Record:
         course = CubicHermiteSpline(time[observed], q[observed], qd[observed])
         self.values = np.stack([course(time), course(time, 1) * period], axis=1)
         self.segment, self.period = segment, period
+        self.parts = unbroken(segment)
+        for rows in self.parts:
+            position, velocity = self.values[rows][0].copy()
+            line = np.arange(rows.stop - rows.start) * velocity + position
+            self.values[rows] -= np.stack([line, np.full(len(line), velocity)], axis=1)
         # a filled value depends on its successor: neither's innovation is valid
         after_observed = np.concatenate([[False], observed[:-1] & (np.diff(segment) == 0)])
         self.valid = observed & after_observed
 
-    def deviance(self, ratios: _Ratios) -> tuple[float, Array]:
-        """Return log |S| and eᵀ S⁻¹ e (N,) of the innovations e of the steady Kalman filter."""
-        # x⁺ = F x + w, z = H x + v, x = [θ, θ̇ T, θ̈ T², δ, δ̇ T, δ̈ T²]
-        F, driven = motion_step(1.0, ratios.frequency, ratios.damping)
-        Q = driven @ np.diag([ratios.jerk**2, ratios.vibration**2]) @ driven.T
-        H = measures(ratios.lag) * np.array([[1], [ratios.precision]])
-        steady = steady_filter(F, Q, H, np.eye(2))
-        innovations = self._innovations(steady, np.array([1, ratios.precision]))
-        square = np.einsum("ni,ij,nj->n", innovations, np.linalg.inv(steady.S), innovations)
-        return float(np.linalg.slogdet(steady.S)[1] - 2 * np.log(ratios.precision)), square
-
-    def _innovations(self, steady: SteadyFilter, scale: Array) -> Array:
-        """Return innovations (N, 2); segments start at their first value."""
-        innovations = np.empty_like(self.values)
-        for rows in unbroken(self.segment):
-            z = self.values[rows]
-            z = scale * (z - z[0] - np.outer(np.arange(len(z)), [z[0, 1], 0]))
-            innovations[rows] = steady.innovations(z)
-        return innovations
+    def squares(self, white: SteadyFilter) -> Array:
+        """Return eᵀ S⁻¹ e (N,) of the innovations e of a steady filter that is `_whitened`."""
+        square = np.empty(len(self.values))
+        for rows in self.parts:
+            square[rows] = np.sum(white.innovations(self.values[rows]) ** 2, axis=1)
+        return square
 
     def local(self, ratios: _Ratios, position: float) -> tuple[Array, Array, Array]:
         """Return the intensities of jerk and vibration, and the noise relative to that of the whole
@@ -236,28 +232,46 @@ class _Record:
         Means of their logarithms over the bank, each jerk and vibration weighted by its likelihood
         in the window. The noise's variance has an inverse-gamma prior about that of the recording.
         """
-        count = round(WINDOW / self.period)
-        known = count * moving_mean(self.valid.astype(float), self.segment, count)
-        unit = position / self.period**2.5
-        weight, total = np.zeros(len(self.valid)), np.zeros((3, len(self.valid)))
-        best = np.full(len(self.valid), -np.inf)
-        for jerk, share in product(JERKS, VIBRATIONS):
-            vibration = share * ratios.vibration
-            own = ratios._replace(jerk=jerk / unit, vibration=vibration)
-            logdet, square = self.deviance(own)
-            square = np.where(self.valid, square / position**2, 0)
-            square = FAITH + count * moving_mean(square, self.segment, count)
+        count, unit = round(WINDOW / self.period), position / self.period**2.5
+        known = count * _window_mean(self.valid.astype(float), self.parts, count)
+        jerks, shares = np.array([*product(JERKS, VIBRATIONS)]).T
+        bank = ratios._replace(jerk=jerks / unit, vibration=shares * ratios.vibration)
+        driven = np.log([bank.jerk * unit, bank.vibration * unit]).T
+        weight, total = np.zeros(len(known)), np.zeros((3, len(known)))
+        best = np.full(len(known), -np.inf)
+        filters, logdets = _whitened(bank)
+        for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
+            square = np.where(self.valid, self.squares(white) / position**2, 0)
+            square = np.log(FAITH + count * _window_mean(square, self.parts, count))
             # log p(innovations of the window | jerk, vibration), the noise integrated out
-            likelihood = -known * logdet / 2 - (FAITH / 2 + known) * np.log(square)
+            likelihood = -known * logdet / 2 - (FAITH / 2 + known) * square
             top = np.maximum(best, likelihood)
             forget, trust = np.exp(best - top), np.exp(likelihood - top)
-            # all that drives the joint is relative to the noise, too
-            scale = np.log(square / (FAITH + 2 * known)) / 2
-            logs = np.stack([np.log(jerk) + scale, np.log(vibration * unit) + scale, scale])
-            total = forget * total + trust * logs
             weight, best = forget * weight + trust, top
-        jerk, vibration, scale = np.exp(total / weight)
+            total *= forget
+            total += trust * np.stack(np.broadcast_arrays(*logs, square / 2))
+        mean = total / weight
+        # all that drives the joint is relative to the noise, too
+        mean[2] -= np.log(FAITH + 2 * known) / 2
+        mean[:2] += mean[2]
+        jerk, vibration, scale = np.exp(mean)
         return jerk, vibration, scale
+
+
+def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
+    """Return steady filters, from q and q̇ T to innovations of covariance one, and their log |S|.
+
+    One filter, or a stack where jerk and vibration are arrays. log |S| is that of q and q̇ T.
+    """
+    # x⁺ = F x + w, z = H x + v, x = [θ, θ̇ T, θ̈ T², δ, δ̇ T, δ̈ T²]
+    F, driven = motion_step(1.0, ratios.frequency, ratios.damping)
+    driven = driven * np.stack([ratios.jerk, ratios.vibration], axis=-1)[..., None, :]
+    scale = np.array([1, ratios.precision])
+    steady = steady_filter(F, driven @ driven.mT, scale[:, None] * measures(ratios.lag), np.eye(2))
+    root = np.linalg.inv(np.linalg.cholesky(steady.S))
+    zeros = np.einsum("...ij,...jkx,k->...ikx", root, steady.zeros, scale)
+    logdet = np.linalg.slogdet(steady.S)[1] - 2 * np.log(ratios.precision)
+    return steady._replace(zeros=zeros), logdet
 
 
 def motion_step(step: float, frequency: float, damping: float) -> tuple[Array, Array]:
@@ -286,10 +300,15 @@ def measures(lag: float) -> Array:
 
 def moving_mean(values: Array, segment: Labels, count: int) -> Array:
     """Return the mean of the finite values around each row in its segment, zero without any."""
+    parts, known = unbroken(segment), np.isfinite(values)
+    total = _window_mean(np.where(known, values, 0), parts, count)
+    share = _window_mean(known.astype(float), parts, count)
+    return total / np.where(share > 0, share, 1)
+
+
+def _window_mean(values: Array, parts: list[slice], count: int) -> Array:
+    """Return the mean of so many values around each row in its part."""
     result = np.empty_like(values)
-    for rows in unbroken(segment):
-        known = np.isfinite(values[rows])
-        total = uniform_filter1d(np.where(known, values[rows], 0), count, axis=0, mode="nearest")
-        share = uniform_filter1d(known.astype(float), count, axis=0, mode="nearest")
-        result[rows] = total / np.where(share > 0, share, 1)
+    for rows in parts:
+        uniform_filter1d(values[rows], count, axis=0, output=result[rows], mode="nearest")
     return result

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
@@ -67,11 +68,27 @@ class SmoothedMotion:
         return self.state[:, MOTION:]
 
 
+class KnownJoints(NamedTuple):
+    """What the encoders alone say, to which an IMU adds; noise: the encoders'.
+
+    state, std: (N, 18), as in SmoothedMotion; shared: (N, 6) [rad²/s³], covariance of q̇ and q̈.
+    """
+
+    state: Array
+    std: Array
+    shared: Array
+    noise: EncoderNoise
+
+
 @dataclass(frozen=True)
 class SmoothedJoints(SmoothedMotion):
     """The same from the encoders alone; shared: (N, 6) [rad²/s³], covariance of q̇ and q̈."""
 
     shared: Array = field(kw_only=True)
+
+    def known(self) -> KnownJoints:
+        """Return what `smooth_with_imu` needs of it."""
+        return KnownJoints(self.state, self.std, self.shared, self.encoders)
 
 
 def smooth_encoders(

@@ -1,5 +1,6 @@
 """The steady Kalman filter of a time-invariant system, and its innovations."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -13,34 +14,42 @@ DOUBLINGS, CONVERGED = 60, 1e-12
 class SteadyFilter(NamedTuple):
     """Innovations e = z − H x⁻ of x⁺ = F x⁻ + K e, with covariance S, as ratios of polynomials.
 
-    poles: (X + 1,), zeros: (M, M, X + 1), of each innovation by each measurement; S: (M, M).
+    poles: (..., X + 1), zeros: (..., M, M, X + 1), of each innovation by each measurement;
+    S: (..., M, M).
     """
 
     poles: Array
     zeros: Array
     S: Array
 
+    def each(self) -> Iterator["SteadyFilter"]:
+        """Yield the filters of a stack, one after the other."""
+        return map(SteadyFilter._make, zip(*self, strict=True))
+
     def innovations(self, z: Array) -> Array:
-        """Return the innovations (N, M) of measurements z (N, M), from a state of zero."""
+        """Return one filter's innovations (N, M) of measurements z (N, M), from a state of zero."""
         each = [
-            [lfilter(zeros, self.poles, column) for zeros, column in zip(row, z.T, strict=True)]
+            sum(lfilter(zeros, self.poles, column) for zeros, column in zip(row, z.T, strict=True))
             for row in self.zeros
         ]
-        return np.sum(each, axis=1).T
+        return np.stack(each, axis=1)
 
 
 def steady_filter(F: Array, Q: Array, H: Array, R: Array) -> SteadyFilter:
-    """Return the steady filter of x⁺ = F x + w, z = H x + v; F, Q: (X, X); H: (M, X); R: (M, M)."""
-    P = _prediction_covariance(F, Q, H.T @ np.linalg.solve(R, H))
-    S = H @ P @ H.T + R
-    K = np.linalg.solve(S, H @ P @ F.T).T
+    """Return the steady filter of x⁺ = F x + w, z = H x + v, or a stack of filters.
+
+    F, Q: (..., X, X); H: (..., M, X); R: (..., M, M).
+    """
+    P = _prediction_covariance(F, Q, H.mT @ np.linalg.solve(R, H))
+    S = H @ P @ H.mT + R
+    K = np.linalg.solve(S, H @ P @ F.mT).mT
     # e = (1 − H (z − A)⁻¹ K) z with A = F − K H; one channel of it by the matrix determinant lemma:
     # 1 − h (z − A)⁻¹ k = det(z − A − k h) / det(z − A)
-    A = F - K @ H
-    changed = A + K.T[None, :, :, None] * H[:, None, None, :]
+    A = (F - K @ H)[..., None, None, :, :]
+    changed = A + K.mT[..., None, :, :, None] * H[..., :, None, None, :]
     poles, zeros = _polynomials(A), _polynomials(changed)
-    zeros = zeros - (1 - np.eye(len(H)))[..., None] * poles
-    return SteadyFilter(poles, zeros, S)
+    zeros = zeros - (1 - np.eye(H.shape[-2]))[..., None] * poles
+    return SteadyFilter(poles[..., 0, 0, :], zeros, S)
 
 
 def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
@@ -50,14 +59,19 @@ def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
     Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations,
     International Journal of Control 77 (2004)).
     """
-    A, P, eye = F.T, Q, np.eye(len(F))
+    A, P, eye = F.mT, Q, np.eye(F.shape[-1])
     for _ in range(DOUBLINGS):
-        AW, PW = np.split(np.concatenate([A, P]) @ np.linalg.inv(eye + G @ P), 2)
-        gained = A.T @ PW @ A
-        A, G, P = AW @ A, G + AW @ G @ A.T, P + gained
-        if np.abs(gained).max() <= CONVERGED * np.abs(P).max():
+        W = np.linalg.inv(eye + G @ P)
+        AW = A @ W
+        gained = A.mT @ (P @ W) @ A
+        A, G, P = AW @ A, G + AW @ G @ A.mT, P + gained
+        if (_largest(gained) <= CONVERGED * _largest(P)).all():
             break
     return P
+
+
+def _largest(matrices: Array) -> Array:
+    return np.abs(matrices).max(axis=(-2, -1))
 
 
 def _polynomials(A: Array) -> Array:

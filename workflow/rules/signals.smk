@@ -97,6 +97,7 @@ rule smooth_motion:
         signals=result("signals.parquet"),
     output:
         motion=result("motion.parquet"),
+        noise=result("motion_noise.parquet"),
         summary=result("motion.json"),
     log:
         **traces("smooth_motion", "{recording}"),
@@ -111,10 +112,13 @@ rule fuse_imu:
         signals=result("signals.parquet"),
         kinematics=result("kinematics.parquet"),
         clocks=result("clocks.json"),
+        motion=result("motion.parquet"),
+        noise=result("motion_noise.parquet"),
+        account=result("motion.json"),
         calibration=parameter_of("imu.json"),
         arm=arm_file,
     output:
-        motion=result("fused_motion.parquet"),
+        fused=result("fused_motion.parquet"),
         summary=result("fused_motion.json"),
     log:
         **traces("fuse_imu", "{recording}"),

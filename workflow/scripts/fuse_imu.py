@@ -5,12 +5,12 @@ from typing import Any
 from ur5lib.pipeline.fused_motion import fused_record, imu_model, no_fused_motion
 from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion, MotionNoise
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.smoothed_motion import measured, motion_account
+from ur5lib.pipeline.smoothed_motion import known_joints, measured, motion_account
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.signals.imu_fusion import smooth_with_imu
-from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.tables import read_json, write_json
 
 
@@ -21,9 +21,10 @@ def fuse_imu(input: Any, output: Any, params: Any) -> None:
         robot = load_robot(input.arm).mounted(params.gravity)
         _, calibration = calibration_for(params.recording, read_json(input.calibration))
         samples = signals.time, signals.segment, *measured(signals)
-        encoders = smooth_encoders(*samples)
-        model = imu_model(robot, kinematics, calibration, encoders.qd)
+        motion, account = Motion.read(input.motion), read_json(input.account)["encoders"]
+        encoders = known_joints(motion, MotionNoise.read(input.noise), account)
+        model = imu_model(robot, kinematics, calibration, motion.qd)
         fused = smooth_with_imu(*samples, signals.imu, model, encoders)
         record, summary = fused_record(signals, fused), {"encoders+imu": motion_account(fused)}
-    record.write(output.motion)
+    record.write(output.fused)
     write_json(summary, output.summary)

@@ -24,6 +24,22 @@ class Motion(SegmentedTable):
 
 
 @dataclass(frozen=True, kw_only=True)
+class MotionNoise(SegmentedTable):
+    """What the smoother took to drive the joints and to disturb their encoders, (N, 6) each.
+
+    jerk, vibration: intensities of white jerks; position, velocity: standard deviations; shared:
+    the covariance that it leaves to velocities and accelerations. Without any sample where no IMU
+    was recorded: only what adds an IMU reads it.
+    """
+
+    jerk: Array = channel("jerk", "rad/s3/sqrt(Hz)", JOINTS)
+    vibration: Array = channel("vibration", "rad/s3/sqrt(Hz)", JOINTS)
+    position: Array = channel("position", "rad", JOINTS)
+    velocity: Array = channel("velocity", "rad/s", JOINTS)
+    shared: Array = channel("shared", "rad2/s3", JOINTS)
+
+
+@dataclass(frozen=True, kw_only=True)
 class FusedMotion(Motion):
     """The same from encoders and IMU, and the IMU's biases, (N, 3) [m/s², rad/s].
 
