@@ -648,3 +648,13 @@ def test_the_step_of_an_encoder_is_found_whatever_it_visits() -> None:
     assert quantum(moving) == pytest.approx(step, abs=1e-6)
     assert quantum(sparse) < 1e-3
     assert quantum(np.full(50, 0.3)) == 0
+
+
+def test_noise_of_a_joint_that_rests_comes_from_where_it_was_measured() -> None:
+    """The first minute is missing, and what follows stands still."""
+    count = 12_500
+    q, qd = np.full((count, 6), 0.7), np.zeros((count, 6))
+    q[:7500] = qd[:7500] = np.nan
+    noise = encoder_noise(*clock(count), q, qd)
+    assert np.isfinite(noise.position).all()
+    assert (noise.position < 1e-5).all()

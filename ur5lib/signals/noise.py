@@ -165,10 +165,11 @@ def _joint_noise(
 
 
 def _busiest(qd: Array, count: int) -> slice:
-    """Return the stretch of so many samples in which a joint moves most."""
+    """Return the stretch of so many samples in which a joint was measured to move most."""
     if len(qd) <= count:
         return slice(None)
-    travelled = np.concatenate([[0], np.cumsum(np.abs(np.nan_to_num(qd)))])
+    told = np.where(np.isfinite(qd), np.abs(qd) + RESOLUTION, 0)
+    travelled = np.concatenate([[0], np.cumsum(told)])
     first = int(np.argmax(travelled[count:] - travelled[:-count]))
     return slice(first, first + count)
 
