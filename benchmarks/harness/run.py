@@ -42,6 +42,7 @@ class Run:
     smoothed: Array
     momentum: Array
     rate: Array
+    breakaway: Array
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
 
