@@ -231,7 +231,9 @@ def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> I
     """F^map beside the truth, over all of a recording and over what is in contact."""
     breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
     known = [(currents(friction, own), own.motion) for own in free]
-    residuals = residual_summary(known, breakaway, friction["paths"], CURRENTS.cutoff)
+    residuals = residual_summary(
+        known, breakaway, friction["paths"], CURRENTS.cutoff, friction["explained"]
+    )
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
     whole, prior = {"Fmap": found["Fmap"]}, ContactPrior(force=SETTINGS.contact.force_n)
     forces = estimated_forces(pushed.motion, pushed.kinematics.jacobian, whole, prior)

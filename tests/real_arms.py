@@ -221,7 +221,8 @@ class Fitted:
         """As residuals.json has it."""
         known = [(self.currents(one), one.motion) for one in self.recordings]
         paths, cutoff = self.friction["paths"], self.lowpass.cutoff
-        return residual_summary(known, breakaway_torque(self.whole), paths, cutoff)
+        breakaway, explained = breakaway_torque(self.whole), self.friction["explained"]
+        return residual_summary(known, breakaway, paths, cutoff, explained)
 
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""

@@ -13,14 +13,18 @@ from ur5lib.timeseries.segments import unbroken
 TorqueEstimate = Callable[[Run], Array]
 """Returns the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
+NOTHING = np.zeros(6)  # Nm
 CUTOFF = 2.0  # Hz; it enters only figures of the residual model that are not used here
 
 
-def learned_noise(torque: TorqueEstimate, runs: Sequence[Run]) -> ResidualModel:
+def learned_noise(
+    torque: TorqueEstimate, runs: Sequence[Run], breakaway: Array = NOTHING
+) -> ResidualModel:
     """Return the spread of an estimated torque on contact-free runs, by joint and its state.
 
-    As for the project's own estimates, it is wider by Student's t if there are few paths. Raises
-    InputError if a joint never moves.
+    breakaway: (6,) [Nm], up to which dry friction holds a joint; only our own estimate uses it. As
+    for the project's own estimates, the spread is wider by Student's t if there are few paths.
+    Raises InputError if a joint never moves.
     """
     stretches = [
         Stretch(estimate[rows], run.states[rows], run.period)
@@ -28,7 +32,7 @@ def learned_noise(torque: TorqueEstimate, runs: Sequence[Run]) -> ResidualModel:
         for estimate in [torque(run)]
         for rows in unbroken(run.segment)
     ]
-    model = fit_residual_model(stretches, CUTOFF, breakaway=np.zeros(6))
+    model = fit_residual_model(stretches, CUTOFF, breakaway)
     return model.wider(few_paths(len({run.path for run in runs})))
 
 

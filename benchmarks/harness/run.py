@@ -25,8 +25,9 @@ class Run:
     of motion, by joint; q, qd: [rad, rad/s]; model: torque of the rigid-body model [Nm]; jacobian:
     J_g (N, 6, 6), base frame; torque: external, k (i_predicted - i), unfiltered [Nm]; smoothed: the
     same through the study's zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm
-    without contact, tau_m - tau_f + Cᵀ q̇ - g [Nm]; ready: estimates that the study already holds;
-    sensor: the force sensor's wrench less bias and tool weight, as in `Estimate`.
+    without contact, tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry
+    friction holds a joint; ready: estimates that the study already holds; sensor: the force
+    sensor's wrench less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -42,6 +43,7 @@ class Run:
     smoothed: Array
     momentum: Array
     rate: Array
+    breakaway: Array
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
 

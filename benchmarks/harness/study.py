@@ -10,7 +10,7 @@ import yaml
 
 from benchmarks.harness.run import Estimate, Run
 from ur5lib.force.observer import momentum_rate
-from ur5lib.identification.currents import fit_for, torque_constants
+from ur5lib.identification.currents import breakaway_torque, fit_for, torque_constants
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -77,7 +77,8 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
     record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
     if record is None or currents.external_torque is None or (load and load["taken"]):
         return None
-    constant = torque_constants(fit_for(folder.name, friction))
+    fit = fit_for(folder.name, friction)
+    constant = torque_constants(fit)
     assert currents.predicted_current is not None
     return Run(
         name=folder.name,
@@ -98,6 +99,7 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
             coriolis=torques.coriolis_torque,
             gravity=torques.gravity_torque,
         ),
+        breakaway=breakaway_torque(fit),
         ready=ready_estimates(folder),
         sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),
     )

@@ -5,9 +5,9 @@ median of |F| where nothing touches the arm. (Near a singularity, |F| without a 
 and a mean would judge those postures alone.) An estimate that uses later samples has no latency.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
@@ -33,39 +33,46 @@ class Candidate(Protocol):
         """Return the external torque (N, 6) [Nm] of a run, NaN where unknown."""
 
 
-class Fitted(NamedTuple):
-    """A method and its median false force [N] on the runs that it was fitted to."""
-
-    method: Method
-    false_force: float
+Own = TypeVar("Own", bound=Candidate)
 
 
 def tuned(candidates: Iterable[Candidate], runs: Sequence[Run]) -> Learned:
-    """Return the candidate with the least false force among those with a latency of at most MOST.
+    """Return the candidate with the least false force among those with a latency of at most MOST,
+    with the least-squares force of its torque; raises as `least_false`.
+    """
+    return least_false(candidates, runs, lambda own: fitted(own.torque, runs))
 
-    Raises InputError if none is as quick.
+
+def least_false(
+    candidates: Iterable[Own], runs: Sequence[Run], method_of: Callable[[Own], Method]
+) -> Learned:
+    """Return the method of the candidate with the least false force among those with a latency of
+    at most MOST. Raises InputError if none is as quick.
     """
     delays = [(latency(own.torque, runs), own) for own in candidates]
-    prompt = [
-        (fitted(own.torque, runs), delay, own) for delay, own in delays if delay <= MOST + 1e-9
-    ]
+    prompt = [(method_of(own), delay, own) for delay, own in delays if delay <= MOST + 1e-9]
     if not prompt:
         raise InputError(f"no candidate has a latency of at most {1000 * MOST:.0f} ms; add others")
-    best, delay, chosen = min(prompt, key=lambda one: one[0].false_force)
-    return Learned(best.method, asdict(chosen), delay)
+    best, delay, chosen = min(prompt, key=lambda one: false_force(one[0], runs))
+    return Learned(best, asdict(chosen), delay)
 
 
 def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None = None) -> Learned:
     """Return a torque estimate without constants of its own, with its noise on the runs."""
-    return Learned(fitted(torque, runs).method, {}, latency)
+    return Learned(fitted(torque, runs), {}, latency)
 
 
-def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Fitted:
+def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Method:
     """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
     noise = learned_noise(torque, runs)
-    falsely = [np.linalg.norm(force(run, torque(run), noise).wrench[:, :3], axis=1) for run in runs]
-    false_force = float(np.nanmedian(np.concatenate(falsely)))
-    return Fitted(lambda run: force(run, torque(run), noise), false_force)
+    return lambda run: force(run, torque(run), noise)
+
+
+def false_force(method: Method, runs: Sequence[Run]) -> float:
+    """Return the median of |F| [N] on contact-free runs, infinite where there is no estimate."""
+    found = [own.wrench for run in runs if (own := method(run)) is not None]
+    sizes = [np.linalg.norm(wrench[:, :3], axis=1) for wrench in found]
+    return float(np.nanmedian(np.concatenate(sizes))) if sizes else np.inf
 
 
 def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:

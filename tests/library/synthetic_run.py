@@ -43,4 +43,5 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
         smoothed=torque,
         momentum=INERTIA * qd,
         rate=INERTIA * qdd - torque,
+        breakaway=np.ones(6),
     )

@@ -17,6 +17,7 @@ PRINTED = {  # what each prints at least
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
+    "contact_link": ["1 seeds", "whose link is named"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
@@ -57,7 +58,15 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
 def test_what_make_bench_runs_is_there() -> None:
     makefile = (PROJECT / "Makefile").read_text()
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
-    slow = {"motion", "stand_seeds", "drift", "wrist_sensor", "long_recording", "excitation"}
+    slow = {
+        "contact_link",
+        "motion",
+        "stand_seeds",
+        "drift",
+        "wrist_sensor",
+        "long_recording",
+        "excitation",
+    }
     assert set(named.split()[2:]) == set(PRINTED) - slow
 
 

@@ -1,5 +1,6 @@
 """A fit that contradicts the arm is a stop sign, and so is a recording that does."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,14 +8,18 @@ import pandas as pd
 import pytest
 
 from tests.library.current_study import CONSTANT, PLAIN, make_record, prior, smooth, with_noise
-from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.currents import CurrentFit, fit_currents, fit_without_each_path
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
+from ur5lib.identification.samples import Record
+from ur5lib.identification.validation import explained
 from ur5lib.pipeline.friction_fit import (
     ContradictionError,
+    explained_by_others,
     require_known_constants,
     require_no_stop_sign,
 )
+from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.report.results import Results
 from ur5lib.report.tables import quality, remarks
 from ur5lib.report.views.found import left_out_fits, stop_signs
@@ -50,6 +55,49 @@ def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
     require_no_stop_sign({"a": {"stop_signs": []}})
     with pytest.raises(ContradictionError, match=r"have stop signs \(b\); correct them, or remove"):
         require_no_stop_sign({"a": {"stop_signs": []}, "b": {"stop_signs": [WRONG]}})
+
+
+def led_by_a_hand(seed: int) -> Record:
+    """A motion whose currents follow the hand that leads the arm, and not its torque."""
+    record = make_record(seed, seconds=12.0)
+    other = make_record(seed + 100, seconds=12.0)
+    return with_noise(replace(record, current=-other.current), seed)
+
+
+def test_fits_to_other_paths_explain_the_currents_of_a_free_arm() -> None:
+    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2, 3)]
+    shares = explained_by_others(
+        records, fit_without_each_path(records, smooth, prior(), PLAIN), smooth
+    )
+    assert shares is not None
+    assert shares.min() > 0.5
+    assert explained_by_others(records[:1], [], smooth) is None
+
+
+def test_hand_led_currents_are_explained_by_none() -> None:
+    records = [led_by_a_hand(seed) for seed in (1, 2)]
+    shares = explained_by_others(
+        records, fit_without_each_path(records, smooth, prior(), PLAIN), smooth
+    )
+    assert shares is not None
+    assert (shares <= 0).sum() > 3
+    summary = residual_summary([], np.ones(6), 2, 2.0, shares)
+    assert summary.keys() == {"refused"}
+    assert "record motions that nobody leads or touches" in summary["refused"]
+
+
+@pytest.mark.parametrize(("known", "refused"), [(2, True), (3, False)])
+def test_a_force_needs_three_joints(known: int, refused: bool) -> None:
+    shares = np.where(np.arange(6) < known, 0.5, -0.5)
+    told = residual_summary([], np.ones(6), 2, 2.0, shares).get("refused", "")
+    assert ("joints 3, 4, 5, 6 than" in told) == refused
+
+
+def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
+    record = make_record(1, seconds=12.0)
+    mean = np.broadcast_to(smooth(record.current, record).mean(axis=0), record.current.shape)
+    assert explained([record], [mean], smooth) == pytest.approx(np.zeros(6), abs=1e-9)
+    assert explained([record], [record.current], smooth) == pytest.approx(np.ones(6))
 
 
 def results(signs: int, stopped: str | None) -> Results:

@@ -1,7 +1,7 @@
 """The estimators of the benchmark, by identity: on an arm whose external torque is known."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from benchmarks.estimators.extended_state_observer import ExtendedState
 from benchmarks.estimators.least_squares import LowPassed
 from benchmarks.estimators.momentum_observer import FirstOrder
 from benchmarks.estimators.ours import OURS
+from benchmarks.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
 from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
@@ -23,6 +24,11 @@ from benchmarks.harness.scores import free_rows, sensed_rows
 from tests.conftest import PROJECT
 from tests.library.synthetic_run import COUNT, PERIOD, synthetic_run
 from ur5lib.errors import InputError
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import STATES
+from ur5lib.force.gate import Noise
+from ur5lib.force.map_estimate import regularised_wrench
+from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array
 
 CAUSAL = {
@@ -112,7 +118,10 @@ def test_a_push_is_shown_in_newton_with_a_band(name: str, learned: dict[str, Lea
     assert (found.std[:, :3] > 0).all()
 
 
-@pytest.mark.parametrize("name", [own.name for own in LEARNT if own.causal and own.name in NAMES])
+@pytest.mark.parametrize(
+    "name",
+    [own.name for own in all_estimators() if own.causal and own.name in {*NAMES, OURS_CAUSAL}],
+)
 def test_the_future_does_not_change_the_past(name: str, learned: dict[str, Learned]) -> None:
     run = synthetic_run(4, noise=0.3)
     push = np.zeros((COUNT, 6))
@@ -122,6 +131,33 @@ def test_the_future_does_not_change_the_past(name: str, learned: dict[str, Learn
     assert after is not None
     assert np.array_equal(before.wrench[:LATER], after.wrench[:LATER])
     assert not np.allclose(before.wrench[LATER:], after.wrench[LATER:])
+
+
+def test_our_causal_force_is_in_its_band(learned: dict[str, Learned]) -> None:
+    run = synthetic_run(3, noise=0.3)
+    for size in (15.0, 60.0):
+        push = size * np.array([1.0, -1.0, 0.5, 0, 0, 0])
+        found = learned[OURS_CAUSAL].method(run.pushed(run.jacobian.mT @ push))
+        assert found is not None
+        assert found.std is not None
+        off = np.abs(found.wrench - push)[round(1 / PERIOD) :, :3]
+        assert (off < 1.96 * found.std[round(1 / PERIOD) :, :3]).mean() > 0.9
+        assert off.mean() < 0.25 * size
+
+
+def test_our_causal_force_shows_large_pushes_better_than_a_usual_prior() -> None:
+    run, push = synthetic_run(3), np.array([0.0, 0.0, 90.0, 0, 0, 0])
+    noise = Noise.of(run.states, unsure(5.0), ContactPrior(), np.zeros((COUNT, 6)))
+    torque = (run.jacobian.mT @ push)[:1]
+    few = Noise(*(getattr(noise, own.name)[:1] for own in fields(noise)))
+    usual = regularised_wrench(torque, run.jacobian[:1], few.spread, ContactPrior().usual()).mean
+    assert usual[0, 2] < mixed_wrench(torque, run.jacobian[:1], few).mean[0, 2] < push[2] / 0.9
+
+
+def unsure(spread: float) -> ResidualModel:
+    """Return a residual model with one standard deviation [Nm] for all joints and states."""
+    deviation = np.full((STATES, 6), spread)
+    return ResidualModel(deviation, deviation, np.ones(STATES), np.eye(6), 0.1, np.zeros(6))
 
 
 def test_the_same_data_give_the_same_numbers(learned: dict[str, Learned]) -> None:

@@ -75,6 +75,19 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
     )
 
 
+def explained(records: Sequence[Record], predicted: Sequence[Array], smooth: Smooth) -> Array:
+    """Return the share (6,) of the low-passed currents' variance that predictions explain.
+
+    1 - Σ (i - î)² / Σ (i - ī)² over the samples of all recordings, ī their mean: negative where a
+    constant current is nearer. predicted: (N, 6) [A] each.
+    """
+    measured = np.concatenate([smooth(record.current, record) for record in records])
+    pairs = zip(records, predicted, strict=True)
+    error = np.concatenate([smooth(record.current - own, record) for record, own in pairs])
+    known = np.where(np.isfinite(error), measured, np.nan)
+    return 1 - _mean(error**2) / np.nanvar(known, axis=0)
+
+
 def fitted_on_tested_on(
     records: Sequence[Record],
     smooth: Smooth,

@@ -11,12 +11,18 @@ from ur5lib.identification.currents import (
     fit_currents,
     fit_without_each_path,
     parameters,
+    predict,
     torque_constants,
 )
 from ur5lib.identification.friction import FAMILY
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, record_paths
-from ur5lib.identification.validation import fitted_on_tested_on, least_squares_coefficients
+from ur5lib.identification.validation import (
+    explained,
+    fitted_on_tested_on,
+    least_squares_coefficients,
+)
+from ur5lib.timeseries.arrays import Array
 
 # A torque constant contradicts the known value beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
@@ -41,18 +47,33 @@ def friction_summary(
     fit = fit_currents(records, smooth, prior, family)
     require_known_constants(fit, prior)
     shapes = [joint.terms for joint in fit.joints], [joint.presliding for joint in fit.joints]
+    left_out = fit_without_each_path(records, smooth, prior, family)
     return {
         "from": [record.name for record in records],
         "paths": int(record_paths(records).max()) + 1,
         "fit": asdict(fit),
         "left_out": [
             {"recordings": names, "fit": _without_replicates(asdict(own))}
-            for names, own in fit_without_each_path(records, smooth, prior, family)
+            for names, own in left_out
         ],
+        "explained": explained_by_others(records, left_out, smooth),
         "parameters": list(map(asdict, parameters(fit))),
         "least_squares": least_squares_coefficients(records),
         "cross_validation": fitted_on_tested_on(records, smooth, prior, *shapes),
     }
+
+
+def explained_by_others(
+    records: Sequence[Record], left_out: Sequence[tuple[list[str], CurrentFit]], smooth: Smooth
+) -> Array | None:
+    """Return the share (6,) of the currents' variance that fits to other paths explain.
+
+    left_out: fits, each with the recordings that it has not seen. None where there is one path.
+    """
+    unseen = {name: fit for names, fit in left_out for name in names}
+    if not unseen:
+        return None
+    return explained(records, [predict(unseen[own.name], own) for own in records], smooth)
 
 
 def temperatures_differ(records: Sequence[Record]) -> bool:

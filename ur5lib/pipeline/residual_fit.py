@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from ur5lib.errors import InputError
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Stretch, few_paths, fit_residual_model
@@ -17,16 +19,24 @@ ONE_PATH = (
     "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
     "bands and gate are 6.5 times as wide as that path alone suggests; record another path"
 )
+DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 
 def residual_summary(
-    recordings: Sequence[tuple[Currents, Motion]], breakaway: Array, paths: int, cutoff: float
+    recordings: Sequence[tuple[Currents, Motion]],
+    breakaway: Array,
+    paths: int,
+    cutoff: float,
+    explained: Array | None,
 ) -> dict[str, Any]:
     """Return the residual model of each external torque, or the reason why there is none.
 
     recordings: those to fit, without contact, predicted by fits without their own path; paths:
-    their number; breakaway: (6,) [Nm]; cutoff: of the torques [Hz].
+    their number; breakaway: (6,) [Nm]; cutoff: of the torques [Hz]; explained: share (6,) of the
+    currents' variance that fits to other paths explain, None where there is one path.
     """
+    if explained is not None and (explained > 0).sum() < DIRECTIONS:
+        return {"refused": unknown_torques(explained)}
     summary: dict[str, Any] = {}
     for name, field in TORQUES.items():
         inputs = [
@@ -41,6 +51,16 @@ def residual_summary(
     if paths == 1 and "refused" not in summary:
         summary["remarks"] = [ONE_PATH]
     return summary
+
+
+def unknown_torques(explained: Array) -> str:
+    """Say why currents tell no force; explained: (6,), as above."""
+    joints = ", ".join(f"{joint + 1}" for joint in np.flatnonzero(~(explained > 0)))
+    return (
+        f"a constant current is nearer to the currents of joints {joints} than what fits to other "
+        "paths predict, so that the torque of a contact is unknown; record motions that nobody "
+        "leads or touches, along several paths"
+    )
 
 
 def _residual_model(

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import numpy as np
+
 from ur5lib.identification.currents import CurrentFit, breakaway_torque
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
@@ -16,6 +18,8 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
         files = zip(input.currents, input.motion, strict=True)
         recordings = [(Currents.read(currents), Motion.read(motion)) for currents, motion in files]
         breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
-        paths = friction["paths"]
-        summary = residual_summary(recordings, breakaway, paths, params.cutoff_hz)
+        shares = friction["explained"]
+        explained = None if shares is None else np.array(shares, float)
+        known = recordings, breakaway, friction["paths"], params.cutoff_hz
+        summary = residual_summary(*known, explained)
     write_json(summary, output.residuals)

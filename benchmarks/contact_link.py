@@ -1,0 +1,132 @@
+"""Which link of a simulated arm was touched: by the torques of contacts at flange, tool and elbow.
+
+For each seed, three recordings to fit are simulated and one that is pushed in turn at the flange,
+15 cm beyond it and at the elbow, with 5 to 80 N in random directions. When a contact is, the plan
+says; where, the currents. Counted are contacts whose link is named right, wrong, or not at all,
+because their torques cannot tell.
+"""
+
+import argparse
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+
+from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, plans, taken
+from ur5lib.dynamics import kinematics
+from ur5lib.dynamics.arm import build_arm
+from ur5lib.force.contact_link import force_covariance, place_probabilities, touched_link
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.force.gate import Noise
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.identification.currents import CurrentFit, breakaway_torque
+from ur5lib.pipeline.force_input import force_input
+from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.timeseries.arrays import Array
+
+SEEDS, EACH = 20, 3  # contacts at each place
+PLACES = {"flange": (6, (0, 0, 0)), "tool": (6, (0, 0, 0.15)), "elbow": (2, (0, 0, 0))}
+LINKS = {place: link for place, (link, _) in PLACES.items()}
+FORCES, CLEAR = (5.0, 80.0), 20.0  # N, range of the forces; above which the link should be named
+PAUSE, LASTS = 4.0, 2.0  # s
+PRIOR = ContactPrior()
+
+
+def main() -> None:
+    """Print how many contacts are named right, wrong, and not at all."""
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
+    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
+    given = options.parse_args()
+    seeds, each = (1, 1) if given.quick else (given.seeds, EACH)
+    torch.set_num_threads(1)
+    rows = pd.DataFrame([row for seed in range(seeds) for row in named(seed, each)])
+    print(f"{seeds} seeds, {len(rows)} contacts of {FORCES[0]:g} to {FORCES[1]:g} N")
+    rows["above"] = np.where(rows["force"] > CLEAR, f"above {CLEAR:g} N", f"up to {CLEAR:g} N")
+    print(pd.crosstab([rows["above"], rows["place"]], rows["verdict"]))
+    clear = rows[rows["force"] > CLEAR]
+    told = clear[clear["verdict"] != "cannot tell"]
+    right = (told["verdict"] == "right").mean() if len(told) else np.nan
+    print(
+        f"link right in {right:.0%} of the {len(told)} of {len(clear)} contacts above {CLEAR:g} N "
+        "whose link is named"
+    )
+
+
+def pushes(seed: int, each: int) -> list[dict[str, Any]]:
+    """Return contacts at all places in random order, one every PAUSE."""
+    random = np.random.default_rng(seed)
+    found = []
+    for k, place in enumerate(random.permutation([*PLACES] * each)):
+        way = random.normal(size=3)
+        force = random.uniform(*FORCES) * way / np.linalg.norm(way)
+        link, point = PLACES[place]
+        where = {"link": link, "point": point, "start_s": 2 + PAUSE * k, "seconds": LASTS}
+        found.append({"kind": "push", "force": force.tolist(), **where})
+    return found
+
+
+def named(seed: int, each: int) -> Iterator[dict[str, Any]]:
+    """Yield the contacts of a seed with what the torques say of their place."""
+    contacts = pushes(seed, each)
+    *free, last = plans(seed, 20.0)
+    touched = last | {"contacts": contacts, "seconds": 2 + PAUSE * len(contacts)}
+    with tempfile.TemporaryDirectory() as folder:
+        *fitted, pushed = (
+            taken(plan, Path(folder, str(k))) for k, plan in enumerate([*free, touched])
+        )
+    places = [place for contact in contacts for place in PLACES if _at(contact) == PLACES[place]]
+    links = touched_links(fitted, pushed, contacts)
+    for contact, place, link in zip(contacts, places, links, strict=True):
+        verdict = "cannot tell" if link is None else "right" if link == LINKS[place] else "wrong"
+        yield {"place": place, "force": np.linalg.norm(contact["force"]), "verdict": verdict}
+
+
+def _at(contact: dict[str, Any]) -> tuple[int, Any]:
+    return contact["link"], contact["point"]
+
+
+def touched_links(
+    fitted: list[Taken], pushed: Taken, contacts: list[dict[str, Any]]
+) -> Iterator[int | None]:
+    """Yield the link that each contact touches, from the torques of its middle half."""
+    friction = fitted_map(fitted)
+    model = residual_model(friction, fitted)
+    own = currents(friction, pushed)
+    assert own.external_torque is not None
+    run = force_input(pushed.motion, own.external_torque, own)
+    noise = Noise.of(run.states, model, PRIOR, np.zeros_like(run.torque))
+    levers = {place: lever(pushed, place) for place in PLACES}
+    force = force_covariance(3 * PRIOR.force)
+    for contact in contacts:
+        since = (pushed.signals.time - contact["start_s"]) / contact["seconds"]
+        rows = (since > 0.25) & (since < 0.75) & finite_rows(run.torque)
+        spread = (noise.spread + noise.hidden)[rows] * np.eye(6)
+        here = {place: values[rows] for place, values in levers.items()}
+        worth = min(1.0, run.period / model.independent)
+        yield touched_link(place_probabilities(run.torque[rows], here, spread, force, worth), LINKS)
+
+
+def residual_model(friction: dict[str, Any], free: list[Taken]) -> ResidualModel:
+    """Return what is left of the torque without contact."""
+    breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
+    known = [(currents(friction, own), own.motion) for own in free]
+    settings = friction["paths"], CURRENTS.cutoff, friction["explained"]
+    return ResidualModel.from_dict(residual_summary(known, breakaway, *settings)["tau_ext"])
+
+
+def lever(own: Taken, place: str) -> Array:
+    """Return J_v (N, 3, 6) of a place of the arm."""
+    link, point = PLACES[place]
+    arm, q = build_arm(own.robot, own.robot.chosen_model), torch.from_numpy(own.motion.q)
+    at = torch.tensor(point, dtype=torch.float64)
+    return np.asarray(kinematics.jacobian(arm, q, link, at)[:, :3].numpy())
+
+
+if __name__ == "__main__":
+    main()
