@@ -356,7 +356,7 @@ def fit_residuals(
     tmp_path: Path, friction: dict[str, Any], paths: int, *runs: Free
 ) -> dict[str, Any]:
     recordings = [Recording(tmp_path / f"{i}").write(run) for i, run in enumerate(runs)]
-    write_json(friction | {"paths": paths}, tmp_path / "friction.json")
+    write_json(friction | {"paths": paths, "explained": None}, tmp_path / "friction.json")
     input = SimpleNamespace(
         friction=tmp_path / "friction.json",
         currents=[own.currents for own in recordings],
