@@ -41,8 +41,11 @@ def test_the_second_recording_of_the_loop_halves_the_largest_errors(tmp_path: Pa
     assert stated_after <= stated_before / 2
 
 
-def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(thesis_results: Path) -> None:
+def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
+    thesis_results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Of the thesis's UR5, without moving it."""
+    monkeypatch.chdir(thesis_results.parents[1])
     load = known_load(2.0, 0.06, 0.0, 0.05)
     wish = Wish("ur5", 20.0, "undetermined", thesis_results, None, None, 0, load)
     task = task_of(wish)

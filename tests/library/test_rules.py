@@ -29,6 +29,8 @@ recordings:
 NOT_BY_NAME = {
     # The files of the devices, by the names that a table of clocks has for them.
     "align_signals": [f"does not read input.{name}, which its rule declares" for name in DEVICES],
+    # The document names its figures by their place in the folder.
+    "write_paper": ["does not read input.columns, which its rule declares"],
     "simulate_recording": [
         "does not read input.way_points, which its rule declares",  # its plan names the file
         "does not read output.summary, which its rule declares",  # lies beside the truth

@@ -19,6 +19,7 @@ JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the har
 VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
 WINDOW = 0.1  # s, over which intensities and noise are taken as constant
 FAITH = 8  # degrees of freedom with which the noise of the whole recording counts in a window
+OUTLIER = 100.0  # square of an innovation beyond which a window does not count it for more
 RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
 DIGITS = 6  # to which positions count as different
 RARE = 0.05  # of the commonest difference's count
@@ -243,6 +244,7 @@ class _Record:
         filters, logdets = _whitened(bank)
         for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
             square = np.where(self.valid, self.squares(white) / position**2, 0)
+            square = np.minimum(square, OUTLIER)
             square = np.log(FAITH + count * _window_mean(square, self.parts, count))
             # log p(innovations of the window | jerk, vibration), the noise integrated out
             likelihood = -known * logdet / 2 - (FAITH / 2 + known) * square
@@ -269,9 +271,12 @@ def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
     driven = driven * np.stack([ratios.jerk, ratios.vibration], axis=-1)[..., None, :]
     scale = np.array([1, ratios.precision])
     steady = steady_filter(F, driven @ driven.mT, scale[:, None] * measures(ratios.lag), np.eye(2))
-    root = np.linalg.inv(np.linalg.cholesky(steady.S))
+    # S = H P Hᵀ + 1: no variance is below one, whatever rounding makes of it
+    variances, axes = np.linalg.eigh(steady.S)
+    variances = np.maximum(variances, 1.0)
+    root = axes.mT / np.sqrt(variances)[..., None]
     zeros = np.einsum("...ij,...jkx,k->...ikx", root, steady.zeros, scale)
-    logdet = np.linalg.slogdet(steady.S)[1] - 2 * np.log(ratios.precision)
+    logdet = np.log(variances).sum(axis=-1) - 2 * np.log(ratios.precision)
     return steady._replace(zeros=zeros), logdet
 
 

@@ -64,10 +64,14 @@ def _prediction_covariance(F: Array, Q: Array, G: Array) -> Array:
         W = np.linalg.inv(eye + G @ P)
         AW = A @ W
         gained = A.mT @ (P @ W) @ A
-        A, G, P = AW @ A, G + AW @ G @ A.mT, P + gained
+        A, G, P = AW @ A, _symmetric(G + AW @ G @ A.mT), _symmetric(P + gained)
         if (_largest(gained) <= CONVERGED * _largest(P)).all():
             break
     return P
+
+
+def _symmetric(matrices: Array) -> Array:
+    return (matrices + matrices.mT) / 2
 
 
 def _largest(matrices: Array) -> Array:
