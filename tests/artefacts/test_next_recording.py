@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.conftest import PROJECT, Workflow, copy_project
 from ur5lib.excitation.design import Effort, design

@@ -1,6 +1,7 @@
 """The controller's torque, `target_moment`, as the target of identification."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment, unbroken
 
@@ -25,10 +27,15 @@ class States(NamedTuple):
 
 
 def torque_states(signals: Signals, motion: Motion) -> States:
-    """Return the targets, or the measured motion where they were not recorded."""
+    """Return the targets, or the measured motion where they were not recorded.
+
+    That of the motors: the controller knows rotors and rigid links, but no vibration between them.
+    """
     q, qd, qdd = signals.target_q, signals.target_qd, signals.target_qdd
     if q is None or qd is None or qdd is None:
-        return States((motion.q, motion.qd, motion.qdd), exact=False)
+        change = partial(differentiate, period=signals.period)
+        motor_qdd = by_segment(change, motion.motor_qd, motion.segment)
+        return States((motion.q, motion.motor_qd, motor_qdd), exact=False)
     return States((q, qd, qdd), exact=True)
 
 

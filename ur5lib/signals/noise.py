@@ -19,7 +19,7 @@ JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the har
 VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
 WINDOW = 0.1  # s, over which intensities and noise are taken as constant
 FAITH = 8  # degrees of freedom with which the noise of the whole recording counts in a window
-OUTLIER = 100.0  # square of an innovation beyond which a window does not count it for more
+OUTLIER = 30.0  # square of an innovation, beyond which it counts by its logarithm
 RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
 DIGITS = 6  # to which positions count as different
 RARE = 0.05  # of the commonest difference's count
@@ -243,8 +243,7 @@ class _Record:
         best = np.full(len(known), -np.inf)
         filters, logdets = _whitened(bank)
         for white, logdet, logs in zip(filters.each(), logdets, driven, strict=True):
-            square = np.where(self.valid, self.squares(white) / position**2, 0)
-            square = np.minimum(square, OUTLIER)
+            square = np.where(self.valid, _tamed(self.squares(white) / position**2), 0)
             square = np.log(FAITH + count * _window_mean(square, self.parts, count))
             # log p(innovations of the window | jerk, vibration), the noise integrated out
             likelihood = -known * logdet / 2 - (FAITH / 2 + known) * square
@@ -259,6 +258,12 @@ class _Record:
         mean[:2] += mean[2]
         jerk, vibration, scale = np.exp(mean)
         return jerk, vibration, scale
+
+
+def _tamed(square: Array) -> Array:
+    """Return squares of which a single outlier does not outweigh a window."""
+    beyond = np.log(np.maximum(square / OUTLIER, 1))
+    return np.minimum(square, OUTLIER) + OUTLIER * beyond
 
 
 def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
