@@ -19,7 +19,7 @@ lint: .venv/ready ## check style and types
 	pre-commit run --all-files
 
 bench: .venv/ready ## measure speed side by side: some ten minutes, the default study included
-	for name in $(SPEED); do echo "benchmarks/$$name.py"; python benchmarks/$$name.py || exit 1; done
+	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done
 
 leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md
 	python -m benchmarks.leaderboard --page

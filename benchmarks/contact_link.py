@@ -6,7 +6,6 @@ says; where, the currents. Counted are contacts whose link is named right, wrong
 because their torques cannot tell.
 """
 
-import argparse
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 import pandas as pd
 import torch
 
+from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, Taken, currents, fitted_map, plans, taken
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
@@ -39,11 +39,8 @@ PRIOR = ContactPrior()
 
 def main() -> None:
     """Print how many contacts are named right, wrong, and not at all."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
-    given = options.parse_args()
-    seeds, each = (1, 1) if given.quick else (given.seeds, EACH)
+    seeds, quick = asked(__doc__, SEEDS)
+    each = 1 if quick else EACH
     torch.set_num_threads(1)
     rows = pd.DataFrame([row for seed in range(seeds) for row in named(seed, each)])
     print(f"{seeds} seeds, {len(rows)} contacts of {FORCES[0]:g} to {FORCES[1]:g} N")

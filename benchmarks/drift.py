@@ -6,7 +6,6 @@ jumps on one date. Counted are the changes that are found with their kind, wheth
 hold the true size and date, and the changes of whatever did not change.
 """
 
-import argparse
 import tempfile
 from datetime import date, timedelta
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 import pandas as pd
 import torch
 
+from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.pipeline.current_samples import smoother
@@ -31,11 +31,8 @@ TRUTH = {("viscous", DRIFTING): ("drift", GROWTH), ("coulomb", JUMPING): ("jump"
 
 def main() -> None:
     """Print what was found, and how much of it is false."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
-    given = options.parse_args()
-    seeds, dates, length = (1, 6, 5.0) if given.quick else (given.seeds, DATES, SECONDS)
+    seeds, quick = asked(__doc__, SEEDS)
+    dates, length = (6, 5.0) if quick else (DATES, SECONDS)
     torch.set_num_threads(1)
     found = [row | {"seed": seed} for seed in range(seeds) for row in judged(seed, dates, length)]
     print(f"{seeds} seeds, {dates} dates, a recording of {length:g} s on each")

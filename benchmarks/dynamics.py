@@ -60,8 +60,8 @@ def main() -> None:
     if given.threads:
         return compare_on_threads(robot, given.threads, effort)
     for threads in sorted({1, os.cpu_count() or 1}):
-        command = [sys.executable, *sys.argv, "--threads", str(threads)]
-        subprocess.run(command, check=True)
+        command = [sys.executable, "-m", "benchmarks.dynamics", *sys.argv[1:]]
+        subprocess.run([*command, "--threads", str(threads)], check=True)
     print_memory(robot, effort)
     if torch.cuda.is_available():
         print_gpu(robot, effort)

@@ -30,6 +30,7 @@ from ur5lib.stand.plan import POSTURE, Movej
 from ur5lib.stand.trajectories import REST, plan_targets
 from ur5lib.study.excite import Wish, task_of
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 
 ROBOTS = ("ur5", "ur5e")
 SECONDS, RANDOM = 20.0, 1000
@@ -127,7 +128,7 @@ def read_motion(path: File) -> Motion:
     """Return the states of a trajectory in a CSV without a header: time [s], q1 .. q6 [rad]."""
     clock, *angles = np.loadtxt(path, delimiter=",").T
     at = np.arange(clock[0], clock[-1], STEP)
-    q = np.column_stack([np.interp(at, clock, angle) for angle in angles])
+    q = interpolated(at, clock, angles.T)
     qd = np.gradient(q, STEP, axis=0)
     return Motion(q, qd, np.gradient(qd, STEP, axis=0))
 

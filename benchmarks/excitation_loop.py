@@ -1,6 +1,6 @@
 """The loop of `ur5 excite`: design, record on the virtual test stand, identify, design the next.
 
-    python benchmarks/excitation_loop.py [<robot>] [--precision 0.3] [--quick]
+    python -m benchmarks.excitation_loop [<robot>] [--precision 0.3] [--quick]
 
 The first motion is designed for all parameters of the arm as it is, each next one for what is still
 undetermined, with a known load on the flange. The loop ends when every standard error is at most a

@@ -1,6 +1,6 @@
 """False alarms and pushes along paths that no fit has seen.
 
-    python benchmarks/leave_out.py [<study> [<robot>]] [--quick]
+    python -m benchmarks.leave_out [<study> [<robot>]] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings
 to fit on is left out in turn: friction, residual model and threshold come from the other paths, by

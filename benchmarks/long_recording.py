@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from study import snakemake
 
+from benchmarks.study import snakemake
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate

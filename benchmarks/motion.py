@@ -9,7 +9,6 @@ With an IMU on the flange: the RMSE of the flange's acceleration between 5 and 2
 that without, and the largest error of q where the robot's stream pauses for 0.3 s in motion.
 """
 
-import argparse
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -17,6 +16,7 @@ import numpy as np
 from scipy import signal
 from scipy.spatial.transform import Rotation
 
+from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.signals.imu_fusion import smooth_with_imu
@@ -28,7 +28,7 @@ from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
 
-PERIOD = 0.008  # s
+SEEDS, PERIOD = 20, 0.008  # s
 WITHIN = 1.96  # standard deviations of a 95 % band
 POSTURE = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 KINDS = ("moves", "moves with pauses", "Fourier series")
@@ -52,11 +52,8 @@ class Simulated(NamedTuple):
 
 def main() -> None:
     """Print coverage and gain of each kind of motion."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--seeds", type=int, default=20)
-    options.add_argument("--quick", action="store_true", help="one seed, only shows that it runs")
-    chosen = options.parse_args()
-    seeds, seconds = (1, 6.0) if chosen.quick else (chosen.seeds, 20.0)
+    seeds, quick = asked(__doc__, SEEDS)
+    seconds = 6.0 if quick else 20.0
     print("kind; within the 95 % band: q, qd, qdd [%], in motion, at rest; RMSE of qdd by joint")
     for kind in KINDS:
         recordings = [simulated(kind, seed, seconds) for seed in range(seeds)]

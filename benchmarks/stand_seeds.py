@@ -7,7 +7,6 @@ share inside its 95 % band and the error, beside that of an estimate of zero, ov
 and while in contact.
 """
 
-import argparse
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -19,6 +18,7 @@ import numpy as np
 import pandas as pd
 import torch
 
+from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
@@ -73,11 +73,8 @@ PUSHES = [
 
 def main() -> None:
     """Print how many intervals hold the truth, and how much of the wrench lies in its band."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
-    given = options.parse_args()
-    seeds, length = (1, 5.0) if given.quick else (given.seeds, SECONDS)
+    seeds, quick = asked(__doc__, SEEDS)
+    length = 5.0 if quick else SECONDS
     torch.set_num_threads(1)
     rows = pd.DataFrame([row for seed in range(seeds) for row in recovered(seed, length)])
     print(f"{seeds} seeds, 3 recordings to fit of {length:g} s each and a pushed one")

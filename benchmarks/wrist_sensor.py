@@ -6,7 +6,6 @@ motion, the noise and the contacts of one more, in which the tool is pushed. One
 intervals that hold the truth. It runs in a copy of the project, by `snakemake`.
 """
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -19,6 +18,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from benchmarks.harness.options import asked
 from ur5lib.tables import read_csv
 
 PROJECT = Path(__file__).resolve().parent.parent
@@ -49,11 +49,8 @@ TRUTH = {
 
 def main() -> None:
     """Print how many intervals hold the truth, by quantity."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("seeds", nargs="?", type=int, default=SEEDS, help="how many, from 0 on")
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
-    given = options.parse_args()
-    seeds, seconds = (1, 15.0) if given.quick else (given.seeds, SECONDS)
+    seeds, quick = asked(__doc__, SEEDS)
+    seconds = 15.0 if quick else SECONDS
     with tempfile.TemporaryDirectory() as folder:
         rows = audited(Path(folder), study(seeds, seconds))
     print(f"{seeds} seeds of {seconds:g} s")

@@ -12,6 +12,7 @@ from tests.conftest import Workflow, copy_project
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.tables import read_csv, read_json
+from ur5lib.timeseries.interpolation import interpolated
 
 SECONDS = 16.0
 CARRIED = {"mass": 2.7, "center_of_mass": [0.02, 0.0, 0.06]}
@@ -64,7 +65,7 @@ def estimated(results: Path, recording: str) -> tuple[Forces, np.ndarray]:
     forces = Forces.read(results / "recordings" / recording / "forces.parquet")
     truth = Truth.read(results / "truth" / f"{recording}.parquet")
     time = forces.time - forces.time[0], truth.time - truth.time[0]
-    return forces, np.column_stack([np.interp(*time, column) for column in truth.wrench.T])
+    return forces, interpolated(*time, truth.wrench)
 
 
 @pytest.mark.parametrize("recording", ["unloaded", "loaded"])

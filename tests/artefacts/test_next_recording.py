@@ -1,15 +1,13 @@
 """What to record next: designed beside what was recorded, it tells what that left undetermined."""
 
 import re
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.conftest import PROJECT, Workflow, copy_project
+from tests.conftest import Workflow, copy_project
+from tests.library.test_benchmarks import run_benchmark
 from ur5lib.excitation.design import Effort, design
 from ur5lib.study.excite import Wish, known_load, task_of
 from ur5lib.tables import read_csv
@@ -22,21 +20,11 @@ ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S
 def test_the_second_recording_of_the_loop_halves_the_largest_errors(tmp_path: Path) -> None:
     """On the virtual stand, those predicted and those that the study states."""
     workflow = Workflow(copy_project(tmp_path / "project"))
-    shutil.copytree(PROJECT / "benchmarks", workflow.folder / "benchmarks")
-    done = subprocess.run(
-        [sys.executable, "benchmarks/excitation_loop.py", "--quick"],
-        cwd=workflow.folder,
-        env=workflow.environment,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    first, second = map(int, LARGEST.findall(done.stdout))
-    assert second <= first / 2, done.stdout
-    worst = ERRORS.search(done.stdout.partition("recording 2:")[2])
-    assert worst is not None, done.stdout
+    printed = run_benchmark("excitation_loop", workflow.folder)
+    first, second = map(int, LARGEST.findall(printed))
+    assert second <= first / 2, printed
+    worst = ERRORS.search(printed.partition("recording 2:")[2])
+    assert worst is not None, printed
     before, after, stated_before, stated_after = map(float, worst.groups())
     assert after <= before / 2
     assert stated_after <= stated_before / 2

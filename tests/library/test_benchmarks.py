@@ -29,7 +29,7 @@ OF_A_BUILT_STUDY = {"leave_out", "leaderboard"}  # in tests/artefacts/test_demo.
 
 def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
     """What a benchmark prints when it runs quickly in a folder."""
-    program = [sys.executable, str(PROJECT / "benchmarks" / f"{name}.py"), "--quick", *arguments]
+    program = [sys.executable, "-m", f"benchmarks.{name}", "--quick", *arguments]
     environment = os.environ | {"PYTHONPATH": str(PROJECT), "OMP_NUM_THREADS": "1"}
     done = subprocess.run(
         program,
@@ -72,7 +72,7 @@ def test_what_make_bench_runs_is_there() -> None:
 
 @pytest.mark.parametrize("name", sorted(OF_A_BUILT_STUDY))
 def test_a_study_that_is_not_built_is_told(name: str, tmp_path: Path) -> None:
-    program = [sys.executable, str(PROJECT / "benchmarks" / f"{name}.py"), "other"]
+    program = [sys.executable, "-m", f"benchmarks.{name}", "other"]
     environment = os.environ | {"PYTHONPATH": str(PROJECT)}
     done = subprocess.run(
         program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False

@@ -14,6 +14,7 @@ from ur5lib.signals.end_effector import felt_acceleration, point_acceleration, p
 from ur5lib.signals.euler_route import euler_acceleration
 from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import Butterworth
 
 PERIOD = 0.008
@@ -126,7 +127,7 @@ def test_a_gyroscope_tells_the_clock_of_its_device(ur5: Robot) -> None:
     own = np.arange(0, 23.0, 1 / 200)
     late = 0.06
     rate = readings(ur5, motion)[:, 3:]
-    gyroscope = np.column_stack([np.interp(own + late, time, column) for column in rate.T])
+    gyroscope = interpolated(own + late, time, rate)
     robot = time, np.zeros(3000, int), motion[0]
     start = {"seconds": 0.0, "std": 0.05}
     clock, reason = device_clock(own, gyroscope, start, robot, kinematics(ur5, motion[0]))

@@ -27,6 +27,7 @@ from ur5lib.stand.simulate import Format, simulate
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 
 FOURIER: dict[str, Any] = {"kind": "fourier"}
@@ -246,8 +247,7 @@ def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:
     time = sensor["time"].to_numpy() + recorded.summary()["clocks"]["force"]["offset_s"]
 
     def at_samples(name: str, count: int) -> Array:
-        columns = channel(true, name, count).T
-        return np.stack([np.interp(time, true["time"], column) for column in columns], axis=1)
+        return interpolated(time, true["time"].to_numpy(), channel(true, name, count))
 
     rotation = at_samples("R6", 9).reshape(-1, 3, 3)
     reading = sensor.drop(columns="time").to_numpy(copy=True)

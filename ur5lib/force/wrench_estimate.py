@@ -19,6 +19,7 @@ from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.chunks import in_chunks
+from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.segments import marked, unbroken
 
 STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
@@ -110,7 +111,7 @@ def _at_all(thinned: Array, every: int, count: int) -> Array:
     at, known = np.arange(count), every * np.arange(len(thinned))
     if thinned.ndim == 1:
         return np.interp(at, known, thinned)
-    return np.column_stack([np.interp(at, known, column) for column in thinned.T])
+    return interpolated(at, known, thinned)
 
 
 def _estimate(

@@ -11,6 +11,7 @@ from ur5lib.errors import InputError
 from ur5lib.robots.collisions import TABLE, collisions
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 
 DENSE = 0.02  # rad, between the samples of a path that are checked
 FEWEST = 2
@@ -42,7 +43,7 @@ class CommandedMotion:
         assert self.time is not None
         elapsed = (self.time - self.time[0]) / self.speed
         at = np.arange(0, elapsed[-1], 1 / rate)
-        return np.column_stack([np.interp(at, elapsed, column) for column in self.q.T])
+        return interpolated(at, elapsed, self.q)
 
 
 def read_motion(path: Path, speed: float) -> CommandedMotion:

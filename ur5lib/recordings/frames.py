@@ -13,6 +13,7 @@ from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.interpolation import interpolated
 
 SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # interpolated by PCHIP
 OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles
@@ -246,7 +247,7 @@ def _fill(
 def _interpolate(place: Array, values: Array, slots: Labels, name: str) -> Array:
     if f"{name}_" in SMOOTH:
         return PchipInterpolator(place, values, axis=0)(slots)
-    return np.stack([np.interp(slots, place, column) for column in values.T], axis=1)
+    return interpolated(slots, place, values)
 
 
 def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:

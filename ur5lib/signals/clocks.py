@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.segments import by_segment
 
@@ -118,9 +119,7 @@ def interpolate(at: Array, time: Array, values: Array) -> Array:
     """Interpolate a device's record (M, C) linearly at times (K,); NaN in gaps and outside."""
     if len(time) < 2:
         return np.full((len(at), values.shape[1]), np.nan)
-    result = np.column_stack(
-        [np.interp(at, time, column, left=np.nan, right=np.nan) for column in values.T]
-    )
+    result = interpolated(at, time, values, outside=np.nan)
     after = np.searchsorted(time, at).clip(1, len(time) - 1)
     result[(np.diff(time)[after - 1] > _longest_step(time)) & (at < time[after])] = np.nan
     return result

@@ -125,10 +125,17 @@ def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array
     return q, qd + VELOCITY_NOISE * shake[1]
 
 
-def _force(external: Array, jacobian: Array, cycle: float) -> Array:
-    """Return the wrench (N, 6) of external torques (N, 6) by damped, filtered least squares."""
+def damped_wrench(external: Array, jacobian: Array) -> Array:
+    """Return the wrenches (..., 6) [N, Nm] of external torques (..., 6) [Nm] by damped least
+    squares; jacobian: (..., 6, 6).
+    """
     square = jacobian @ jacobian.mT + SINGULAR**2 * np.eye(6)
-    wrench = np.linalg.solve(square, jacobian @ external[:, :, None])[..., 0]
+    return np.asarray(np.linalg.solve(square, jacobian @ external[..., None])[..., 0])
+
+
+def _force(external: Array, jacobian: Array, cycle: float) -> Array:
+    """Return the wrenches (N, 6) of external torques (N, 6), low-pass filtered."""
+    wrench = damped_wrench(external, jacobian)
     b, a = butter(1, FORCE_CUTOFF, fs=1 / cycle)
     return lfilter(b, a, wrench - wrench[0], axis=0) + wrench[0]
 

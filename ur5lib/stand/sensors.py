@@ -7,6 +7,7 @@ from scipy.signal import lfilter
 from ur5lib.stand.engine import Motion
 from ur5lib.stand.plan import Clock, ForceSensor, Imu
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 
 FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
 TICK = 0.001  # s, of the IMU's stamps
@@ -31,7 +32,7 @@ def force_readings(
     noise: whether values and timestamps are noisy.
     """
     stamps, when = _samples(sensor.clock, FORCE_RATE, motion, random, noise)
-    reading = _sample(when, motion.time, motion.force_sensor) + sensor.bias
+    reading = interpolated(when, motion.time, motion.force_sensor) + sensor.bias
     reading += noise * FORCE_NOISE * random.normal(size=reading.shape)
     if sensor.saturation_n is not None:
         reading[:, :3] = reading[:, :3].clip(-sensor.saturation_n, sensor.saturation_n)
@@ -48,8 +49,8 @@ def imu_readings(
     stamps, when = _samples(imu.clock, IMU_RATE, motion, random, noise)
     if noise:
         stamps = TICK * np.rint(stamps / TICK)
-    felt = _sample(when, motion.time, motion.imu)
-    turn = _sample(when, motion.time, motion.rotation).reshape(-1, 3, 3)
+    felt = interpolated(when, motion.time, motion.imu)
+    turn = interpolated(when, motion.time, motion.rotation).reshape(-1, 3, 3)
     acceleration = felt[:, :3] + imu.accelerometer_bias
     field = (
         EARTH_FIELD @ turn
@@ -74,11 +75,6 @@ def _samples(
     jitter = noise * clock.jitter_s * random.normal(size=len(stamps))
     jitter[0] = 0
     return np.maximum.accumulate(stamps + jitter), clock.offset_s + scale * stamps
-
-
-def _sample(when: Array, time: Array, values: Array) -> Array:
-    """Return values (N, C) interpolated linearly from `time` (N,) to `when` (M,)."""
-    return np.column_stack([np.interp(when, time, column) for column in values.T])
 
 
 def _coloured(density: float, bandwidth: float, count: int, random: np.random.Generator) -> Array:

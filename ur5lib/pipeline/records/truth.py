@@ -7,6 +7,7 @@ import numpy as np
 
 from ur5lib.pipeline.records.table import JOINTS, Table, channel
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.interpolation import interpolated
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,13 +26,8 @@ class Truth(Table):
 
     def at(self, time: Array) -> Self:
         """Return the truth at times (N,) [s], linearly interpolated; NaN outside."""
-
-        def interpolated(values: Array) -> Array:
-            columns = (np.interp(time, self.time, v, left=np.nan, right=np.nan) for v in values.T)
-            return np.stack([*columns], axis=1)
-
         arrays = {
-            own.name: interpolated(getattr(self, own.name))
+            own.name: interpolated(time, self.time, getattr(self, own.name), outside=np.nan)
             for own in fields(self)
             if own.name != "time"
         }

@@ -13,9 +13,9 @@ from ur5lib.stand.controller import (
     FORCE_CUTOFF,
     POSITION_NOISE,
     SENSED,
-    SINGULAR,
     VELOCITY_NOISE,
     WINDOW,
+    damped_wrench,
 )
 from ur5lib.stand.drive import current_noise, stir
 from ur5lib.stand.friction import USUAL
@@ -156,8 +156,7 @@ class ForceEstimate:
 
     def update(self, jacobian: Array, external: Array) -> Array:
         """Return the estimate (6,) [N, Nm] from external torques (6,) [Nm], low-pass filtered."""
-        square = jacobian @ jacobian.T + SINGULAR**2 * np.eye(6)
-        wrench: Array = np.linalg.solve(square, jacobian @ external).astype(np.float64)
+        wrench = damped_wrench(external, jacobian)
         if self._before is None:
             self._before, self._force = wrench, wrench
         both, self._before = wrench + self._before, wrench
