@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import yaml
+
 from tests.conftest import PROJECT
 
 TOY = """\
@@ -53,3 +55,13 @@ def test_what_a_test_notices_is_killed_and_what_none_does_survives(tmp_path: Pat
         "- {line: return a if a > b else b, becomes: return a if (a >= b) else b, why: equals}\n"
     )
     assert "seed 0: 1 killed, 2 survived, 1 equivalent" in mutated(tmp_path)
+
+
+def test_equivalent_mutants_are_of_lines_that_there_are() -> None:
+    listed = yaml.safe_load((PROJECT / "tests" / "equivalent_mutants.yaml").read_text())
+    lines = {
+        line.strip()
+        for path in (PROJECT / "ur5lib").rglob("*.py")
+        for line in path.read_text().splitlines()
+    }
+    assert [one["line"] for one in listed if one["line"] not in lines] == []

@@ -16,7 +16,7 @@ from ur5lib.timeseries.arrays import Array
 class Effort:
     """How long to search: random starts, iterations from each, and rounds from the best of them.
 
-    rounds: the weight of broken limits in each, ever larger, and its iterations.
+    rounds: for each, the weight of broken limits, ever larger, and the number of iterations.
     """
 
     starts: int = 4
@@ -26,7 +26,7 @@ class Effort:
 
 @dataclass(frozen=True)
 class Design:
-    """A trajectory that keeps all limits, its margins, and the information (P, P) after it."""
+    """A trajectory that keeps all limits, its margins, and the information (P, P) if recorded."""
 
     path: Path
     margins: Margins

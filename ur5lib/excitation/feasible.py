@@ -10,11 +10,11 @@ from ur5lib.excitation.path import Path
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.fourier import resting_series
 
-RATE, COARSE = 1000.0, 25.0  # Hz, at which a result is checked, and an attempt
+RATE, COARSE = 1000.0, 25.0  # Hz, at which results and attempts are checked
 POSTURES = 1000  # random ones that are tried for a start
-TURNED = 2.6  # rad, to either side, of random postures
-HALVINGS = 8  # of the interval in which the largest share of a path is sought
-CAUTION, ATTEMPTS = 0.97, 30  # by which a path that fails the fine check is shrunk, how often
+TURNED = 2.6  # rad, largest angle of a joint in random postures
+HALVINGS = 8  # steps of the bisection for the largest share of a path
+CAUTION, ATTEMPTS = 0.97, 30  # factor for a path that fails the fine check, and how often
 
 
 def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]:
@@ -90,7 +90,7 @@ def free_postures(cell: Cell, random: np.random.Generator) -> Array:
 
 
 def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
-    """Return in which of postures (N, 6) the arm breaks a limit at rest, (N,) by limit."""
+    """Return, for each limit, whether the arm breaks it at rest in each of postures (N, 6)."""
     still, near = np.zeros_like(q), cell.capsules.near(q)
     torque = cell.model.inverse_dynamics(q, still, still)
     touched = dict[str, Mask]()

@@ -16,8 +16,8 @@ from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
-RATE = 125.0  # Hz, of all controllers' servoj
-BESIDE = 3.0  # s that the stand records besides the motion: rest before it, and the last samples
+RATE = 125.0  # Hz, at which servoj runs on every controller
+BESIDE = 3.0  # s that the stand records in addition to the motion: at rest before and after it
 DENSE = 20  # states between two way-points that are checked
 SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points, the widest that keeps clear is taken
 APPROACH = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start

@@ -18,7 +18,7 @@ USUAL_ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 JERK = 200.0  # rad/s³; no description states a limit
 TURN = 2 * np.pi  # rad, to either side, of a joint that turns without end
 CLEARANCE = 0.03  # m, between capsules
-SINGULAR_VALUE = 0.03  # the smallest of J_g, in which metres and radians count alike
+SINGULAR_VALUE = 0.03  # smallest allowed of J_g, in which a metre counts as much as a radian
 REACH = 0.1  # m, up to which distances are measured
 
 PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")
@@ -43,7 +43,7 @@ class Limits:
 
     @classmethod
     def of(cls, robot: Robot) -> Self:
-        """Return the limits of a trajectory: shares of the limits that an arm is described with."""
+        """Return the limits of a trajectory: shares of the limits in the arm's description."""
         motors = [robot.motor(joint) for joint in range(1, 7)]
         return cls(
             POSITION * np.nan_to_num(robot.position_limits(), posinf=TURN),

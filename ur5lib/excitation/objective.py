@@ -14,16 +14,16 @@ from ur5lib.timeseries.fourier import fourier_terms, resting_series
 
 FASTEST = 0.6  # Hz, of the series' highest harmonic; faster ones excite elastic joints
 FEWEST, MOST = 4, 30  # harmonics
-STEP = 0.05  # s between the states that the optimisation looks at
-INNER = 0.97  # share of the limits within which the optimisation keeps
+STEP = 0.05  # s between the states at which the optimisation evaluates a path
+INNER = 0.97  # share of each limit that the optimisation may use
 
 
 @dataclass(frozen=True)
 class Task:
-    """What to design: a motion of so many seconds in a cell, to determine a problem's parameters.
+    """What to design: a motion in a cell that determines the parameters of a problem.
 
     criterion: what is maximised; earlier: the information (P, P) of earlier recordings and the
-    prior.
+    prior; seconds: how long the motion lasts.
     """
 
     cell: Cell
@@ -47,8 +47,8 @@ class Task:
 class Objective:
     """The criterion of a path minus a penalty for the limits that it breaks, with its gradient.
 
-    A path is given as x: its posture (6,), then coefficients (K, 6) of the series that rest at both
-    ends (`resting_series`).
+    The variables x of a path are its posture (6,) and the coefficients (K, 6) of series that begin
+    and end at rest (`resting_series`).
     """
 
     def __init__(self, task: Task) -> None:
@@ -96,7 +96,7 @@ class Objective:
         return value, *problem.pull_back(Y, qd, 2 * STEP / INDEPENDENT * J @ of_information)
 
     def _penalties(self, states: States, torque: Array) -> tuple[float, list[Array], Array]:
-        """Return the squares of what is beyond the limits, and derivatives by states and torque."""
+        """Return the sum of squared excesses over the limits, its slopes by states and torque."""
         cell, total, slopes = self._task.cell, 0.0, []
         limits = [*cell.limits.of_states(), cell.limits.torque]
         for part, limit in zip([*states, torque], limits, strict=True):
@@ -109,7 +109,7 @@ class Objective:
         return total, slopes[:4], slopes[4]
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty of parts that are too near each other, in units of REACH."""
+        """Return the penalty of parts too near each other, in units of REACH, and its slope."""
         near = self._task.cell.capsules.near(q, gradient=True)
         missing = np.maximum(self._task.cell.limits.clearance / INNER - near.distance, 0) / REACH
         slope = np.zeros_like(q)
@@ -117,7 +117,7 @@ class Objective:
         return float(missing @ missing), slope
 
     def _singularity(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty of the Jacobian's singular values that are too small."""
+        """Return the penalty of singular values that are too small, and its slope by q."""
         least = self._task.cell.limits.singular_value / INNER
         value, pull_back = differentiable_singular_value(self._task.cell.robot, q)
         missing = np.maximum(1 - value / least, 0)

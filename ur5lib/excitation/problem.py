@@ -26,15 +26,15 @@ from ur5lib.timeseries.arrays import Array
 
 INDEPENDENT = 0.1  # s between samples whose errors are independent, as `samples.py` takes them
 DIRECTION = 0.05  # rad/s, ε: below it, dry friction has not reached its full size
-TORQUE_NOISE = 0.02  # Nm, of target torques where no study tells it
-CURRENT_NOISE = 0.01  # of the current at the motor's largest torque, where no study tells it
+TORQUE_NOISE = 0.02  # Nm, of target torques; used where no study has estimated it
+CURRENT_NOISE = 0.01  # relative to the current at the largest torque; used likewise
 CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque constants
-NOMINAL = (0.06, 0.06, 0.05)  # Coulomb and viscous friction over the largest torque, load friction
+NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
 UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
-LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # as names begin
+LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # by a name's start
 LINK_6 = slice(50, 60)  # of the columns of Y: a payload moves as link 6 does
-SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that tell the base parameters
+SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
 
 
 @dataclass(frozen=True)

@@ -51,8 +51,8 @@ def i_optimality(rows: Array) -> Criterion:
 def conditioning(scale: Array) -> Criterion:
     """Return the criterion -log of the information's condition number, in units of a scale (P,).
 
-    Parameters of scale zero are left out. The criterion is zero if the number is beyond what
-    doubles resolve.
+    Parameters of scale zero are left out. The criterion is zero if the number is too large for
+    double precision.
     """
     kept = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)
@@ -70,10 +70,10 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model(problem: Problem, _: LinkModel) -> Criterion:
-    """D-optimality, which hardly tells motions of different condition numbers apart, and these.
+    """Return D-optimality, to which two condition numbers are added because it hardly sees them.
 
-    The one of the base parameters is in SI units, as others state it, the one of all parameters in
-    units of their priors.
+    That of the base parameters is in SI units, as in the literature; that of all parameters is in
+    units of their prior standard deviations.
     """
     of_base = np.where(np.arange(len(problem.theta)) < problem.count, 1.0, 0.0)
     of_all = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
@@ -91,7 +91,10 @@ def _model(problem: Problem, _: LinkModel) -> Criterion:
 
 
 def _undetermined(problem: Problem, _: LinkModel) -> Criterion:
-    """Standard errors in shares of the prior's: their mean square is that of the largest."""
+    """Return I-optimality of standard errors as shares of the prior's.
+
+    The largest shares dominate their mean square.
+    """
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
@@ -108,7 +111,10 @@ def _payload(problem: Problem, _: LinkModel) -> Criterion:
 
 
 def _force_bands(problem: Problem, model: LinkModel) -> Criterion:
-    """Predicted currents at random states: external forces are what they leave of the measured."""
+    """Return I-optimality of the currents that are predicted at random states.
+
+    External forces are estimated from the difference between measured and predicted currents.
+    """
     q, qd, qdd = random_states(PREDICTED_SPEED, PREDICTED_ACCELERATION)
     rows = problem.rows(problem.theta, model.regressor(q, qd, qdd), qd)
     return i_optimality(rows[:, 6:].reshape(-1, len(problem.theta)))

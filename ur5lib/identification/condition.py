@@ -24,16 +24,16 @@ UNITS = {
 }
 FITTED = {"offset": 1, "coulomb": 2, "viscous": 3}  # columns of a joint's samples
 Estimates = dict[str, tuple[float, float]]
-UNTOLD = 0.2  # relative error from which on a torque constant counts as undetermined
-UNKNOWN = float("nan"), float("nan")
+UNDETERMINED = 0.2  # relative standard error beyond which a torque constant is not stated
+UNKNOWN = float("nan"), float("nan")  # value and standard error
 
 
 def joint_conditions(record: Record, smooth: Smooth, fit: CurrentFit) -> list[Estimates]:
     """Return value and standard error of each quantity in UNITS, for each of joints 1 to 6.
 
-    record: one contact-free recording; smooth: the low-pass; fit: of its arm. Both are NaN if the
-    joint moves too little. The standard errors are those within the recording; they do not include
-    how much recordings differ from one another.
+    record: one contact-free recording; smooth: the low-pass; fit: of its arm. Value and error are
+    NaN if the joint moves too little. Standard errors come from the recording alone; they do not
+    include how much recordings differ from one another.
     """
     family = {term for joint in fit.joints for term in joint.terms} - {*BASE, *CONSIDERED}
     presliding = [joint.presliding for joint in fit.joints]
@@ -58,11 +58,11 @@ def _friction(samples: Samples, joint: JointFit) -> Estimates:
 
 
 def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
-    """Return the torque constant and its error [Nm/A], the terms in FITTED free; or UNKNOWN."""
+    """Return the torque constant [Nm/A] and its error, the terms in FITTED free; or UNKNOWN."""
     moving = samples.where(samples.moving)
     columns = moving.columns[:, [0, *FITTED.values()]]
     value, error = _fitted(columns, moving.current - _held(moving, joint), moving)
-    if not value[0] > error[0] / UNTOLD:  # also where both are NaN
+    if not value[0] > error[0] / UNDETERMINED:  # also where both are NaN
         return UNKNOWN
     return float(1 / value[0]), float(error[0] / value[0] ** 2)
 
@@ -70,7 +70,7 @@ def _constant(samples: Samples, joint: JointFit) -> tuple[float, float]:
 def _held(samples: Samples, joint: JointFit) -> Array:
     """Return the current (n,) [A] of the friction terms that are held at the arm's fit.
 
-    The effect of temperature is left out, because it belongs to the friction of the date.
+    What temperature contributes is left out, because it belongs to the friction of that date.
     """
     names = [name for term in joint.terms for name in term.names()]
     own = [name not in FITTED and not name.startswith("warming") for name in names]

@@ -16,16 +16,16 @@ from ur5lib.timeseries.changes import FEWEST, Series, find_changes
 from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm
-WARMER = 1.0  # K between dates, below which temperatures tell nothing
+WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
 Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Checkup:
-    """What one recording tells of an arm on its date.
+    """The condition of an arm on a date, by one recording.
 
-    joints: of joints 1 to 6; temperature: (6,) mean of the motors [°C], NaN where not recorded;
-    lost: share of lost frames; path: that it moved along.
+    joints: estimates of joints 1 to 6; temperature: (6,) [°C], mean of each motor, NaN where not
+    recorded; lost: share of lost frames; path: along which the arm moved.
     """
 
     date: date
@@ -38,7 +38,7 @@ class Checkup:
 def checkup(
     record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Mapping[str, Any]
 ) -> Checkup:
-    """Return what a recording tells; fit: of its arm; quality: quality.json."""
+    """Return the condition by one recording; fit: of its arm; quality: quality.json."""
     lost = [one["count"] for one in quality["findings"] if one["finding"] == "lost frames"]
     warmth = np.full(6, np.nan)
     if record.temperature is not None:
@@ -48,10 +48,10 @@ def checkup(
 
 
 def dated(given: str, quality: Mapping[str, Any], currents: Mapping[str, Any]) -> date | None:
-    """Return the date of a recording that tells of its arm: free of stop signs and unknown loads.
+    """Return the date of a recording, None if it is unknown or the recording cannot be used.
 
-    given: ISO 8601, by the study; if empty, the date (UTC) of the start stamp in quality.json.
-    currents: currents.json. None where the date is unknown, or the recording tells nothing.
+    A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
+    if empty, the date (UTC) of the start stamp in quality.json counts. currents: currents.json.
     """
     loaded = (currents.get("load") or {}).get("taken", False)
     start = quality["start_epoch_s"]
@@ -78,7 +78,7 @@ def health_summary(checkups: Sequence[Checkup]) -> dict[str, list[Row]]:
 def _by_date(checkups: Sequence[Checkup]) -> Iterator[Row]:
     """Yield value and standard error of each quantity on each date, ascending.
 
-    group: dates of the same paths, of which some show friction and noise better than others.
+    group: dates on which the arm moved along the same paths; friction and noise depend on them.
     """
     paths = group_by_path([one.path for one in checkups])
     days = defaultdict(list)
@@ -106,7 +106,7 @@ def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Row]
 def together(value: Array, std_error: Array) -> tuple[float, float]:
     """Return the weighted mean of a date's recordings (n,) and its standard error.
 
-    The larger of the stated error and that by the scatter among the recordings.
+    The standard error is the larger of two: by the stated errors, and by the scatter.
     """
     weight = 1 / np.maximum(std_error, 1e-9 * np.abs(value) + 1e-300) ** 2
     mean = float(weight @ value / weight.sum())
@@ -128,7 +128,7 @@ def _changes(rows: Sequence[Row]) -> Iterator[Row]:
 
 
 def _series(rows: Sequence[Row]) -> Series:
-    """Return a quantity on all dates; temperatures are its covariate where all are known."""
+    """Return a quantity on all dates, temperatures as its covariate where all are known."""
     day = np.array([date.fromisoformat(row["date"]).toordinal() for row in rows], dtype=float)
     value, error = (np.array([row[name] for row in rows]) for name in ("value", "std_error"))
     warmth = np.array([row["temperature_c"] for row in rows], dtype=float)

@@ -23,14 +23,14 @@ from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the biases
 BIAS_WALK = np.repeat([1e-3, 1e-4], 3)  # m/s²/√s, rad/s/√s: their random walk
 IMU_WINDOW = 0.5  # s, over which the noise is taken as constant
-QUIET = 0.05  # share of windows, the quietest
+QUIET = 0.05  # share of windows, the quietest, which set the least noise
 JOINTS = 6 * STATES  # entries of the state before the biases
 ALL = JOINTS + BIASES
-# From motions, vibrations and biases to q, q̇, q̈ and biases.
+# The matrix from motions, vibrations and biases to q, q̇, q̈ and biases.
 WITH_BIASES = block_diag(np.kron(LINK, np.eye(6)), np.eye(BIASES))
 
 Model = Callable[[slice], LinearImu]
-"""Returns an IMU's equation at some samples, of which each takes a kilobyte."""
+"""Returns an IMU's equation at some samples: a kilobyte each, too much for all at once."""
 
 
 def smooth_with_imu(
@@ -96,7 +96,10 @@ def add_imu(joints: System, time: Array, readings: Array, model: Model, noise: A
 
 
 def joined(parts: Array) -> Array:
-    """Return block matrices (N, 6 A, 6 B) of six joints (N, 6, A, B), the joints innermost."""
+    """Return matrices (N, 6 A, 6 B) of independent joints (N, 6, A, B).
+
+    The first six rows and columns belong to the first state of all joints, and so on.
+    """
     count, joints, *size = parts.shape
     whole = np.zeros((count, size[0], joints, size[1], joints))
     each = np.arange(joints)
@@ -108,9 +111,10 @@ def imu_noise(time: Array, segment: Labels, residual: Array, explained: Array) -
     """Estimate the standard deviation of a sensor's readings around each sample, (N, M).
 
     residual: (N, M), readings minus the encoders' prediction, NaN where missing; explained: (N, M),
-    variance of that prediction. Vibration that the joints do not measure changes with time, so the
-    noise is local: mean square in a window minus the explained variance, and at least that of the
-    quietest twentieth of all windows.
+    variance of that prediction. Vibrations that the joints do not measure change with time;
+    therefore the noise is estimated in a window around each sample: the mean square of the residual
+    minus the explained variance, and at least the mean square that a twentieth of all windows stay
+    below.
     """
     square = (residual - np.nanmedian(residual, axis=0)) ** 2
     count = round(IMU_WINDOW / float(np.median(np.diff(time))))

@@ -1,4 +1,4 @@
-"""Noise of the encoders from innovations, and tests of the innovations."""
+"""The noise of encoders, estimated from a Kalman filter's innovations; tests of innovations."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -16,18 +16,19 @@ from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.steady_filter import SteadyFilter, steady_filter
 
 JERKS = np.geomspace(1e-2, 1e3, 11)  # rad/s³/√Hz: from standstill to the hardest start
-VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # relative to that of the whole recording
+VIBRATIONS = np.array([0.03, 0.2, 1.0, 4.0])  # intensities, relative to that of the whole recording
 WINDOW = 0.1  # s, over which intensities and noise are taken as constant
 FAITH = 8  # degrees of freedom with which the noise of the whole recording counts in a window
-OUTLIER = 30.0  # square of an innovation, beyond which it counts by its logarithm
+OUTLIER = 30.0  # squared normalised innovation, beyond which only its logarithm grows
 RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least noise
-DIGITS = 6  # to which positions count as different
-RARE = 0.05  # of the commonest difference's count
+DIGITS = 6  # decimals in which positions are compared
+RARE = 0.05  # share of the most frequent difference's count, below which another is rare
 NOTHING = 1e-20  # keeps the likelihood of perfect data bounded
 LAGS = 10  # of the portmanteau test
-LONGEST = 40.0  # s, of a recording from which its noise is estimated
-# Logarithms of jerk and velocity precision relative to the positions' noise, lag in cycles,
-# logarithms of the vibration's intensity relative to the positions' noise and of its damping.
+LONGEST = 40.0  # s, of the stretch from which constant parameters are estimated
+# What the optimiser varies: log jerk and log precision of velocities, both relative to the
+# positions' noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log
+# damping of the vibration.
 BOUNDS = [(-12.0, 6.0), (-8.0, 8.0), (-1.0, 1.0), (-12.0, 6.0), (-4.0, -1.0)]
 START, STEPS = [-2.8, 0.2, 0.0, -6.0, -2.0], [1.5, -1.0, 0.25, 4.0, 0.7]
 SLOWEST, FASTEST = 10.0, 50.0  # Hz, of vibrations
@@ -58,8 +59,9 @@ class InnovationTest:
 
     variance: (M,), mean squares; variance_limits: (M, 2), their 95 % interval; portmanteau: (M,),
     Ljung-Box statistic; portmanteau_limit: its 95 % point; consistent, white: (M,), whether the
-    variance and the whiteness pass; colour: (M,), the variance of a mean of successive innovations
-    relative to that of white ones, 1 + 2 Σ ρ over all lags, where they are not white; at least 1.
+    variance and the whiteness pass; colour: (M,), how many times larger the variance of a mean of
+    successive innovations is than that of white ones, 1 + 2 Σ ρ over LAGS lags: at least 1, and 1
+    for those that pass as white.
     """
 
     variance: Array
@@ -77,9 +79,10 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, 6) [rad,
     rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
 
-    All parameters, constant, maximise the likelihood (Schweppe) of the stretch of LONGEST that
-    moves most; then, with a bank of jerks and vibrations, the posterior mean of their logarithms
-    and of the noise's is taken in a window around each sample.
+    First, constant parameters maximise the likelihood of the innovations (Schweppe) on the stretch
+    of LONGEST in which the joint moves most. Then filters with different jerks and vibrations run
+    over the whole recording, and jerk, vibration and noise at each sample are means of their
+    logarithms, weighted by the likelihood of each filter in the window around the sample.
     """
     period = float(np.median(np.diff(time)))
     joints = [_joint_noise(time, segment, *joint, period) for joint in zip(q.T, qd.T, strict=True)]
@@ -89,7 +92,8 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
 def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
     """Test normalised innovations (N, M), NaN where nothing was measured.
 
-    Mean square against χ²; autocorrelation ρ over LAGS lags within segments by Ljung and Box.
+    The mean square is compared with χ². The autocorrelations ρ over LAGS lags, within segments, are
+    compared with those of white noise by the test of Ljung and Box.
     """
     count = np.isfinite(innovations).sum(axis=0)
     variance = np.nanmean(innovations**2, axis=0)
@@ -111,8 +115,9 @@ def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
 def quantum(q: Array) -> float:
     """Return the step in which a joint's positions (N,) [rad] were recorded; 0 if it never moved.
 
-    The smallest difference of neighbouring values that is not rare: a joint that does not visit all
-    points of its grid still visits some neighbours, and few values are odd.
+    It is the smallest difference between neighbouring values that is not rare. A joint need not
+    visit every point of its encoder's grid, but it visits some neighbours; a few values off the
+    grid do not count.
     """
     steps = np.diff(np.unique(np.round(q[np.isfinite(q)], DIGITS)))
     if len(steps) == 0:
@@ -169,14 +174,14 @@ def _busiest(qd: Array, count: int) -> slice:
     """Return the stretch of so many samples in which a joint was measured to move most."""
     if len(qd) <= count:
         return slice(None)
-    told = np.where(np.isfinite(qd), np.abs(qd) + RESOLUTION, 0)
-    travelled = np.concatenate([[0], np.cumsum(told)])
+    speed = np.where(np.isfinite(qd), np.abs(qd) + RESOLUTION, 0)
+    travelled = np.concatenate([[0], np.cumsum(speed)])
     first = int(np.argmax(travelled[count:] - travelled[:-count]))
     return slice(first, first + count)
 
 
 class _Ratios(NamedTuple):
-    """Parameters of the filter in cycles, relative to the positions' noise.
+    """Parameters of the filter, with time in cycles and noise relative to that of the positions.
 
     jerk, vibration: what drives motion and vibration, of one filter or, as arrays, of several;
     precision: of velocities; lag: of velocities, in cycles; damping and frequency (radians a cycle)
@@ -199,9 +204,10 @@ class _Ratios(NamedTuple):
 
 
 class _Record:
-    """One joint's measurements in cycles: q and q̇ T [rad], evenly spaced, missing ones filled.
+    """One joint's measurements with time in cycles: q and q̇ T [rad], evenly spaced.
 
-    Each segment less the straight line on which it starts.
+    Missing ones are filled in. From each segment, the straight line on which it starts is
+    subtracted.
     """
 
     def __init__(self, time: Array, segment: Labels, q: Array, qd: Array, period: float) -> None:
@@ -231,8 +237,8 @@ class _Record:
         """Return the intensities of jerk and vibration, and the noise relative to that of the whole
         recording, around each sample (N,) each.
 
-        Means of their logarithms over the bank, each jerk and vibration weighted by its likelihood
-        in the window. The noise's variance has an inverse-gamma prior about that of the recording.
+        They are means of logarithms over a bank of filters, each weighted by its likelihood in the
+        window. The prior of the noise's variance is inverse-gamma about that of the recording.
         """
         count, unit = round(WINDOW / self.period), position / self.period**2.5
         known = count * _window_mean(self.valid.astype(float), self.parts, count)
@@ -261,15 +267,16 @@ class _Record:
 
 
 def _tamed(square: Array) -> Array:
-    """Return squares of which a single outlier does not outweigh a window."""
+    """Return squares (N,), large ones reduced, so that one outlier does not dominate a window."""
     beyond = np.log(np.maximum(square / OUTLIER, 1))
     return np.minimum(square, OUTLIER) + OUTLIER * beyond
 
 
 def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
-    """Return steady filters, from q and q̇ T to innovations of covariance one, and their log |S|.
+    """Return steady filters, from q and q̇ T to innovations scaled to covariance one, and log |S|.
 
-    One filter, or a stack where jerk and vibration are arrays. log |S| is that of q and q̇ T.
+    S is the covariance of the innovations before they are scaled. One filter is returned, or a
+    stack where jerk and vibration are arrays.
     """
     # x⁺ = F x + w, z = H x + v, x = [θ, θ̇ T, θ̈ T², δ, δ̇ T, δ̈ T²]
     F, driven = motion_step(1.0, ratios.frequency, ratios.damping)
@@ -286,7 +293,7 @@ def _whitened(ratios: _Ratios) -> tuple[SteadyFilter, Array]:
 
 
 def motion_step(step: float, frequency: float, damping: float) -> tuple[Array, Array]:
-    """Return how a joint moves on within a step, F (6, 6), and what two jerks of intensity one add.
+    """Return F of a joint's state within a step, and what two white jerks of intensity one add.
 
     The joint is at θ + δ: a motion, θ⃛ = jerk, and a vibration of its link,
     (d/dt + ω) (d²/dt² + 2 ζ ω d/dt + ω²) δ = jerk. Both jerks are constant within the step, so that
@@ -310,7 +317,10 @@ def measures(lag: float) -> Array:
 
 
 def moving_mean(values: Array, segment: Labels, count: int) -> Array:
-    """Return the mean of the finite values around each row in its segment, zero without any."""
+    """Return the mean of the finite values around each row in its segment; 0 if there are none.
+
+    count: rows over which the mean is taken.
+    """
     parts, known = unbroken(segment), np.isfinite(values)
     total = _window_mean(np.where(known, values, 0), parts, count)
     share = _window_mean(known.astype(float), parts, count)

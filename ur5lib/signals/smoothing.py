@@ -23,8 +23,8 @@ from ur5lib.timeseries.segments import starts
 MOTION = 18  # entries of the motion: q, q̇, q̈
 STATES = 6  # of a joint: θ, θ̇, θ̈, δ, δ̇, δ̈
 LINK = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
-TICK, TICK_DECIMALS = 1e-6, 6  # s, to which steps are told apart
-SHORT_STEP = 0.1  # of a vibration with ω = 1
+TICK, TICK_DECIMALS = 1e-6, 6  # s; steps of time are rounded to it, and none is shorter
+SHORT_STEP = 0.1  # time step of a vibration with ω = 1
 UNKNOWN = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: std at the start of a segment
 
 
@@ -34,9 +34,9 @@ class SmoothedMotion:
 
     state, std: (N, 18), q [rad], q̇ [rad/s], q̈ [rad/s²] side by side, or (N, 24) with the biases of
     accelerometer [m/s²] and gyroscope [rad/s]; motor_qd: (N, 6) [rad/s], velocities on the motor's
-    side, without vibrations; innovations: (N, M), normalised, of q, q̇ and the
-    IMU, NaN where nothing was measured; test: of the innovations; encoders: their noise; imu:
-    (N, 6), noise of the readings, or None.
+    side, without vibrations; innovations: (N, M), normalised, of q, q̇ and the IMU, NaN where
+    nothing was measured; test: of the innovations; encoders: their noise; imu: (N, 6), noise of the
+    IMU's readings, None without an IMU.
     """
 
     state: Array
@@ -69,7 +69,7 @@ class SmoothedMotion:
 
 
 class KnownJoints(NamedTuple):
-    """What the encoders alone say, to which an IMU adds; noise: the encoders'.
+    """The motion according to the encoders alone, to which an IMU adds; noise: the encoders'.
 
     state, std: (N, 18), as in SmoothedMotion; shared: (N, 6) [rad²/s³], covariance of q̇ and q̈.
     """
@@ -118,10 +118,10 @@ def smooth_encoders(
 
 
 def widened(std: Array, test: InnovationTest, q: Array) -> Array:
-    """Return standard deviations (N, 18) that count what the filter takes for white.
+    """Return standard deviations (N, 18), widened because errors are not as white as assumed.
 
-    Errors that stay for several samples average out less than white ones: by the colour of the
-    joint's innovations. An error of rounding stays as long as the joint does.
+    Errors that last for several samples average out less than white ones; the colour of a joint's
+    innovations says by how much. A rounding error lasts as long as the joint rests.
     """
     std = std * np.tile(widening(test), 3)
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
@@ -178,8 +178,8 @@ def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array
 def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
     """Return the covariances (N, 6, 6, 6) of the joints' states at the starts of segments.
 
-    The vibration's is that which its jerk keeps up, P = F P Fᵀ + Q, solved for ω = 1:
-    P of δ's k-th and l-th derivative is proportional to ω^(k + l − 5).
+    A vibration has the covariance that its jerk sustains, P = F P Fᵀ + Q. It is solved for ω = 1
+    and scaled: P of δ's k-th and l-th derivatives is proportional to ω^(k + l − 5).
     """
     covariance = np.zeros((len(fresh), 6, STATES, STATES))
     covariance[..., :3, :3] = np.diag(UNKNOWN**2)

@@ -26,9 +26,9 @@ MOST = 3  # changes of one series
 DRAWS = 20_000
 COVERED = 0.95
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
-LEAST = 1e-12  # of what is divided by, beside its scale
-SAME = 1e-9  # of a covariate's difference within groups, up to which it is theirs
-APART = 1e-6  # share of a change that the covariate leaves, above which both can be told apart
+LEAST = 1e-12  # smallest divisor, relative to its scale
+SAME = 1e-9  # range of a covariate within the groups, up to which they explain it
+APART = 1e-6  # share of a change that the other columns leave, above which they are separable
 
 
 @dataclass(frozen=True)
@@ -72,11 +72,11 @@ class Change:
 
 @dataclass(frozen=True)
 class _Problem:
-    """A series as columns of a regression, multiplied by the square root of the weights.
+    """A series as a regression; each row is multiplied by the square root of its weight.
 
-    base: (n, P), of the constant, the groups and the covariate; tried: (n, K), of a drift and of
-    every jump; value: (n,); after: (K - 1,), the first date after each jump; adjusts: whether the
-    covariate is among the base, as its last column.
+    base: (n, P), columns of the constant, the groups and the covariate; tried: (n, K), of a drift
+    and of every jump; value: (n,); after: (K - 1,), the first date after each jump; adjusts:
+    whether the covariate is among the base, as its last column.
     """
 
     base: Array
@@ -87,7 +87,7 @@ class _Problem:
 
     @classmethod
     def of(cls, series: Series) -> "_Problem":
-        # a recording's error is uncertain itself: trusted, a small one makes false changes
+        # stated errors are uncertain: a date with a very small one would weigh too much
         error = np.maximum(series.std_error, np.median(series.std_error))
         variance = error**2 + variation(series.value, error)
         root = 1 / np.sqrt(np.maximum(variance, LEAST * np.mean(series.value**2)))[:, None]
@@ -135,7 +135,10 @@ def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
 
 
 def _indicators(series: Series) -> Array:
-    """Return for each group a column (n,) of 1 on its dates; groups of one date are one."""
+    """Return a column for each group, (n, G), which is 1 on its dates and 0 on others.
+
+    Groups of a single date count as one group.
+    """
     if series.group is None:
         return np.ones((len(series.day), 1))
     _, place, count = np.unique(series.group, return_inverse=True, return_counts=True)
@@ -146,7 +149,7 @@ def _indicators(series: Series) -> Array:
 def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     """Return the share (B, K) of the remaining variance that each further column explains.
 
-    fixed: (n, P), columns whose part is removed first; tried: (n, K), of which one at a time is
+    fixed: (n, P), columns whose effect is removed first; tried: (n, K), of which one at a time is
     added; values: (B, n), rows to explain. F is share / (1 - share) times the degrees of freedom. A
     column that hardly differs from the fixed ones explains nothing.
     """
@@ -176,7 +179,7 @@ def variation(value: Array, std_error: Array) -> float:
 def _likeliest(share: Array, freedom: int) -> int:
     """Return the place of the likeliest change: a drift, or else the best jump.
 
-    Beforehand, a drift is as likely as a jump, on any date alike.
+    A priori, a drift is as likely as a jump, and each date of a jump as likely as another.
     """
     odds = _odds(share, freedom)
     return 0 if odds[0] > odds[1:].mean() else 1 + int(share[1:].argmax())
@@ -195,7 +198,7 @@ def _odds(share: Array, freedom: int) -> Array:
 def _change(
     series: Series, problem: _Problem, chosen: Sequence[int], place: int, chance: float
 ) -> Change:
-    """Return one of the chosen changes, with its size beside all others."""
+    """Return one of the chosen changes, its size fitted together with all others."""
     columns = problem.columns(chosen)
     value, std_error, freedom = _least_squares(columns, problem.value)
     own = problem.base.shape[1] + place
@@ -229,7 +232,7 @@ def _least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
 def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[int, int]:
     """Return the dates between which a jump lies with a probability of COVERED, as indices.
 
-    Beforehand, every date is as likely.
+    A priori, every date is as likely as another.
     """
     others = [number for i, number in enumerate(chosen) if i != place]
     fixed = problem.columns(others)

@@ -15,7 +15,7 @@ CHUNK = 2048  # samples
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v, of all samples, and of B parts without a coupling.
+    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v, at N samples, of B parts that are independent.
 
     F, Q: (N, B, X, X), into each sample from the one before; H: (N, B, M, X); z: (N, B, M), NaN
     where nothing was measured; R: (N, B, M), variances.
@@ -43,8 +43,9 @@ System = Callable[[slice], LinearSystem]
 def smooth(system: System, count: int) -> Iterator[Smoothed]:
     """Yield the smoothed states of `count` samples, chunk by chunk, from the last to the first.
 
-    On the way forward only the state before each chunk is kept; on the way back, each chunk is
-    filtered again. Raises numpy.linalg.LinAlgError if a state has no uncertainty.
+    On the way forward, only the state before each chunk is kept; on the way back, each chunk is
+    filtered again, which saves memory. Raises numpy.linalg.LinAlgError if a state has no
+    uncertainty.
     """
     parts = chunks(count, CHUNK)
     before: list[Gaussians | None] = [None]
@@ -65,7 +66,10 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
 
 
 def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, Gaussians]:
-    """Return the states before and after each measurement; before: that of the sample before."""
+    """Return the states before and after each measurement.
+
+    before: the state at the sample before the first; None at the beginning.
+    """
     seen = np.isfinite(system.z)
     H, z = np.where(seen[..., None], system.H, 0.0), np.where(seen, system.z, 0.0)
     R = system.R[..., None] * np.eye(z.shape[-1])

@@ -1,4 +1,4 @@
-"""The steady Kalman filter of a time-invariant system, and its innovations."""
+"""The steady state of a time-invariant system's Kalman filter, and its innovations."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -8,14 +8,15 @@ from scipy.signal import lfilter
 
 from ur5lib.timeseries.arrays import Array
 
+# Most rounds, and the relative change of P after which no further one is needed.
 DOUBLINGS, CONVERGED = 60, 1e-12
 
 
 class SteadyFilter(NamedTuple):
-    """Innovations e = z − H x⁻ of x⁺ = F x⁻ + K e, with covariance S, as ratios of polynomials.
+    """The transfer function from measurements z to innovations e = z − H x⁻, x⁺ = F x⁻ + K e.
 
-    poles: (..., X + 1), zeros: (..., M, M, X + 1), of each innovation by each measurement;
-    S: (..., M, M).
+    zeros: (..., M, M, X + 1), the numerators of each innovation (first) by each measurement
+    (second); poles: (..., X + 1), their common denominator; S: (..., M, M), covariance of e.
     """
 
     poles: Array
