@@ -74,9 +74,30 @@ def test_stated_errors_are_those_between_recordings(fit: CurrentFit) -> None:
         )
         for _ in range(40)
     ]
-    for name in ("coulomb", "viscous", "noise"):
-        values = np.array([joints[3][name] for joints in drawn])
+    for joint, name in ((4, "coulomb"), (4, "viscous"), (2, "torque_constant")):
+        values = np.array([joints[joint - 1][name] for joints in drawn])
         assert values[:, 1].mean() == pytest.approx(values[:, 0].std(), rel=0.4), name
+
+
+@pytest.mark.parametrize("bursts", [[1.0], [0.2, 2.0]])
+def test_the_error_of_the_noise_is_that_between_recordings(
+    fit: CurrentFit, bursts: list[float]
+) -> None:
+    """At rest; noise that comes in bursts counts as many times as there are bursts."""
+    bare, random = make_record(3), np.random.default_rng(0)
+    still = replace(bare, q=0 * bare.q, qd=0 * bare.qd)
+    values, errors = [], []
+    for _ in range(10):
+        burst = random.choice(bursts, size=(24, 6)).repeat(len(bare.q) // 24, axis=0)
+        noisy = replace(still, current=burst * NOISE * random.standard_normal(bare.q.shape))
+        found = np.array([joint["noise"] for joint in joint_conditions(noisy, smooth, fit)])
+        values, errors = [*values, *found[:, 0]], [*errors, *found[:, 1]]
+    assert np.mean(errors) == pytest.approx(np.std(values), rel=0.3)
+
+
+def test_a_recording_within_the_reach_of_the_low_pass_tells_nothing(fit: CurrentFit) -> None:
+    short = make_record(1, seconds=0.5)
+    assert np.isnan([[*joint.values()] for joint in joint_conditions(short, smooth, fit)]).all()
 
 
 def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:

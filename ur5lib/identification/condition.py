@@ -11,9 +11,10 @@ import numpy as np
 from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.identification.friction import BASE, CONSIDERED
 from ur5lib.identification.regression import Normal, regress
-from ur5lib.identification.samples import BLOCK, Record, Samples, Smooth, joint_samples
+from ur5lib.identification.samples import Record, Samples, Smooth, blocks, joint_samples
 from ur5lib.identification.selection import FEWEST
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import unbroken
 
 UNITS = {
     "coulomb": "Nm",
@@ -94,11 +95,10 @@ def _fitted(columns: Array, target: Array, samples: Samples) -> tuple[Array, Arr
 def _noise(record: Record, smooth: Smooth) -> list[tuple[float, float]]:
     """Return the RMS [A] of each joint's current beyond the low-pass, and its standard error."""
     fast = record.current - smooth(record.current, record)
-    length = max(1, round(BLOCK / record.period))
-    blocks = [fast[i : i + length] for i in range(0, len(fast), length)]
-    power = np.array([np.nanmean(block**2, axis=0) for block in blocks if np.isfinite(block).any()])
-    if not len(power):
+    parts = [fast[rows] for rows in unbroken(blocks(record))]
+    power = np.array([np.nanmean(part**2, axis=0) for part in parts if np.isfinite(part).any()])
+    if len(power) < 2:
         return [UNKNOWN] * 6
     root = np.sqrt(power.mean(axis=0))
-    error = power.std(axis=0) / np.sqrt(len(power)) / (2 * np.maximum(root, 1e-12))
+    error = power.std(axis=0, ddof=1) / np.sqrt(len(power)) / (2 * np.maximum(root, 1e-12))
     return [(float(a), float(b)) for a, b in zip(root, error, strict=True)]
