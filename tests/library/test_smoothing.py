@@ -661,6 +661,23 @@ def test_the_step_of_an_encoder_is_found_whatever_it_visits() -> None:
     assert quantum(np.full(50, 0.3)) == 0
 
 
+def test_what_is_constant_comes_from_where_a_joint_moves_most(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Only motion shows how late velocities are; here, a joint rests before and after it."""
+    monkeypatch.setattr("ur5lib.signals.noise.LONGEST", 3.0)
+    random, lag = np.random.default_rng(15), 4e-3
+    time, segment = clock(1200)
+
+    def moving(at: np.ndarray) -> np.ndarray:
+        return np.clip(at - 3, 0, 3) * 2 * np.pi / 1.5
+
+    q = 0.3 * (1 - np.cos(moving(time))) + 6e-5 * random.normal(size=1200)
+    qd = 1.26 * np.sin(moving(time - lag)) + 4e-3 * random.normal(size=1200)
+    found = encoder_noise(time, segment, q[:, None], qd[:, None])
+    assert found.lag[0] == pytest.approx(lag, abs=5e-4)
+
+
 def test_noise_of_a_joint_that_rests_comes_from_where_it_was_measured() -> None:
     """The first minute is missing, and what follows stands still."""
     count = 12_500
