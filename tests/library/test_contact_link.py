@@ -12,7 +12,8 @@ from ur5lib.stand.plan import POSTURE
 from ur5lib.timeseries.arrays import Array
 
 LINKS = {"elbow": 2, "forearm": 3, "flange": 6}
-FORCE, COUNT = force_covariance(45.0), 20
+SIZE, COUNT = 45.0, 20  # N
+FORCE = force_covariance(SIZE)
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def test_the_touched_link_is_named(place: str, levers: dict[str, Array]) -> None
     random = np.random.default_rng(0)
     named = []
     for _ in range(40):
-        torque = (levers[place].mT @ random.normal(0, 45, 3)[:, None])[..., 0]
+        torque = (levers[place].mT @ random.normal(0, SIZE, 3)[:, None])[..., 0]
         named.append(told(torque + random.normal(0, 0.3, 6), levers, 0.3))
     stated = [own for own in named if own is not None]
     assert len(stated) >= 20
@@ -56,6 +57,8 @@ def test_probabilities_sum_to_one_and_do_not_depend_on_units(levers: dict[str, A
     torque = (levers["forearm"].mT @ np.full((3, 1), 3.0))[..., 0]
     noise = np.broadcast_to(np.eye(6), (COUNT, 6, 6))
     found = place_probabilities(torque, levers, noise, FORCE, 0.1)
-    scaled = place_probabilities(1e3 * torque, levers, 1e6 * noise, 1e6 * FORCE, 0.1)
+    scaled = place_probabilities(
+        1e3 * torque, levers, 1e6 * noise, force_covariance(1e3 * SIZE), 0.1
+    )
     assert sum(found.values()) == pytest.approx(1.0)
     assert scaled == pytest.approx(found)

@@ -74,6 +74,8 @@ def test_missing_rows_stay_missing() -> None:
 @pytest.mark.parametrize(("count", "told"), [(4, False), (5, True)])
 def test_a_stretch_of_four_samples_tells_nothing(count: int, told: bool) -> None:
     """Its filter needs four steps; of a steady push of 2 Nm it then tells that."""
-    momentum = 3.0 * PERIOD * np.arange(count)[:, None] * np.ones(6)
-    torque = observe(momentum, np.ones((count, 6)), np.zeros(count, int), PERIOD, 2.0)
-    np.testing.assert_allclose(torque, 2.0 if told else np.nan)
+    segment = np.repeat([0, 1, 2], [10, count, 10])
+    momentum = 3.0 * PERIOD * np.arange(len(segment))[:, None] * np.ones(6)
+    torque = observe(momentum, np.ones((len(segment), 6)), segment, PERIOD, 2.0)
+    np.testing.assert_allclose(torque[segment == 1], 2.0 if told else np.nan)
+    np.testing.assert_allclose(torque[segment != 1], 2.0)

@@ -95,9 +95,23 @@ def test_the_error_of_the_noise_is_that_between_recordings(
     assert np.mean(errors) == pytest.approx(np.std(values), rel=0.3)
 
 
-def test_a_recording_within_the_reach_of_the_low_pass_tells_nothing(fit: CurrentFit) -> None:
-    short = make_record(1, seconds=0.5)
-    assert np.isnan([[*joint.values()] for joint in joint_conditions(short, smooth, fit)]).all()
+def test_a_short_recording_tells_nothing_but_the_noise_of_two_blocks(fit: CurrentFit) -> None:
+    two, one = (joint_conditions(make_record(1, seconds), smooth, fit) for seconds in (4.0, 1.5))
+    assert np.isnan([[*joint.values()] for joint in one]).all()
+    assert np.isfinite([joint["noise"] for joint in two]).all()
+
+
+@pytest.mark.parametrize(("load", "known"), [(0.02, False), (20.0, True)])  # Nm
+def test_a_torque_constant_is_stated_if_it_is_known_to_a_fifth(
+    fit: CurrentFit, load: float, known: bool
+) -> None:
+    record = worn(1, {}, {})
+    torque = record.torque + load * np.outer(np.sin(record.q[:, 0]), np.eye(6)[5])
+    current = record.current + (torque - record.torque) / CONSTANT
+    loaded = replace(record, torque=torque, current=current)
+    value, error = joint_conditions(loaded, smooth, fit)[5]["torque_constant"]
+    assert (error < 0.2 * value) == known
+    assert value == pytest.approx(CONSTANT[5] if known else np.nan, rel=0.1, nan_ok=True)
 
 
 def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:

@@ -11,6 +11,7 @@ import pytest
 import torch
 from filterpy.kalman import KalmanFilter
 from scipy import signal
+from scipy.linalg import solve_continuous_lyapunov
 from scipy.spatial.transform import Rotation
 from scipy.stats import chi2
 
@@ -511,9 +512,12 @@ def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
             np.testing.assert_allclose(F[k][own], expected, atol=1e-9)
             if not fresh:
                 np.testing.assert_allclose(Q[k][own], driven @ driven.T, rtol=1e-9, atol=1e-15)
-            else:  # of any size, as its jerk keeps it up
+            else:
                 np.testing.assert_allclose(np.diag(Q[k][own])[:3], [100.0, 100, 10_000])
-                assert (np.linalg.eigvalsh(Q[k][own][3:, 3:]) > 0).all()
+                sustained = sustained_vibration(noise.frequency[joint], noise.damping[joint])
+                sustained *= noise.vibration[k, joint] ** 2
+                scale = np.sqrt(np.outer(np.diag(sustained), np.diag(sustained)))
+                np.testing.assert_allclose(Q[k][own][3:, 3:] / scale, sustained / scale, atol=0.02)
         walk = step * np.repeat([1e-6, 1e-8], 3) if k else np.repeat([0.25, 0.01], 3)
         np.testing.assert_allclose(Q[k, 36:, 36:], np.diag(walk))
         np.testing.assert_allclose(F[k, 36:, 36:], eye * bool(k))
@@ -538,6 +542,15 @@ def test_the_system_is_what_its_equations_say(ur5: Robot) -> None:
         part, whole = of(slice(2, 5)), of(slice(None))
         for name, values in vars(part).items():
             np.testing.assert_array_equal(values, getattr(whole, name)[2:5])
+
+
+def sustained_vibration(frequency: float, damping: float) -> np.ndarray:
+    """The covariance of δ, δ̇ and δ̈ that a white jerk of one sustains, in continuous time."""
+    # (d/dt + ω) (d²/dt² + 2 ζ ω d/dt + ω²) δ = jerk
+    equation = np.polymul([1, frequency], [1, 2 * damping * frequency, frequency**2])
+    A = np.eye(3, k=1)
+    A[2] = -equation[:0:-1]
+    return solve_continuous_lyapunov(A, -np.diag([0.0, 0, 1]))
 
 
 def usual_noise(count: int) -> EncoderNoise:

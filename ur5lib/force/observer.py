@@ -38,8 +38,8 @@ def observe(
                 growth = np.diff(p) / period - (change[1:] + change[:-1]) / 2
                 torque = signal.filtfilt([share], [1, share - 1], growth, padlen=3)
                 # back to the samples: the mean of both neighbouring steps
-                own[0], own[-1] = torque[0], torque[-1]
-                own[1:-1] = (torque[:-1] + torque[1:]) / 2
+                steps = np.pad(torque, 1, mode="edge")
+                own[:] = (steps[:-1] + steps[1:]) / 2
     return result
 
 
