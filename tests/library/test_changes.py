@@ -224,6 +224,12 @@ def test_values_without_any_spread_have_no_change_but_the_true_one() -> None:
     assert (change.kind, change.size) == ("jump", pytest.approx(JUMP))
 
 
+def test_the_variation_is_what_the_errors_leave() -> None:
+    value, ones = np.random.default_rng(0).normal(0, 2, 5000), np.ones(5000)
+    assert variation(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
+    assert variation(value, 3 * ones) == 0
+
+
 def test_neither_drift_nor_jump_adds_to_the_variation() -> None:
     """A median over twenty dates scatters itself: the mean over seeds counts."""
     series = [replace(made_up(seed), covariate=None) for seed in range(100)]

@@ -101,7 +101,7 @@ def test_a_short_recording_tells_nothing_but_the_noise_of_two_blocks(fit: Curren
     assert np.isfinite([joint["noise"] for joint in two]).all()
 
 
-@pytest.mark.parametrize(("load", "known"), [(0.02, False), (20.0, True)])  # Nm
+@pytest.mark.parametrize(("load", "known"), [(0.2, False), (20.0, True)])  # Nm
 def test_a_torque_constant_is_stated_if_it_is_known_to_a_fifth(
     fit: CurrentFit, load: float, known: bool
 ) -> None:
