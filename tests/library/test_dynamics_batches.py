@@ -68,6 +68,16 @@ def test_wrong_states_are_refused(arm: Arm) -> None:
         gravity_torque(arm, q.float())
 
 
+def printed(program: str, **settings: str) -> str:
+    """What a program prints in a process of its own, with these settings of its environment."""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(
+        command, cwd=PROJECT, env=os.environ | settings, text=True, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def test_memory_does_not_grow_with_samples() -> None:
     """Beyond the result itself, whose 48 bytes a sample are counted off."""
     program = """
@@ -82,16 +92,7 @@ def peak(count):
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 - 48e-6 * count
 print(peak(1_000_000) - peak(100_000))
 """
-    environment = os.environ | {"OMP_NUM_THREADS": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=PROJECT,
-        env=environment,
-        text=True,
-        capture_output=True,
-        check=True,
-    )
-    assert float(done.stdout) < 20  # MiB
+    assert float(printed(program, OMP_NUM_THREADS="1")) < 20  # MiB
 
 
 def test_gradients_reach_states_and_parameters(arm: Arm) -> None:
@@ -158,16 +159,7 @@ with warnings.catch_warnings(record=True) as told:
 assert len([one for one in told if "not fused" in str(one.message)]) == 1, told
 assert all(torch.equal(torque, gravity_torque(build_arm(robot, "C"), q)) for torque in fused)
 """
-    environment = os.environ | {"CXX": "/no/compiler", "TORCHINDUCTOR_FORCE_DISABLE_CACHES": "1"}
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=PROJECT,
-        env=environment,
-        text=True,
-        capture_output=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    printed(program, CXX="/no/compiler", TORCHINDUCTOR_FORCE_DISABLE_CACHES="1")
 
 
 # GPU
