@@ -50,6 +50,17 @@ def test_the_push_is_seen_and_nothing_else(arm: Arm) -> None:
     np.testing.assert_allclose(torque, PUSH, atol=0.02 * np.abs(PUSH).max())
 
 
+def test_a_torque_that_swings_at_the_bandwidth_is_halved() -> None:
+    """By 3 dB on the way forwards and on the way back."""
+    angle = 2 * np.pi * 2.0 * TIME
+    momentum = (1 - np.cos(angle)) / (2 * np.pi * 2.0) * np.ones(6)
+    torque = observe(momentum, np.zeros_like(momentum), ONE, PERIOD, bandwidth=2.0)
+    inside = slice(500, 1000)
+    np.testing.assert_allclose(
+        torque[inside].std(axis=0), np.sin(angle)[inside].std() / 2, rtol=0.03
+    )
+
+
 def test_it_lags_behind_no_contact(arm: Arm) -> None:
     """A first-order lag of 2 Hz alone would shift the peak by 80 ms."""
     torque = observed(arm, ONE, bandwidth=2.0)
