@@ -113,20 +113,20 @@ def smooth_encoders(
     flat = innovations.reshape(count, -1)
     test = innovation_test(flat, segment)
     shared *= widening(test) ** 2
-    both = state.reshape(count, -1), widened(std.reshape(count, -1), test, q)
-    return SmoothedJoints(*both, motor_qd, flat, test, noise, shared=shared)
+    state, std = state.reshape(count, -1), std.reshape(count, -1)
+    widen(std, test, q)
+    return SmoothedJoints(state, std, motor_qd, flat, test, noise, shared=shared)
 
 
-def widened(std: Array, test: InnovationTest, q: Array) -> Array:
-    """Return standard deviations (N, 18) that count what the filter takes for white.
+def widen(std: Array, test: InnovationTest, q: Array) -> None:
+    """Let standard deviations (N, 18) count what the filter takes for white, in place.
 
     Errors that stay for several samples average out less than white ones: by the colour of the
     joint's innovations. An error of rounding stays as long as the joint does.
     """
-    std = std * np.tile(widening(test), 3)
+    std *= np.tile(widening(test), 3)
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
     std[:, :6] = np.hypot(std[:, :6], rounding)
-    return std
 
 
 def widening(test: InnovationTest) -> Array:
