@@ -29,7 +29,7 @@ from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.force_estimates import direct_problems, estimated_forces
+from ur5lib.pipeline.force_estimates import direct_problems, force_record
 from ur5lib.pipeline.friction_fit import friction_summary
 from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.own_clocks import own_clocks
@@ -232,8 +232,9 @@ def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> I
         known, breakaway, friction["paths"], CURRENTS.cutoff, friction["explained"]
     )
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
-    whole, prior = {"Fmap": found["Fmap"]}, ContactPrior(force=SETTINGS.contact.force_n)
-    forces = estimated_forces(pushed.motion, pushed.kinematics.jacobian, whole, prior)
+    prior = ContactPrior(force=SETTINGS.contact.force_n)
+    fmap = found["Fmap"].solve(pushed.kinematics.jacobian, prior)
+    forces = force_record(pushed.motion, {"Fmap": fmap})
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):

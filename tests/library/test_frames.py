@@ -123,6 +123,18 @@ def test_old_data_under_a_new_stamp_are_a_lost_frame() -> None:
     assert repaired["actual_q_0"][30] == pytest.approx(frames()["actual_q_0"][30], rel=1e-3)
 
 
+def test_data_of_a_lost_frame_return_to_their_own_time() -> None:
+    """Frame 99 was lost, and frame 100 has its data."""
+    late = frames()
+    channels = late.columns.drop("time")
+    late.loc[100, channels] = late.loc[99, channels]
+    repaired, findings = repair(late.drop(index=99))
+    assert findings["late data"].count == 1
+    assert list(repaired.index[repaired["interpolated"]]) == [100]
+    np.testing.assert_allclose(repaired["actual_current_0"][99], frames()["actual_current_0"][99])
+    assert repaired["actual_q_0"][100] == pytest.approx(frames()["actual_q_0"][100], rel=1e-4)
+
+
 def test_an_arm_at_rest_is_no_stale_data() -> None:
     rest = frames()
     rest[rest.columns.drop("time")] = 0.25

@@ -1,6 +1,7 @@
 """Typed records: what they hold comes back from a table, with its units."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any
@@ -78,7 +79,22 @@ def whole(record: type[Table], count: int = 4) -> Table:
 def same(own: Table, other: Table) -> None:
     assert type(own) is type(other)
     for field in fields(own):
-        np.testing.assert_equal(getattr(own, field.name), getattr(other, field.name))
+        values = [getattr(record, field.name) for record in (own, other)]
+        by_key = [dict(value) if isinstance(value, Mapping) else value for value in values]
+        np.testing.assert_equal(*by_key)
+
+
+def test_of_several_channels_only_those_that_are_used_are_loaded(tmp_path: Path) -> None:
+    made, path = whole(Torques), tmp_path / "torques.parquet"
+    made.write(path)
+    read = Torques.read(path)
+    assert read.measured.keys() == made.measured.keys()
+    first, *others = made.measured
+    np.testing.assert_array_equal(read.measured[first], made.measured[first])
+    path.unlink()
+    assert read.measured[first] is read.measured[first]
+    with pytest.raises(FileNotFoundError):
+        read.measured[others[0]]
 
 
 @pytest.mark.parametrize("record", RECORDS)

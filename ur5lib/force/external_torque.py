@@ -1,12 +1,13 @@
 """The external torque on the joints, and the state of motion of each joint."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
-States = Labels
+States = NDArray[np.int8]
 
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 STATES = 5
@@ -48,7 +49,7 @@ def joint_states(qd: Array, segment: Labels, period: float) -> States:
     to start; RESTING while another joint moves; STILL while all joints rest. qd: (N, 6) [rad/s];
     period: [s].
     """
-    states = np.empty(qd.shape, np.int64)
+    states = np.empty(qd.shape, np.int8)
     for rows in unbroken(segment):
         states[rows] = _stretch_states(np.abs(qd[rows]) < SLOW, period)
     return states
@@ -58,7 +59,7 @@ def _stretch_states(slow: Mask, period: float) -> States:
     """Return the states (n, 6) of an unbroken stretch; slow: (n, 6)."""
     stopped = binary_opening(slow, np.ones((max(1, round(STOP / period)), 1)))
     relaxing = stopped & _near(~stopped, RELAXING, period)
-    states = np.full(slow.shape, MOVING)
+    states = np.full(slow.shape, MOVING, np.int8)
     states[_near(slow & ~stopped, REACH, period)] = REVERSING
     states[_near(relaxing, REACH, period)] = SETTLING
     states[stopped & ~relaxing] = RESTING

@@ -4,7 +4,8 @@ tau_ext = J^T F + b + e, with the background b and the fast error e of `Residual
 estimates the times of contact and b; the magnitude of each contact follows from its own samples.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import binary_dilation
@@ -28,15 +29,8 @@ MARGIN = 0.15  # s, by which a contact is extended at both ends
 INSIDE = 0.999  # least probability inside a contact
 
 
-@dataclass(frozen=True)
-class WrenchEstimate:
-    """The wrench of the environment on the arm, base axes, at the origin of frame 6.
-
-    wrench, std: (N, 6) [N, Nm], wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact,
-    given all samples; causal_log_odds: (N,), given past samples only; background: (N, 6) [Nm], the
-    slow part of the external torque; least_squares, least_squares_std: (N, 6), the same contacts
-    without a prior, NaN in them where the torque is unknown, zero elsewhere.
-    """
+class StretchEstimate(NamedTuple):
+    """The estimate at the thinned samples (n,) of a stretch; its fields as in WrenchEstimate."""
 
     wrench: Array
     std: Array
@@ -45,6 +39,67 @@ class WrenchEstimate:
     background: Array
     least_squares: Array
     least_squares_std: Array
+
+
+@dataclass(frozen=True)
+class WrenchEstimate:
+    """The wrench of the environment on the arm, base axes, at the origin of frame 6.
+
+    Each quantity is interpolated between the thinned samples when it is asked for: those of a long
+    recording take a gigabyte together. stretches: each with its rows, of which every so many-th was
+    used; posed: (N,), where the arm's pose is known, NaN elsewhere.
+    """
+
+    stretches: list[tuple[slice, StretchEstimate]]
+    every: int
+    posed: Mask
+
+    @property
+    def wrench(self) -> Array:
+        """Return the wrench (N, 6) [N, Nm]; wrench ± 1.96 std is the 95 % band."""
+        return self._at_all("wrench")
+
+    @property
+    def std(self) -> Array:
+        """Return the standard deviation (N, 6) [N, Nm] of the wrench."""
+        return self._at_all("std")
+
+    @property
+    def log_odds(self) -> Array:
+        """Return the log-odds (N,) of contact, given all samples."""
+        return self._at_all("log_odds")
+
+    @property
+    def causal_log_odds(self) -> Array:
+        """Return the log-odds (N,) of contact, given past samples only."""
+        return self._at_all("causal_log_odds")
+
+    @property
+    def background(self) -> Array:
+        """Return the slow part (N, 6) [Nm] of the external torque."""
+        return self._at_all("background")
+
+    @property
+    def least_squares(self) -> Array:
+        """Return the wrench (N, 6) [N, Nm] of the same contacts without a prior.
+
+        NaN in them where the torque is unknown, zero elsewhere.
+        """
+        return self._at_all("least_squares")
+
+    @property
+    def least_squares_std(self) -> Array:
+        """Return the standard deviation (N, 6) [N, Nm] of `least_squares`."""
+        return self._at_all("least_squares_std")
+
+    def _at_all(self, name: str) -> Array:
+        parts = [
+            _at_every_sample(getattr(own, name), self.every, rows.stop - rows.start)
+            for rows, own in self.stretches
+        ]
+        whole = np.concatenate(parts)
+        whole[~self.posed] = np.nan
+        return whole
 
 
 @dataclass(frozen=True)
@@ -85,10 +140,7 @@ def estimate_wrench(
     posed = in_chunks(finite_rows, jacobian.reshape(-1, 36))
     # every stretch on its own, thinned to STEP
     every = max(1, round(STEP / period))
-    whole = {
-        own.name: np.empty(len(torque) if "log_odds" in own.name else torque.shape)
-        for own in fields(WrenchEstimate)
-    }
+    found = []
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
         at = posed[thin]
@@ -99,14 +151,11 @@ def estimate_wrench(
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
         problem = known, lever, states[thin], every * period, noise
         own = _estimate(*problem, model, prior, replace(ablation, contacts=sensed))
-        for name, column in whole.items():
-            column[rows] = _at_all(getattr(own, name), every, rows.stop - rows.start)
-    for column in whole.values():
-        column[~posed] = np.nan
-    return WrenchEstimate(**whole)
+        found.append((rows, own))
+    return WrenchEstimate(found, every, posed)
 
 
-def _at_all(thinned: Array, every: int, count: int) -> Array:
+def _at_every_sample(thinned: Array, every: int, count: int) -> Array:
     """Interpolate a quantity of the thinned estimate linearly at all samples of a stretch."""
     at, known = np.arange(count), every * np.arange(len(thinned))
     if thinned.ndim == 1:
@@ -123,7 +172,7 @@ def _estimate(
     model: ResidualModel,
     prior: ContactPrior,
     ablation: Ablation,
-) -> WrenchEstimate:
+) -> StretchEstimate:
     """Estimate the wrench of one stretch, at the thinned samples."""
     # p(contact), the background b, and the spans of contacts
     gate = find_contacts(torque, jacobian, states, period, noise, model, prior, ablation.contacts)
@@ -148,7 +197,7 @@ def _estimate(
     wrench = likely[:, None] * chosen.mean
     second = chosen.variance + chosen.mean**2
     second = likely[:, None] * second + (1 - likely[:, None]) * unnoticed
-    return WrenchEstimate(
+    return StretchEstimate(
         wrench=wrench,
         std=np.sqrt(np.maximum(second - wrench**2, 0.0)),
         log_odds=log_odds(gate.probability),

@@ -73,24 +73,18 @@ def repeat_problem(
     return Problem(fmap.input.with_torque(repeated.torque, repeated.states), repeated.model)
 
 
-def estimated_forces(
-    motion: Motion, jacobian: Array, found: Mapping[str, Problem], prior: ContactPrior
-) -> Forces:
-    """Return the estimates of all problems, and least squares in the contacts of Fmap."""
-    forces, background = Forces(time=motion.time, segment=motion.segment), None
-    least_squares: dict[str, Array] = {}
-    for name, problem in found.items():
-        estimate = problem.solve(jacobian, prior)
-        forces.wrench[name], forces.std[name] = estimate.wrench, estimate.std
-        forces.log_odds[name] = estimate.log_odds
-        forces.causal_log_odds[name] = estimate.causal_log_odds
-        if name == "Fmap":
-            background = estimate.background
-            least_squares = {"wrench": estimate.least_squares, "std": estimate.least_squares_std}
-        del estimate  # what is not kept of one is gone before the next
-    for kind, values in least_squares.items():
-        getattr(forces, kind)["least_squares"] = values
-    return replace(forces, background=background)
+def force_record(motion: Motion, estimates: Mapping[str, WrenchEstimate]) -> Forces:
+    """Return the estimates at the times of a motion, and least squares in the contacts of Fmap."""
+    whole = Forces(time=motion.time, segment=motion.segment)
+    for name, estimate in estimates.items():
+        whole.wrench[name], whole.std[name] = estimate.wrench, estimate.std
+        whole.log_odds[name] = estimate.log_odds
+        whole.causal_log_odds[name] = estimate.causal_log_odds
+    if (fmap := estimates.get("Fmap")) is None:
+        return whole
+    whole.wrench["least_squares"] = fmap.least_squares
+    whole.std["least_squares"] = fmap.least_squares_std
+    return replace(whole, background=fmap.background)
 
 
 def repeated_runs(

@@ -64,7 +64,7 @@ def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Ar
 
 def motion_account(motion: SmoothedMotion) -> dict[str, Any]:
     """Return the estimated noise and the tests of the innovations."""
-    noise = asdict(motion.encoders)
+    noise = dict(vars(motion.encoders))
     for name in LOCAL_NOISE:
         noise[name] = np.quantile(noise[name], [0.1, 0.5, 0.9], axis=0)
     if motion.imu is not None:

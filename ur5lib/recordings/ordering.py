@@ -4,8 +4,11 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.quality import Device, Finding
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 RESET_RUN = 50  # frames; a jump back in time followed by fewer is disorder, not a clock reset
+MOVES = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
+HALF = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
 def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
@@ -26,7 +29,7 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         findings.append(Finding("robot", "frames out of order", "note", backwards, detail))
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
-    return _drop_stale_data(ordered, findings)
+    return _return_lost_data(_drop_stale_data(ordered, findings), findings)
 
 
 def epochs(time: np.ndarray) -> np.ndarray:
@@ -81,3 +84,44 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     detail = "data of the previous frame with a new timestamp; treated as lost frames"
     findings.append(Finding("robot", "stale data", "warning", int(same.sum()), detail))
     return frames[~same].reset_index(drop=True)
+
+
+def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
+    """Move data of a lost frame that came with the next timestamp back to their own time."""
+    q, qd = (frames.filter(regex=rf"^{name}_\d$") for name in ("actual_q", "actual_qd"))
+    if q.shape[1] != qd.shape[1] or len(frames) < 3:
+        return frames
+    time = frames["time"].to_numpy()
+    steps = np.diff(time)
+    cycle = float(np.median(steps))
+    after_gap = np.flatnonzero(steps[:-1] > 1.5 * cycle) + 1
+    late = after_gap[_one_cycle_late(after_gap, time, q, qd, cycle)]
+    if not len(late):
+        return frames
+    detail = "data of a lost frame with the next timestamp; moved back to their own time"
+    findings.append(Finding("robot", "late data", "warning", len(late), detail))
+    time = time.copy()
+    time[late] -= cycle
+    return frames.assign(time=time)
+
+
+def _one_cycle_late(
+    rows: Labels, time: Array, q: pd.DataFrame, qd: pd.DataFrame, cycle: float
+) -> Mask:
+    """Return in which of some frames the arm is where it was one cycle before.
+
+    The way to such a frame is shorter, and that to the next one longer, than the velocities say.
+    """
+    before, here, after = (
+        (time[at, None], q.iloc[at].to_numpy(), qd.iloc[at].to_numpy())
+        for at in (rows - 1, rows, rows + 1)
+    )
+    # lateness [cycles]: the surplus of the way, along what the arm travels in one cycle
+    lateness = []
+    for (time_0, q_0, qd_0), (time_1, q_1, qd_1) in ((before, here), (here, after)):
+        velocity = (qd_0 + qd_1) / 2
+        surplus, travel = q_1 - q_0 - velocity * (time_1 - time_0), velocity * cycle
+        square = np.maximum(np.sum(travel**2, axis=1), MOVES**2)
+        lateness.append(np.sum(surplus * travel, axis=1) / square)
+    to_here, to_next = lateness
+    return (to_here < -HALF) & (to_next > HALF)

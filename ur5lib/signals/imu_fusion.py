@@ -14,7 +14,7 @@ from ur5lib.signals.smoothing import (
     KnownJoints,
     SmoothedMotion,
     encoder_system,
-    widened,
+    widen,
 )
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.chunks import chunks
@@ -65,7 +65,7 @@ def smooth_with_imu(
         covariance = WITH_BIASES @ covariance[:, 0] @ WITH_BIASES.T
         std[rows] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     test = innovation_test(innovations, segment)
-    std[:, :MOTION] = widened(std[:, :MOTION], test, q)
+    widen(std[:, :MOTION], test, q)
     return SmoothedMotion(state, std, motor_qd, innovations, test, encoders.noise, noise)
 
 

@@ -113,20 +113,20 @@ def smooth_encoders(
     flat = innovations.reshape(count, -1)
     test = innovation_test(flat, segment)
     shared *= widening(test) ** 2
-    both = state.reshape(count, -1), widened(std.reshape(count, -1), test, q)
-    return SmoothedJoints(*both, motor_qd, flat, test, noise, shared=shared)
+    state, std = state.reshape(count, -1), std.reshape(count, -1)
+    widen(std, test, q)
+    return SmoothedJoints(state, std, motor_qd, flat, test, noise, shared=shared)
 
 
-def widened(std: Array, test: InnovationTest, q: Array) -> Array:
-    """Return standard deviations (N, 18), widened because errors are not as white as assumed.
+def widen(std: Array, test: InnovationTest, q: Array) -> None:
+    """Widen standard deviations (N, 18) in place, because errors are not as white as assumed.
 
     Errors that last for several samples average out less than white ones; the colour of a joint's
     innovations says by how much. A rounding error lasts as long as the joint rests.
     """
-    std = std * np.tile(widening(test), 3)
+    std *= np.tile(widening(test), 3)
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
     std[:, :6] = np.hypot(std[:, :6], rounding)
-    return std
 
 
 def widening(test: InnovationTest) -> Array:

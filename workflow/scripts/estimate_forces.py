@@ -3,9 +3,10 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.pipeline.force_estimates import (
     direct_problems,
-    estimated_forces,
+    force_record,
     repeat_problem,
     repeated_runs,
 )
@@ -16,8 +17,12 @@ from ur5lib.tables import read_json
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
+    # read anew, so that of a long recording either all inputs are held or all results
+    force_record(Motion.read(input.motion), _estimates(input, params)).write(output.forces)
+
+
+def _estimates(input: Any, params: Any) -> dict[str, WrenchEstimate]:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
-    jacobian = Kinematics.read(input.kinematics).jacobian
     found = direct_problems(motion, currents, read_json(input.residuals))
     if "Fmap" in found:
         index, load = read_json(input.free_runs), read_json(input.load).get("load")
@@ -25,5 +30,6 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
         alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
         if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
             found["repeat"] = repeat
+    jacobian = Kinematics.read(input.kinematics).jacobian
     prior = ContactPrior(force=params.contact_force_n)
-    estimated_forces(motion, jacobian, found, prior).write(output.forces)
+    return {name: problem.solve(jacobian, prior) for name, problem in found.items()}

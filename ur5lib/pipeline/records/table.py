@@ -6,7 +6,7 @@ from and written to a table by these declarations alone.
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
 from pathlib import Path
@@ -51,9 +51,8 @@ class Channel:
         if not self.several:
             return self._array(source, self.name) if self.is_in(source, self.name) else None
         names = {key: self.name.format(key) for key in self._found(source)}
-        return {
-            k: self._array(source, name) for k, name in names.items() if self.is_in(source, name)
-        }
+        whole = {key: name for key, name in names.items() if self.is_in(source, name)}
+        return ByKey({key: partial(self._array, source, name) for key, name in whole.items()})
 
     def is_in(self, source: "Source", name: str) -> bool:
         """Return whether a table has all columns; name: the channel's, its key filled in."""
@@ -75,6 +74,24 @@ class Channel:
         pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
         found = [match[1] for name in source.names if (match := pattern.fullmatch(name))]
         return [key for key in self.keys if key in found] if self.keys else found
+
+
+class ByKey(Mapping[str, Array]):
+    """Arrays by key, each loaded when it is first used."""
+
+    def __init__(self, loads: Mapping[str, Callable[[], Array]]) -> None:
+        self._loads, self._loaded = loads, dict[str, Array]()
+
+    def __getitem__(self, key: str) -> Array:
+        if key not in self._loaded:
+            self._loaded[key] = self._loads[key]()
+        return self._loaded[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._loads)
+
+    def __len__(self) -> int:
+        return len(self._loads)
 
 
 class Source(NamedTuple):
