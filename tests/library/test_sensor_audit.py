@@ -76,6 +76,7 @@ def test_turn_scale_bias_and_drift_are_found_between_contacts(seed: int) -> None
         (found.drift, DRIFT, drift_std),
     ]:
         np.testing.assert_array_less(np.abs(value - truth), 4 * std)
+    assert found.seconds == pytest.approx(SECONDS - 3 * 2, abs=3)
     assert tool.turn_std.max() < np.deg2rad(0.2)
     assert tool.scale_std.max() < 0.01
     assert tool.mass == TOOL.mass
@@ -96,6 +97,31 @@ def test_an_arm_that_does_not_turn_tells_no_turn_and_no_scale() -> None:
     assert tool.scale_std.max() > 0.1
     np.testing.assert_array_less(np.abs(found.drift - DRIFT), 4 * found.std()[1])
     np.testing.assert_array_less(np.abs(found.bias - BIAS), 2 * found.std()[0])
+
+
+def test_what_the_motion_does_not_tell_stays_as_uncertain_as_before() -> None:
+    """Gravity along z alone: by 0.3 kg and 0.3 of the tool, or by 3 kg without one."""
+    pull = turning(0.0)
+    for tool, about in [(TOOL, 0.3 + 0.3 * TOOL.mass), (None, 3.0)]:
+        found = explain(read(pull), pull, tool)
+        assert found.covariance.shape == (30, 30)
+        untold = np.sqrt(np.diag(found.covariance))[:18].reshape(6, 3)[:, :2]
+        arm = np.repeat([[1.0, 1.0], [0.2, 0.2]], 3, axis=0)  # 1, m: of forces and moments
+        np.testing.assert_allclose(untold, about * arm, rtol=1e-3)
+
+
+def test_a_tool_without_a_mass_has_no_centre() -> None:
+    pull = turning(0.8)
+    tool = sense(explain(read(pull), pull), 0.0)
+    assert np.isnan([tool.center, tool.center_std]).all()
+    assert tool.center.shape == (3,)
+
+
+def test_contacts_in_quick_succession_tell_no_shift() -> None:
+    pull, contact = turning(0.8), np.zeros((len(TIME), 6))
+    for start in (10, 12.8, 40):
+        contact[(start < TIME) & (start + 2 > TIME), 0] = 15.0
+    assert shifts(explain(read(pull, contact), pull), TIME).shape == (1, 6)
 
 
 @pytest.mark.parametrize("left", [0.0, 2.0])

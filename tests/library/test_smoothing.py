@@ -674,6 +674,35 @@ def test_the_step_of_an_encoder_is_found_whatever_it_visits() -> None:
     assert quantum(np.full(50, 0.3)) == 0
 
 
+def shaken(step: float, frequency: float, damping: float, intensity: np.ndarray) -> np.ndarray:
+    """What the encoder (N, 2) of a joint at rest measures as its link vibrates, q and q̇."""
+    random = np.random.default_rng(16)
+    F, driven = motion_step(step, frequency, damping)
+    state, states = np.zeros(6), []
+    for size in intensity:
+        state = F @ state + driven[:, 1] * size * random.normal()
+        states.append(state[[3, 1]])
+    return np.array(states) + [1e-5, 1e-3] * random.normal(size=(len(states), 2))
+
+
+def test_a_vibration_is_found_with_its_frequency_and_where_it_is_strong() -> None:
+    time, segment = clock(3000)
+    intensity = np.where(time < 16, 100.0, 400.0)
+    q, qd = shaken(PERIOD, 2 * np.pi * 15, 0.25, intensity).T[:, :, None]
+    found = encoder_noise(time, segment, q, qd)
+    assert found.frequency[0] == pytest.approx(2 * np.pi * 15, rel=0.1)
+    assert found.damping[0] == pytest.approx(0.25, rel=0.25)
+    weak, strong = (np.median(found.vibration[part]) for part in (slice(1900), slice(2100, None)))
+    assert strong / weak == pytest.approx(4, rel=0.2)
+
+
+def test_vibrations_of_a_slow_recording_stay_below_its_nyquist_frequency() -> None:
+    """Of 20 Hz, up to 7."""
+    q, qd = shaken(0.05, 2 * np.pi * 5, 0.1, np.full(400, 10.0)).T[:, :, None]
+    found = encoder_noise(0.05 * np.arange(400), np.zeros(400, np.int64), q, qd)
+    assert 3 < found.frequency[0] / (2 * np.pi) <= 7 + 1e-9
+
+
 def test_what_is_constant_comes_from_where_a_joint_moves_most(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
