@@ -7,17 +7,18 @@ import pandas as pd
 from benchmarks.harness.page import markdown
 
 EDGES = (5, 10, 20, 40, 80)  # N
-COLUMNS = ["force", "contacts", "named right", "named wrong", "cannot tell",
+COLUMNS = ["contact", "contacts", "named right", "named wrong", "cannot tell",
            "likelier link: stated probability", "right"]  # fmt: skip
 
 
 def link_table(table: pd.DataFrame) -> str:
-    """Return a row for each range of forces, and one for all."""
+    """Return a row for each range of forces and for each place, and one for all."""
     rows = [
         cells(f"{low} to {high} N", own)
         for low, high in pairwise(EDGES)
         if len(own := table[table["force"].between(low, high, inclusive="left")])
     ]
+    rows += [cells(f"at the {place}", own) for place, own in table.groupby("place")]
     return markdown(COLUMNS, [*rows, cells("all", table)])
 
 
