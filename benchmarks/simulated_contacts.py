@@ -25,7 +25,7 @@ import pandas as pd
 import torch
 import yaml
 
-from benchmarks.contact_link import PAUSE, PLACES, pushes
+from benchmarks.contact_link import EACH, PAUSE, PLACES, pushes
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
 from benchmarks.harness.run import Estimate, Run
@@ -42,7 +42,7 @@ from ur5lib.timeseries.arrays import Array
 
 TABLE = RESULTS / "simulated_contacts.csv"
 ARMS = ("ur5", "ur5e", "ur10e")
-SEEDS, EACH = 30, 3  # contacts at each place
+SEEDS = 30
 FIT_SECONDS = 20.0
 LIMIT_SHARES = (0.5, 0.1)  # of the limits of speed, in the excitations to fit on
 PAUSE_S = 1.0  # s at each way-point of the third recording to fit on

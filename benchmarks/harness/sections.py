@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from benchmarks.contact_link import EACH, FORCES, PLACES, SEEN
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import prediction_findings, prediction_table
 from benchmarks.harness.simulated import simulated_table
@@ -33,6 +34,8 @@ def simulated(table: pd.DataFrame) -> Section:
     return {
         "title": f"{table['seed'].nunique()} seeds.",
         "arms": ", ".join(table["arm"].unique()),
+        "pushes": EACH * len(PLACES),
+        "forces": f"{FORCES[0]:g} to {FORCES[1]:g} N",
         "table": simulated_table(table),
     }
 
@@ -42,7 +45,7 @@ def links(table: pd.DataFrame) -> Section:
     title = (
         f"{len(table)} contacts with a simulated UR5 in motion, {table['seed'].nunique()} seeds."
     )
-    return {"title": title, "table": link_table(table)}
+    return {"title": title, "seen": SEEN, "table": link_table(table)}
 
 
 def currents(table: pd.DataFrame) -> Section:

@@ -1,5 +1,8 @@
 """The page's table of estimators on simulated arms, from results/simulated_contacts.csv."""
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -8,9 +11,10 @@ from benchmarks.harness.page import interval, markdown, number, share
 from ur5lib.force.contact_figures import DRAWS, TAILS
 from ur5lib.timeseries.arrays import Array
 
-AT_FLANGE, ELBOW = ("flange", "tool"), ("elbow",)
-COLUMNS = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "in band",
-           "interval score [N]", "RMSE at the elbow [N]", "free, median [N]"]  # fmt: skip
+LINK_6 = ("flange", "tool")  # places at which estimators may be right
+COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]", "less ours [N]",
+           "RMSE at the tool [N]", "less ours [N]", "in band", "interval score [N]",
+           "RMSE at the elbow [N]", "free, median [N]"]  # fmt: skip
 
 
 def simulated_table(table: pd.DataFrame) -> str:
@@ -23,9 +27,9 @@ def simulated_table(table: pd.DataFrame) -> str:
     names = [name for name in counts.index if counts[name] == seeds]
     drawn = draws(seeds)
     by_name = {name: table[table["estimator"] == name].sort_values("seed") for name in names}
-    ours = rmse(by_name[OURS], AT_FLANGE, drawn)
-    rows = pd.DataFrame([row(own, drawn, ours) for own in by_name.values()]).sort_values("rmse")
-    return markdown(COLUMNS, [cells(own) for _, own in rows.iterrows()])
+    ours = {place: rmse(by_name[OURS], place, drawn) for place in LINK_6}
+    rows = pd.DataFrame([row(own, drawn, ours) for own in by_name.values()])
+    return markdown(COLUMNS, [cells(own) for _, own in rows.sort_values("flange").iterrows()])
 
 
 def draws(seeds: int) -> Array:
@@ -42,20 +46,22 @@ def pooled(own: pd.DataFrame, quantity: str, places: tuple[str, ...], drawn: Arr
     return np.asarray((drawn @ total) / (drawn @ samples))
 
 
-def rmse(own: pd.DataFrame, places: tuple[str, ...], drawn: Array) -> Array:
-    """Return the RMSE [N] of the force vector in contact."""
-    return np.sqrt(pooled(own, "square", places, drawn))
+def rmse(own: pd.DataFrame, place: str, drawn: Array) -> Array:
+    """Return the RMSE [N] of the force vector while a place is touched."""
+    return np.sqrt(pooled(own, "square", (place,), drawn))
 
 
-def row(own: pd.DataFrame, drawn: Array, ours: Array) -> dict[str, object]:
+def row(own: pd.DataFrame, drawn: Array, ours: Mapping[str, Array]) -> dict[str, Any]:
     """Return an estimator's figures, with 95 % intervals."""
-    found: dict[str, object] = {name: own[name].iloc[0] for name in ("estimator", "causal")}
+    found: dict[str, Any] = {name: own[name].iloc[0] for name in ("estimator", "causal")}
     found["latency_s"] = own["latency_s"].max()
-    error = rmse(own, AT_FLANGE, drawn)
-    known = {"rmse": error, "rmse_more": error - ours, "elbow": rmse(own, ELBOW, drawn)}
+    known = {"elbow": rmse(own, "elbow", drawn)}
+    for place, reference in ours.items():
+        known[place] = rmse(own, place, drawn)
+        known[f"{place}_more"] = known[place] - reference
     if "flange_score" in own and own["flange_score"].notna().all():
-        known["score"] = pooled(own, "score", AT_FLANGE, drawn)
-        found["inside"] = pooled(own, "inside", AT_FLANGE, drawn)[0]
+        known["score"] = pooled(own, "score", LINK_6, drawn)
+        found["inside"] = pooled(own, "inside", LINK_6, drawn)[0]
     for name, values in known.items():
         low, high = np.quantile(values[1:], TAILS)
         found |= {name: values[0], f"{name}_low": low, f"{name}_high": high}
@@ -64,14 +70,20 @@ def row(own: pd.DataFrame, drawn: Array, ours: Array) -> dict[str, object]:
 
 def cells(own: pd.Series) -> list[str]:
     """Return an estimator's cells."""
-    latency = own["latency_s"]
-    difference = "" if own["estimator"] == OURS else interval(own, "rmse_more", sign="+")
+    latency, ours = own["latency_s"], own["estimator"] == OURS
+    errors = [
+        cell
+        for place in LINK_6
+        for cell in (
+            interval(own, place),
+            "" if ours else interval(own, f"{place}_more", sign="+"),
+        )
+    ]
     return [
         own["estimator"],
         own["causal"],
         "" if pd.isna(latency) else f"{1000 * latency:.0f} ms",
-        interval(own, "rmse"),
-        difference,
+        *errors,
         share(own.get("inside", np.nan)),
         interval(own, "score"),
         interval(own, "elbow"),
