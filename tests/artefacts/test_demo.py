@@ -52,6 +52,11 @@ def test_estimators_are_compared(demo: Workflow) -> None:
     assert "| momentum observer | yes |" in printed
 
 
+def test_currents_along_unseen_paths_are_predicted(demo: Workflow) -> None:
+    printed = run_benchmark("current_prediction", demo.folder, "demo")
+    assert "| demo_ur5 | 6 |" in printed
+
+
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
     assert demo.plan() == {}
 
