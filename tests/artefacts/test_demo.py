@@ -7,9 +7,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
+from tests.artefacts.documents import (
+    check_in_browser,
+    check_pdf,
+    check_results,
+    check_structure,
+    page_texts,
+)
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT, Workflow
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
@@ -141,9 +146,7 @@ def test_every_fault_is_found(results: Path) -> None:
 
 
 def test_every_page_says_that_it_is_simulated(results: Path) -> None:
-    pages = [
-        " ".join(page.extract_text().split()) for page in PdfReader(results / "report.pdf").pages
-    ]
+    pages = page_texts(results / "report.pdf")
     assert len(pages) > 5
     assert all(NOTICE in page for page in pages)
     html = (results / "report.html").read_text()
