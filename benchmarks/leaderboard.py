@@ -6,8 +6,9 @@ Takes results/<study> as built; by default `thesis` and `ur10e`. Every estimator
 benchmarks/estimators learns its constants and its noise from the contact-free recordings of the
 role `fit`, predicted by fits without their own path. It is then scored against the force sensor,
 or, without one, by the force that it shows on recordings of the role `validate`. Prints the tables
-and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too. `--quick` takes four
-estimators: it only shows that it runs.
+and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with the tables of
+`simulated_contacts`, `contact_link` and `current_prediction` as these left them in results/.
+`--quick` takes four estimators: it only shows that it runs.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from benchmarks.harness import page
 from benchmarks.harness.estimator import Estimator, Learned
 from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
+from benchmarks.harness.sections import sections
 from benchmarks.harness.study import Arm, read_arms
 from ur5lib.errors import InputError
 from ur5lib.tables import write_csv, write_text
@@ -60,7 +62,7 @@ def main() -> None:
     write_csv(table, RESULTS / "leaderboard.csv")
     print(page.tables(table))
     if given.page:
-        write_text(page.page(table, arms), PAGE)
+        write_text(page.page(table, arms, sections(RESULTS)), PAGE)
 
 
 def arm_rows(arm: Arm, chosen: list[Estimator]) -> Iterator[dict[str, Any]]:

@@ -19,7 +19,7 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.tables import read_csv
+from ur5lib.tables import read_json
 
 PROJECT = Path(__file__).resolve().parent.parent
 NEEDED = ["Snakefile", "config.yaml", "profiles", "ur5lib", "workflow"]
@@ -105,11 +105,14 @@ def audited(folder: Path, study: dict[str, Any]) -> pd.DataFrame:
         copy = shutil.copytree if (PROJECT / name).is_dir() else shutil.copy
         copy(PROJECT / name, folder / name)
     (folder / "config.yaml").write_text(yaml.safe_dump(study))
-    command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--until", "make_tables"]
+    pushed = [one["name"] for one in study["recordings"] if one["role"] == "contact"]
+    audits = [f"results/wrist/recordings/{name}/audit.json" for name in pushed]
+    command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--", *audits]
     environment = os.environ | {"PYTHONPATH": str(folder)}
     subprocess.run(command, cwd=folder, env=environment, check=True)
-    rows = read_csv(folder / "results" / "wrist" / "tables" / "audit.csv").fillna({"component": ""})
-    rows = rows[rows["recording"].str.startswith("seed_")]
+    known = [read_json(folder / audit) for audit in audits]
+    rows = pd.DataFrame([row for one in known if one for row in one["rows"]])
+    rows = rows.fillna({"component": ""})
     rows["truth"] = [
         TRUTH.get(key) for key in zip(rows["quantity"], rows["component"], strict=True)
     ]

@@ -6,12 +6,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
+from tests import warm_snakemake
 from tests.synthetic import write_recording
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
@@ -61,10 +62,16 @@ def ur10e_data() -> Path:
 
 
 @pytest.fixture(scope="session")
-def kept_motion(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where smoothed motion of real recordings is kept, for all processes of this session."""
+def common_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A temporary folder of all processes of this session."""
     folder = tmp_path_factory.getbasetemp()
-    return (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "motion"
+    return folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder
+
+
+@pytest.fixture(scope="session")
+def kept_motion(common_folder: Path) -> Path:
+    """Where smoothed motion of real recordings is kept, for all processes of this session."""
+    return common_folder / "motion"
 
 
 @pytest.fixture(scope="session")
@@ -116,15 +123,7 @@ class Workflow:
         return [sys.executable, "-m", "snakemake", *arguments]
 
     def run(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            self.command(*arguments),
-            cwd=self.folder,
-            env=self.environment,
-            text=True,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            check=False,
-        )
+        return warm_snakemake.run(self.folder, self.environment, arguments)
 
     def build(self, *arguments: str) -> None:
         done = self.run("--quiet", "rules", *arguments)
@@ -150,16 +149,33 @@ class Workflow:
         return {rule: count for rule, count in counts.items() if rule != "all"}
 
 
-@pytest.fixture(scope="session")
-def built_workflow(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
-    """A small study of two made-up recordings, built once."""
-    folder = copy_project(tmp_path_factory.mktemp("small") / "project")
+def build_once(folder: Path, prepare: Callable[[Path], None], *arguments: str) -> Workflow:
+    """A study in a copy of the project: the first process that needs it builds it, others wait.
+
+    prepare: puts recordings and settings into the copy.
+    """
+    with open(f"{folder}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not folder.exists():
+            with tempfile.TemporaryDirectory(dir=folder.parent) as other:
+                workflow = Workflow(copy_project(Path(other) / "project"))
+                prepare(workflow.folder)
+                workflow.build(*arguments)
+                workflow.folder.rename(folder)
+    return Workflow(folder)
+
+
+def put_small_study(folder: Path) -> None:
     (folder / "config.yaml").write_text(STUDY)
     write_recording(folder / "raw" / "still", seconds=3, seed=1)
     write_recording(folder / "raw" / "pushed", seconds=4, seed=2, force_sensor=True)
-    workflow = Workflow(folder)
-    workflow.build()
-    return workflow
+
+
+@pytest.fixture(scope="session")
+def built_workflow(common_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A small study of two made-up recordings, built once; each process has a copy."""
+    workflow = build_once(common_folder / "small", put_small_study)
+    return workflow.copied(tmp_path_factory.mktemp("small") / "project")
 
 
 @pytest.fixture
@@ -177,10 +193,12 @@ def demo(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
 
 
 @pytest.fixture(scope="session")
-def thesis_results(thesis_data: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The thesis study, built from its real recordings."""
-    folder = copy_project(tmp_path_factory.mktemp("thesis") / "project")
-    (folder / "raw").mkdir()
-    (folder / "raw" / "thesis").symlink_to(thesis_data)
-    Workflow(folder).build("--configfile", "workflow/studies/thesis.yaml")
-    return folder / "results" / "thesis"
+def thesis_results(thesis_data: Path, common_folder: Path) -> Path:
+    """The thesis study, built once from its real recordings; nothing may be written there."""
+
+    def prepare(folder: Path) -> None:
+        (folder / "raw").mkdir()
+        (folder / "raw" / "thesis").symlink_to(thesis_data)
+
+    arguments = "--configfile", "workflow/studies/thesis.yaml"
+    return build_once(common_folder / "thesis", prepare, *arguments).folder / "results" / "thesis"

@@ -5,16 +5,20 @@ from typing import NamedTuple
 
 
 class Asked(NamedTuple):
-    """How many seeds, from 0 on; quick: whether the run is only to show that it runs."""
+    """How many seeds; quick: whether the run is only to show that it runs."""
 
     seeds: int
     quick: bool
 
 
-def asked(about: str, seeds: int) -> Asked:
-    """Return the options of the command line; about: of the benchmark; seeds: unless stated."""
+def asked(about: str, seeds: int, first: int = 0) -> Asked:
+    """Return the options of the command line; about: of the benchmark; seeds: unless stated; first:
+    seed of a run.
+    """
     options = argparse.ArgumentParser(description=about.splitlines()[0])
-    options.add_argument("seeds", nargs="?", type=int, default=seeds, help="how many, from 0 on")
+    options.add_argument(
+        "seeds", nargs="?", type=int, default=seeds, help=f"how many, from {first} on"
+    )
     options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
     given = options.parse_args()
     return Asked(1 if given.quick else given.seeds, given.quick)

@@ -1,8 +1,8 @@
 """docs/benchmark.md: its tables and its sentences, all from the table of scores."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jinja2
 import pandas as pd
@@ -10,7 +10,7 @@ import pandas as pd
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness import tuning
 from benchmarks.harness.study import Arm
-from ur5lib.force import contact_figures, sensed_contacts
+from ur5lib.force import contact_figures, contact_link, sensed_contacts
 
 TEMPLATE = "page.md.jinja"
 SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
@@ -43,8 +43,11 @@ class Comparison(NamedTuple):
     others: int
 
 
-def page(table: pd.DataFrame, arms: Sequence[Arm]) -> str:
-    """Return the page in Markdown."""
+def page(table: pd.DataFrame, arms: Sequence[Arm], further: Mapping[str, Any]) -> str:
+    """Return the page in Markdown.
+
+    further: what the sections that other benchmarks measure hold, None where they did not run.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent),
         undefined=jinja2.StrictUndefined,
@@ -61,6 +64,7 @@ def page(table: pd.DataFrame, arms: Sequence[Arm]) -> str:
         compared=compared_table(table),
         tables=tables(table),
         methods=methods(table),
+        **further,
     )
 
 
@@ -75,6 +79,7 @@ def rule() -> dict[str, str]:
         "apart": f"{sensed_contacts.CLEAR:g} s",
         "touch": f"{sensed_contacts.TOUCH:g} N",
         "draws": f"{contact_figures.DRAWS}",
+        "sure": f"{contact_link.SURE:.0%}".replace("%", " %"),
     }
 
 

@@ -7,9 +7,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
+from tests.artefacts.documents import (
+    check_in_browser,
+    check_pdf,
+    check_results,
+    check_structure,
+    page_texts,
+)
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT, Workflow
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
@@ -50,6 +55,11 @@ def test_paths_are_left_out(demo: Workflow) -> None:
 def test_estimators_are_compared(demo: Workflow) -> None:
     printed = run_benchmark("leaderboard", demo.folder, "demo")
     assert "| momentum observer | yes |" in printed
+
+
+def test_currents_along_unseen_paths_are_predicted(demo: Workflow) -> None:
+    printed = run_benchmark("current_prediction", demo.folder, "demo")
+    assert "| demo_ur5 | 6 |" in printed
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
@@ -136,9 +146,7 @@ def test_every_fault_is_found(results: Path) -> None:
 
 
 def test_every_page_says_that_it_is_simulated(results: Path) -> None:
-    pages = [
-        " ".join(page.extract_text().split()) for page in PdfReader(results / "report.pdf").pages
-    ]
+    pages = page_texts(results / "report.pdf")
     assert len(pages) > 5
     assert all(NOTICE in page for page in pages)
     html = (results / "report.html").read_text()

@@ -8,9 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from pypdf import PdfReader
 
-from tests.artefacts.documents import check_in_browser, check_pdf, check_results, check_structure
+from tests.artefacts.documents import (
+    check_in_browser,
+    check_pdf,
+    check_results,
+    check_structure,
+    page_texts,
+)
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT
 from ur5lib.tables import channel, read_csv, read_json, read_table
@@ -558,8 +563,7 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: Page) ->
 def test_the_pdf_says_the_same(thesis_results: Path, torque: pd.DataFrame) -> None:
     sections = ["What was found", "Link models and joint torques", "Contact forces", "Errata"]
     check_pdf(thesis_results / "report.pdf", [*sections, "Methods", "Provenance"])
-    pages = PdfReader(thesis_results / "report.pdf").pages
-    text = "\n".join(page.extract_text() for page in pages)
+    text = "\n".join(page_texts(thesis_results / "report.pdf"))
     for value in torque.query("recording == @TABLE_5_6 and motion == 'target'")["mae"]:
         assert f"{value:.4f}" in text
 

@@ -17,14 +17,19 @@ PRINTED = {  # what each prints at least
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
-    "contact_link": ["1 seeds", "whose link is named"],
+    "contact_link": ["1 seeds", "| all | 3 |"],
+    "simulated_contacts": ["| least squares | no |", "RMSE at the elbow [N]"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
-OF_A_BUILT_STUDY = {"leave_out", "leaderboard"}  # in tests/artefacts/test_demo.py
+OF_A_BUILT_STUDY = {
+    "leave_out",
+    "leaderboard",
+    "current_prediction",
+}  # in tests/artefacts/test_demo.py
 
 
 def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
@@ -60,6 +65,7 @@ def test_what_make_bench_runs_is_there() -> None:
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
     slow = {
         "contact_link",
+        "simulated_contacts",
         "motion",
         "stand_seeds",
         "drift",

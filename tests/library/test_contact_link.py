@@ -6,14 +6,13 @@ import torch
 
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
-from ur5lib.force.contact_link import force_covariance, place_probabilities, touched_link
+from ur5lib.force.contact_link import SURE, link_probabilities, place_probabilities, touched_link
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import POSTURE
 from ur5lib.timeseries.arrays import Array
 
 LINKS = {"elbow": 2, "forearm": 3, "flange": 6}
-SIZE, COUNT = 45.0, 20  # N
-FORCE = force_covariance(SIZE)
+SIZES, COUNT = (5.0, 15.0, 45.0), 20  # N, samples
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +26,9 @@ def levers(ur5: Robot) -> dict[str, Array]:
 
 def told(torque: Array, levers: dict[str, Array], spread: float) -> int | None:
     noise = np.broadcast_to(spread**2 * np.eye(6), (COUNT, 6, 6))
-    return touched_link(place_probabilities(torque, levers, noise, FORCE, 0.1), LINKS)
+    return touched_link(
+        link_probabilities(place_probabilities(torque, levers, noise, SIZES), LINKS)
+    )
 
 
 @pytest.mark.parametrize("place", LINKS)
@@ -35,7 +36,7 @@ def test_the_touched_link_is_named(place: str, levers: dict[str, Array]) -> None
     random = np.random.default_rng(0)
     named = []
     for _ in range(40):
-        torque = (levers[place].mT @ random.normal(0, SIZE, 3)[:, None])[..., 0]
+        torque = (levers[place].mT @ random.normal(0, SIZES[-1], 3)[:, None])[..., 0]
         named.append(told(torque + random.normal(0, 0.3, 6), levers, 0.3))
     stated = [own for own in named if own is not None]
     assert len(stated) >= 20
@@ -56,9 +57,31 @@ def test_places_with_the_same_lever_are_not_told_apart(levers: dict[str, Array])
 def test_probabilities_sum_to_one_and_do_not_depend_on_units(levers: dict[str, Array]) -> None:
     torque = (levers["forearm"].mT @ np.full((3, 1), 3.0))[..., 0]
     noise = np.broadcast_to(np.eye(6), (COUNT, 6, 6))
-    found = place_probabilities(torque, levers, noise, FORCE, 0.1)
-    scaled = place_probabilities(
-        1e3 * torque, levers, 1e6 * noise, force_covariance(1e3 * SIZE), 0.1
-    )
+    found = place_probabilities(torque, levers, noise, SIZES)
+    scaled = place_probabilities(1e3 * torque, levers, 1e6 * noise, [1e3 * size for size in SIZES])
     assert sum(found.values()) == pytest.approx(1.0)
     assert scaled == pytest.approx(found)
+
+
+def guessed(sizes: tuple[float, ...], levers: dict[str, Array]) -> tuple[Array, Array]:
+    """Return the probability of the likeliest place, and whether it is the right one."""
+    random = np.random.default_rng(1)
+    noise = np.broadcast_to(4.0 * np.eye(6), (COUNT, 6, 6))
+    stated, right = [], []
+    for place in random.choice([*LINKS], 300):
+        torque = levers[place].mT @ random.normal(0, random.choice(sizes), 3)
+        found = place_probabilities(torque + random.normal(0, 2.0, 6), levers, noise, SIZES)
+        best = max(found, key=found.__getitem__)
+        stated.append(found[best])
+        right.append(best == place)
+    return np.array(stated), np.array(right)
+
+
+def test_the_stated_odds_hold(levers: dict[str, Array]) -> None:
+    stated, right = guessed(SIZES, levers)
+    assert stated.mean() == pytest.approx(right.mean(), abs=0.08)
+
+
+def test_a_force_below_the_noise_names_no_link(levers: dict[str, Array]) -> None:
+    stated, _ = guessed((1.0,), levers)
+    assert (stated >= SURE).mean() <= 0.02

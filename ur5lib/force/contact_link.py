@@ -1,14 +1,16 @@
 """Which place of the arm a force acts on, by the torques alone; or that they cannot tell.
 
-A force F without a moment at a place p leaves τ = J_pᵀ F + e in the joints. With F ~ N(0, P) and
-e ~ N(0, S), p(τ | place) = N(0, S + J_pᵀ P J_p), and places are compared by this likelihood. Joints
-beyond the touched link carry nothing; where two places explain the torques as well, none is named.
+A force F without a moment at a place p leaves τ = J_pᵀ F + e in the joints. With F ~ N(0, s² I) of
+an unknown size s and e ~ N(0, S), p(τ | place) = Σ_s p(s) N(0, S + s² J_pᵀ J_p), and places are
+compared by this likelihood. The size is left open: otherwise, weak contacts anywhere would be
+ascribed to the place whose forces do least in the joints. Joints beyond the touched link carry
+nothing; where two places explain the torques as well, none is named.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.special import softmax
+from scipy.special import logsumexp, softmax
 
 from ur5lib.force.gate import log_density
 from ur5lib.timeseries.arrays import Array
@@ -17,34 +19,36 @@ SURE = 0.95  # least probability of a link that is named
 
 
 def place_probabilities(
-    torque: Array, jacobians: Mapping[str, Array], noise: Array, force: Array, worth: float
+    torque: Array, jacobians: Mapping[str, Array], noise: Array, sizes: Sequence[float]
 ) -> dict[str, float]:
     """Return the probability that one contact is at each of the places, equal beforehand.
 
     torque: external, of the contact's samples, (n, 6) [Nm]; jacobians: J_v of the places, base
-    axes, (n, 3, 6) each; noise: S (n, 6, 6) [Nm²]; force: P (3, 3) [N²]; worth: independent values
-    per sample, at most 1.
+    axes, (n, 3, 6) each; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally likely beforehand. All
+    samples together count as one: the arm hardly moves on, and friction errs alike in all of them.
     """
     evidence = [
-        worth * log_density(torque, noise + lever.mT @ force @ lever).sum()
+        logsumexp([_mean_log_density(torque, noise, lever, size) for size in sizes])
         for lever in jacobians.values()
     ]
-    return dict(zip(jacobians, softmax(evidence).tolist(), strict=True))
+    return dict(zip(jacobians, np.asarray(softmax(evidence)).tolist(), strict=True))
 
 
-def touched_link(probability: Mapping[str, float], links: Mapping[str, int]) -> int | None:
-    """Return the link of a contact, None where the torques cannot tell.
+def _mean_log_density(torque: Array, noise: Array, lever: Array, size: float) -> float:
+    return float(log_density(torque, noise + size**2 * lever.mT @ lever).mean())
 
-    probability: of places; links: on which link each place is.
-    """
-    of_link = {
+
+def link_probabilities(
+    probability: Mapping[str, float], links: Mapping[str, int]
+) -> dict[int, float]:
+    """Return the probability of each link; links: on which link each place is."""
+    return {
         link: sum(p for place, p in probability.items() if links[place] == link)
-        for link in {*links.values()}
+        for link in sorted({*links.values()})
     }
-    best = max(of_link, key=of_link.__getitem__)
-    return best if of_link[best] >= SURE else None
 
 
-def force_covariance(size: float) -> Array:
-    """Return P (3, 3) [N²] of a force of a size [N] in any direction."""
-    return size**2 * np.eye(3)
+def touched_link(probability: Mapping[int, float]) -> int | None:
+    """Return the link of a contact, None where the torques cannot tell; probability: of links."""
+    best = max(probability, key=probability.__getitem__)
+    return best if probability[best] >= SURE else None

@@ -77,7 +77,7 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     channels = frames.columns.difference(["time", "epoch", "received"])
     same = np.ones(len(frames), dtype=bool)
     for channel in channels:  # one after the other, for the memory of long recordings
-        same &= frames[channel].diff() == 0
+        same &= np.diff(frames[channel].to_numpy(float), prepend=np.nan) == 0
     noisy = (frames[currents].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames

@@ -3,6 +3,7 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -84,8 +85,16 @@ class Results:
 
     def moving(self, recording: str) -> set[int]:
         """Return the joints, from 1, that move on a recording."""
-        told = self.rows("recordings", recording=recording)["moving_joints"].dropna()
-        return {int(float(joint)) for joints in told for joint in str(joints).split()}
+        return self._moving.get(recording, set())
+
+    @cached_property
+    def _moving(self) -> dict[str, set[int]]:
+        """Return the same of all recordings in which a joint moves: asked for row by row."""
+        told = self.tables["recordings"].dropna(subset="moving_joints")
+        return {
+            row.recording: {int(float(joint)) for joint in str(row.moving_joints).split()}
+            for row in told.itertuples()
+        }
 
     def stopped(self) -> bool:
         """Return whether a stop sign stands, on a recording or an arm."""

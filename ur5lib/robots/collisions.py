@@ -83,28 +83,30 @@ class Capsules:
 
     def near(self, q: Array, gradient: bool = False) -> Clearances:
         """Return the parts that are near each other along a path q (N, 6) [rad]."""
-        sample, distance, slopes, pairs = [], [], [], []
+        count = np.zeros(len(q), dtype=np.intp)
+        distance, slopes, geoms = [np.empty(0)], list[Array](), [np.empty((0, 2), dtype=np.intp)]
         for k, self._data.qpos in enumerate(q):
             mujoco.mj_kinematics(self._model, self._data)
             mujoco.mj_collision(self._model, self._data)
-            if gradient and self._data.ncon:
-                mujoco.mj_comPos(self._model, self._data)  # what Jacobians need
-            for contact in self._data.contact[: self._data.ncon] if self._data.ncon else ():
-                sample.append(k)
-                distance.append(contact.dist)
-                pairs.append(self._names(contact))
+            count[k] = self._data.ncon
+            if count[k]:
+                contacts = self._data.contact
+                distance.append(contacts.dist.copy())
+                geoms.append(contacts.geom.copy())
                 if gradient:
-                    slopes.append(self._gradient(contact))
+                    mujoco.mj_comPos(self._model, self._data)  # what Jacobians need
+                    slopes += map(self._gradient, contacts)
         return Clearances(
-            np.array(sample, dtype=np.intp),
-            np.array(distance),
+            np.repeat(np.arange(len(q)), count),
+            np.concatenate(distance),
             np.array(slopes).reshape(-1, 6),
-            pairs,
+            self._names(np.concatenate(geoms)),
         )
 
-    def _names(self, contact: mujoco.MjContact) -> tuple[str, str]:
-        first, second = sorted(self._model.geom(geom).name for geom in contact.geom)
-        return first, second
+    def _names(self, geoms: NDArray[np.intp]) -> list[tuple[str, str]]:
+        """Return the names of pairs of parts (M, 2), in alphabetical order."""
+        names = np.array([self._model.geom(k).name for k in range(self._model.ngeom)])
+        return [(first, second) for first, second in np.sort(names[geoms], axis=1).tolist()]
 
     def _gradient(self, contact: mujoco.MjContact) -> Array:
         """Return ∂distance/∂q (6,) = n · (J_2 - J_1), with n from the first part to the second."""

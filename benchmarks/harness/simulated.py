@@ -1,0 +1,91 @@
+"""The page's table of estimators on simulated arms, from results/simulated_contacts.csv."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from benchmarks.estimators.ours import OURS
+from benchmarks.harness.page import interval, markdown, number, share
+from ur5lib.force.contact_figures import DRAWS, TAILS
+from ur5lib.timeseries.arrays import Array
+
+LINK_6 = ("flange", "tool")  # places at which estimators may be right
+COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]", "less ours [N]",
+           "RMSE at the tool [N]", "less ours [N]", "in band", "interval score [N]",
+           "RMSE at the elbow [N]", "free, median [N]"]  # fmt: skip
+
+
+def simulated_table(table: pd.DataFrame) -> str:
+    """Return a row for each estimator, the smallest error first; intervals: resamples of seeds.
+
+    Estimators that lack any seed are left out.
+    """
+    seeds = table["seed"].nunique()
+    counts = table["estimator"].value_counts()
+    names = [name for name in counts.index if counts[name] == seeds]
+    drawn = draws(seeds)
+    by_name = {name: table[table["estimator"] == name].sort_values("seed") for name in names}
+    ours = {place: rmse(by_name[OURS], place, drawn) for place in LINK_6}
+    rows = pd.DataFrame([row(own, drawn, ours) for own in by_name.values()])
+    return markdown(COLUMNS, [cells(own) for _, own in rows.sort_values("flange").iterrows()])
+
+
+def draws(seeds: int) -> Array:
+    """Return weights (DRAWS + 1, seeds) of resampled seeds; the first are all one."""
+    random = np.random.default_rng(0)
+    drawn = random.multinomial(seeds, np.full(seeds, 1 / seeds), size=DRAWS)
+    return np.vstack([np.ones(seeds), drawn])
+
+
+def pooled(own: pd.DataFrame, quantity: str, places: tuple[str, ...], drawn: Array) -> Array:
+    """Return the mean of a quantity over the samples in contact, of all seeds and resamples."""
+    total = sum(own[f"{place}_{quantity}"].to_numpy() for place in places)
+    samples = sum(own[f"{place}_samples"].to_numpy() for place in places)
+    return np.asarray((drawn @ total) / (drawn @ samples))
+
+
+def rmse(own: pd.DataFrame, place: str, drawn: Array) -> Array:
+    """Return the RMSE [N] of the force vector while a place is touched."""
+    return np.sqrt(pooled(own, "square", (place,), drawn))
+
+
+def row(own: pd.DataFrame, drawn: Array, ours: Mapping[str, Array]) -> dict[str, Any]:
+    """Return an estimator's figures, with 95 % intervals."""
+    found: dict[str, Any] = {name: own[name].iloc[0] for name in ("estimator", "causal")}
+    found["latency_s"] = own["latency_s"].max()
+    known = {"elbow": rmse(own, "elbow", drawn)}
+    for place, reference in ours.items():
+        known[place] = rmse(own, place, drawn)
+        known[f"{place}_more"] = known[place] - reference
+    if "flange_score" in own and own["flange_score"].notna().all():
+        known["score"] = pooled(own, "score", LINK_6, drawn)
+        found["inside"] = pooled(own, "inside", LINK_6, drawn)[0]
+    for name, values in known.items():
+        low, high = np.quantile(values[1:], TAILS)
+        found |= {name: values[0], f"{name}_low": low, f"{name}_high": high}
+    return found | {"free": own["free"].median()}
+
+
+def cells(own: pd.Series) -> list[str]:
+    """Return an estimator's cells."""
+    latency, ours = own["latency_s"], own["estimator"] == OURS
+    errors = [
+        cell
+        for place in LINK_6
+        for cell in (
+            interval(own, place),
+            "" if ours else interval(own, f"{place}_more", sign="+"),
+        )
+    ]
+    return [
+        own["estimator"],
+        own["causal"],
+        "" if pd.isna(latency) else f"{1000 * latency:.0f} ms",
+        *errors,
+        share(own.get("inside", np.nan)),
+        interval(own, "score"),
+        interval(own, "elbow"),
+        number(own["free"]),
+    ]

@@ -1,0 +1,208 @@
+"""All estimators of the contact force on simulated arms, seed by seed.
+
+    python -m benchmarks.simulated_contacts [<seeds>] [--quick]
+
+Each seed is an arm with friction of its own: two excitations and one motion along way-points with
+pauses, without contact, and one recording along another path that is pushed in turn at the flange,
+at a tool 15 cm beyond it and at the elbow. The workflow identifies links and friction from the
+contact-free recordings and estimates the forces; nothing is taken from the truth but what the
+estimates are compared with. Arms take turns; motion, forces, directions and noise are drawn by the
+seed. Adds to results/simulated_contacts.csv the seeds that it lacks, from 0 on, so that a run may
+be interrupted, and prints the table that `make leaderboard` puts into the page.
+"""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Collection, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import torch
+import yaml
+
+from benchmarks.contact_link import EACH, PAUSE, PLACES, pushes
+from benchmarks.estimators import all_estimators
+from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
+from benchmarks.harness.options import asked
+from benchmarks.harness.run import Estimate, Run
+from benchmarks.harness.scores import known_to_all, masked, score_by_sample
+from benchmarks.harness.simulated import simulated_table
+from benchmarks.harness.study import Arm, label_paths, read_run
+from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
+from ur5lib.force.sensed_contacts import CONTACT, is_free
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.robots.description import load_robot
+from ur5lib.stand.plan import POSTURE
+from ur5lib.tables import read_csv, read_json, write_csv
+from ur5lib.timeseries.arrays import Array
+
+TABLE = RESULTS / "simulated_contacts.csv"
+ARMS = ("ur5", "ur5e", "ur10e")
+SEEDS = 30
+FIT_SECONDS = 20.0
+LIMIT_SHARES = (0.5, 0.1)  # of the limits of speed, in the excitations to fit on
+PAUSE_S = 1.0  # s at each way-point of the third recording to fit on
+FRICTION = (0.7, 1.3)  # range of each joint's friction, relative to the usual one
+SWAY = 0.4  # rad, by which postures differ
+NEEDED = ("forces.parquet", "published_forces.parquet", "sensor.parquet")
+LEFT_OUT = {own.name for own in PUBLISHED}  # the stand only imitates the controller
+NORMAL = 1.96  # standard deviations of a 95 % band
+
+
+def main() -> None:
+    """Simulate, estimate, and write the seeds that are missing; print the table."""
+    seeds, quick = asked(__doc__, SEEDS)
+    torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
+    if quick:
+        print(simulated_table(pd.DataFrame(seed_rows(0, 1, QUICK))))
+        return
+    table = read_csv(TABLE) if TABLE.exists() else pd.DataFrame({"seed": []})
+    names = [own.name for own in all_estimators() if own.name not in LEFT_OUT]
+    for seed in sorted({*range(seeds)} - {*table["seed"]}):
+        table = pd.concat([table, pd.DataFrame(seed_rows(seed, EACH, names))])
+        write_csv(table, TABLE)
+        print(f"seed {seed} of {seeds}", file=sys.stderr, flush=True)
+    print(simulated_table(table))
+
+
+def seed_rows(seed: int, each: int, names: Collection[str]) -> Iterator[dict[str, Any]]:
+    """Yield the figures of the estimators on a seed's pushed recording."""
+    contacts = pushes(seed, each)
+    study = planned(seed, contacts)
+    folder, arm = RESULTS / study["study"], ARMS[seed % len(ARMS)]
+    try:
+        built(study)
+        robot = load_robot(folder / "parameters" / arm / "arm.yaml")
+        friction = read_json(folder / "parameters" / arm / "friction.json")
+        folders = [folder / "recordings" / own["name"] for own in study["recordings"]]
+        runs = [run for own in folders if (run := read_run(own, robot, friction)) is not None]
+        time = Signals.read(folders[-1] / "signals.parquet").time
+    finally:
+        for own in (folder, Path("raw", study["study"])):
+            shutil.rmtree(own, ignore_errors=True)
+    *free, pushed = label_paths(runs)
+    known = Arm(study["study"], arm, free, [pushed], [])
+    chosen = [own for own in all_estimators() if own.name in names]
+    entries = {entry.estimator.name: entry for entry in learnt(known, chosen)}
+    about = {"seed": seed, "arm": arm, "motion": motion_of(seed)["kind"]}
+    for row in figures(pushed, estimates(entries, pushed), time, contacts):
+        own = entries[row["estimator"]]
+        causal = "yes" if own.estimator.causal else "no"
+        yield about | {"causal": causal, "latency_s": own.learned.latency} | row
+
+
+def planned(seed: int, contacts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the study of a seed: three recordings to fit on, and the pushed one."""
+    random = np.random.default_rng([seed, 1])
+    friction = {
+        name: random.uniform(*FRICTION, 6).tolist() for name in ("coulomb_factor", "viscous_factor")
+    }
+    moves = [*(fourier(random, share) for share in LIMIT_SHARES), way_points(random, PAUSE_S)]
+    plans: list[dict[str, Any]] = [{"trajectory": own, "seconds": FIT_SECONDS} for own in moves]
+    length = contacts[-1]["start_s"] + PAUSE
+    plans.append({"trajectory": motion_of(seed), "seconds": length, "contacts": contacts})
+    entries = [
+        {
+            "name": f"path_{k + 1}",
+            "robot": ARMS[seed % len(ARMS)],
+            "format": "thesis-csv",
+            "role": "contact" if "contacts" in plan else "fit",
+            "simulate": plan | friction | {"seed": len(plans) * seed + k},
+        }
+        for k, plan in enumerate(plans)
+    ]
+    return {"study": f"simulated-{seed}", "title": f"Seed {seed}", "recordings": entries}
+
+
+def fourier(random: np.random.Generator, share: float) -> dict[str, Any]:
+    """Return a drawn excitation about a drawn posture; share: of the limits, that is used."""
+    return {
+        "kind": "fourier",
+        "draw": int(random.integers(10**6)),
+        "posture": posture(random),
+        "period_s": FIT_SECONDS,
+        "harmonics": 10,
+        "limit_share": share,
+    }
+
+
+def motion_of(seed: int) -> dict[str, Any]:
+    """Return the motion of the pushed recording: excitation, way-points or standstill."""
+    random = np.random.default_rng([seed, 2])
+    moves = [
+        fourier(random, LIMIT_SHARES[0]),
+        way_points(random, 0.0),
+        {"kind": "standstill", "posture": posture(random)},
+    ]
+    return moves[int(random.integers(len(moves)))]
+
+
+def way_points(random: np.random.Generator, pause: float) -> dict[str, Any]:
+    """Return a motion along drawn way-points with pauses [s]."""
+    drawn = [posture(random) for _ in range(4)]
+    return {"kind": "movej", "way_points": drawn, "pause_s": pause}
+
+
+def posture(random: np.random.Generator) -> list[float]:
+    """Return a drawn posture [rad], far from singularities."""
+    drawn: list[float] = (POSTURE + random.uniform(-SWAY, SWAY, 6)).tolist()
+    return drawn
+
+
+def built(study: dict[str, Any]) -> None:
+    """Simulate, identify, and estimate forces, by the workflow."""
+    names = [own["name"] for own in study["recordings"]]
+    targets = [f"results/{study['study']}/recordings/{own}/{f}" for own in names for f in NEEDED]
+    with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
+        yaml.safe_dump(study, file)
+        file.flush()
+        command = [sys.executable, "-m", "snakemake", "--cores", "1", "--quiet", "all"]
+        subprocess.run([*command, "--configfile", file.name, "--", *targets], check=True)
+
+
+def figures(
+    run: Run, found: Mapping[str, Estimate], time: Array, contacts: list[dict[str, Any]]
+) -> Iterator[dict[str, Any]]:
+    """Yield errors in contact, by place, and the force shown while free; time: (N,) [s].
+
+    Sums over samples, so that seeds can be pooled: square [N²], of the force's error vector; score
+    [N] and inside: mean over the axes.
+    """
+    true = {place: force_at(place, time, contacts) for place in PLACES}
+    common = known_to_all(found)
+    touched = {
+        place: common & (np.linalg.norm(own, axis=1) > CONTACT) for place, own in true.items()
+    }
+    whole = np.hstack([sum(true.values()), np.zeros_like(time)[:, None].repeat(3, axis=1)])
+    free = common & is_free(np.linalg.norm(whole[:, :3], axis=1), run.period)
+    for name, estimate in found.items():
+        own = masked(estimate, common)
+        square = ((own.wrench - whole)[:, :3] ** 2).sum(axis=1)
+        row: dict[str, Any] = {"estimator": name}
+        for place, rows in touched.items():
+            row |= {f"{place}_samples": rows.sum(), f"{place}_square": square[rows].sum()}
+            row |= {f"{place}_force": (whole[rows, :3] ** 2).sum()}
+            if own.std is not None:
+                score = score_by_sample(own.wrench, own.std, whole)[rows]
+                inside = (np.abs(own.wrench - whole) <= NORMAL * own.std)[rows, :3]
+                row |= {f"{place}_score": score.sum(), f"{place}_inside": inside.mean(axis=1).sum()}
+        yield row | {"free": float(np.median(np.linalg.norm(own.wrench[free, :3], axis=1)))}
+
+
+def force_at(place: str, time: Array, contacts: list[dict[str, Any]]) -> Array:
+    """Return the force (N, 3) [N] on a place: pushes rise and fall like the square of a sine."""
+    force = np.zeros((len(time), 3))
+    for contact in contacts:
+        if (contact["link"], contact["point"]) == PLACES[place]:
+            since = (time - contact["start_s"]) / contact["seconds"]
+            swell = np.where((since > 0) & (since < 1), np.sin(np.pi * since) ** 2, 0.0)
+            force += swell[:, None] * contact["force"]
+    return force
+
+
+if __name__ == "__main__":
+    main()
