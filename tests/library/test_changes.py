@@ -224,6 +224,16 @@ def test_values_without_any_spread_have_no_change_but_the_true_one() -> None:
     assert (change.kind, change.size) == ("jump", pytest.approx(JUMP))
 
 
+@pytest.mark.parametrize("groups", [False, True])
+def test_a_change_needs_three_degrees_of_freedom_beside_it(groups: bool) -> None:
+    """Six dates less a constant, a covariate and a change leave three; two groups, one less."""
+    random, day = np.random.default_rng(4), np.arange(6.0)
+    value = np.where(day < 3, 0.0, 10.0) + 0.01 * random.standard_normal(6)
+    group = np.array([0, 1, 0, 1, 0, 1]) if groups else None
+    series = Series(day, value, np.full(6, 0.01), random.standard_normal(6), group)
+    assert len(find_changes(series, LEVEL)) == (not groups)
+
+
 def test_the_variation_is_what_the_errors_leave() -> None:
     value, ones = np.random.default_rng(0).normal(0, 2, 5000), np.ones(5000)
     assert variation(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
