@@ -371,7 +371,8 @@ def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
     J = run.jacobian.copy()
     J[100:110] = np.nan
     estimate = replace(run, jacobian=J).estimate()
-    for values in vars(estimate).values():
+    for name in StretchEstimate._fields:
+        values = getattr(estimate, name)
         unknown = np.isnan(values.reshape(len(values), -1)).all(axis=1)
         np.testing.assert_array_equal(np.flatnonzero(unknown), np.arange(100, 110))
         assert np.isfinite(np.delete(values, np.arange(100, 110), axis=0)).all()
