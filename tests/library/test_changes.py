@@ -234,6 +234,16 @@ def test_a_change_needs_three_degrees_of_freedom_beside_it(groups: bool) -> None
     assert len(find_changes(series, LEVEL)) == (not groups)
 
 
+def test_what_a_jump_owes_to_the_covariate_is_by_its_means_before_and_after() -> None:
+    random, day = np.random.default_rng(5), np.arange(20.0)
+    warmth = np.where(day < 12, 0.0, 5.0) + random.standard_normal(20)
+    value = 0.3 * warmth + np.where(day < 12, 0.0, 10.0) + 0.01 * random.standard_normal(20)
+    (change,) = find_changes(Series(day, value, np.full(20, 0.01), warmth), LEVEL)
+    assert change.size == pytest.approx(10.0, rel=0.01)
+    rise = warmth[12:].mean() - warmth[:12].mean()
+    assert change.explained == pytest.approx(0.3 * rise, rel=0.02)
+
+
 def test_the_variation_is_what_the_errors_leave() -> None:
     value, ones = np.random.default_rng(0).normal(0, 2, 5000), np.ones(5000)
     assert variation(value, ones) == pytest.approx(2**2 - 1, rel=0.1)
