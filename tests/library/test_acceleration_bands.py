@@ -6,7 +6,7 @@ import pytest
 from benchmarks.motion import judged, simulated, with_imu
 from ur5lib.pipeline.acceleration_ranges import by_range
 from ur5lib.report.tables.acceleration_bands import band_rows
-from ur5lib.signals.noise import innovation_test
+from ur5lib.signals.innovations import innovation_test
 from ur5lib.signals.smoothing import widening
 from ur5lib.timeseries.arrays import Array
 

@@ -26,10 +26,10 @@ from ur5lib.dynamics.kinematics import (
 from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
 from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
+from ur5lib.signals.innovations import innovation_test
 from ur5lib.signals.noise import (
     EncoderNoise,
     encoder_noise,
-    innovation_test,
     motion_step,
     moving_mean,
     quantum,

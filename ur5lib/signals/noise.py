@@ -1,4 +1,4 @@
-"""The noise of encoders, estimated from a Kalman filter's innovations; tests of innovations."""
+"""The noise of encoders, estimated from a Kalman filter's innovations."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -9,9 +9,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import expm
 from scipy.ndimage import uniform_filter1d
 from scipy.optimize import minimize
-from scipy.stats import chi2
 
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 from ur5lib.timeseries.steady_filter import SteadyFilter, steady_filter
 
@@ -24,7 +23,6 @@ RESOLUTION = 1e-6  # rad, rad/s: the last digit of a recording, and the least no
 DIGITS = 6  # decimals in which positions are compared
 RARE = 0.05  # share of the most frequent difference's count, below which another is rare
 NOTHING = 1e-20  # keeps the likelihood of perfect data bounded
-LAGS = 10  # of the portmanteau test
 LONGEST = 40.0  # s, of the stretch from which constant parameters are estimated
 # What the optimiser varies: log jerk and log precision of velocities, both relative to the
 # positions' noise; lag in cycles; log intensity of the vibration, relative to that noise, too; log
@@ -53,26 +51,6 @@ class EncoderNoise:
     lag: Array
 
 
-@dataclass(frozen=True)
-class InnovationTest:
-    """Tests of normalised innovations: variance one, and whiteness.
-
-    variance: (M,), mean squares; variance_limits: (M, 2), their 95 % interval; portmanteau: (M,),
-    Ljung-Box statistic; portmanteau_limit: its 95 % point; consistent, white: (M,), whether the
-    variance and the whiteness pass; colour: (M,), how many times larger the variance of a mean of
-    successive innovations is than that of white ones, 1 + 2 Σ ρ over LAGS lags: at least 1, and 1
-    for those that pass as white.
-    """
-
-    variance: Array
-    variance_limits: Array
-    portmanteau: Array
-    portmanteau_limit: float
-    consistent: Mask
-    white: Mask
-    colour: Array
-
-
 def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderNoise:
     """Estimate the noise by maximum likelihood of the innovations of each joint's Kalman filter.
 
@@ -87,29 +65,6 @@ def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderN
     period = float(np.median(np.diff(time)))
     joints = [_joint_noise(time, segment, *joint, period) for joint in zip(q.T, qd.T, strict=True)]
     return EncoderNoise(*(np.stack(each, axis=-1) for each in zip(*joints, strict=True)))
-
-
-def innovation_test(innovations: Array, segment: Labels) -> InnovationTest:
-    """Test normalised innovations (N, M), NaN where nothing was measured.
-
-    The mean square is compared with χ². The autocorrelations ρ over LAGS lags, within segments, are
-    compared with those of white noise by the test of Ljung and Box.
-    """
-    count = np.isfinite(innovations).sum(axis=0)
-    variance = np.nanmean(innovations**2, axis=0)
-    limits = chi2.ppf([0.025, 0.975], count[:, None]) / count[:, None]
-    portmanteau, colour = np.zeros(len(count)), np.ones(len(count))
-    for lag in range(1, LAGS + 1):
-        product = innovations[lag:] * innovations[:-lag]
-        product[segment[lag:] != segment[:-lag]] = np.nan
-        correlation = np.nanmean(product, axis=0) / variance
-        portmanteau += count * (count + 2) * correlation**2 / (count - lag)
-        colour += 2 * correlation
-    limit = float(chi2.ppf(0.95, LAGS))
-    consistent = (limits[:, 0] <= variance) & (variance <= limits[:, 1])
-    white = portmanteau <= limit
-    colour = np.where(white, 1, np.maximum(colour, 1))
-    return InnovationTest(variance, limits, portmanteau, limit, consistent, white, colour)
 
 
 def quantum(q: Array) -> float:

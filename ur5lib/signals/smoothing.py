@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
+from ur5lib.signals.innovations import InnovationTest, innovation_test
 from ur5lib.signals.noise import (
     EncoderNoise,
-    InnovationTest,
     encoder_noise,
-    innovation_test,
     measures,
     motion_step,
     quantum,

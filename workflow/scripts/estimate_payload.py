@@ -23,7 +23,8 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, Torques.read(input.torques), model)
     per_load, summary = None, dict[str, Any]()
     if record is not None and friction["from"]:
-        per_load = load_regressor(robot, model, motion)
+        # read anew, so that a long recording's accelerations are not held throughout
+        per_load = load_regressor(robot, model, Motion.read(input.motion))
         smooth = smoother(params.order, params.cutoff_hz)
         if smoothed_moving(record, smooth).any():  # at rest, friction hides a load
             fit = fit_for(params.recording, friction)
