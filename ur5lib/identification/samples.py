@@ -5,8 +5,9 @@ comparable; fast changes of the measured current are noise.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -47,6 +48,14 @@ class Record:
     torque: Array
     current: Array
     temperature: Array | None = None
+    # What was low-passed once: fits without each path need the same samples again.
+    _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def once(self, key: Any, thinned: Callable[[], Any]) -> Any:
+        """Return thinned samples of this recording, computed when they are first asked for."""
+        if key not in self._thinned:
+            self._thinned[key] = thinned()
+        return self._thinned[key]
 
     def joint(self, joint: int, presliding: float) -> JointMotion:
         """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad]."""
@@ -160,21 +169,29 @@ def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
 def _record_samples(
     record: Record,
     smooth: Smooth,
-    terms: Sequence[Term],
+    terms: tuple[Term, ...],
     presliding: Sequence[float],
     block: Labels,
 ) -> list[tuple[Array, Array, Array, Mask, Labels]]:
     """Return columns, held, current, moving and block of each joint, low-passed and thinned."""
     every = max(1, round(STEP / record.period))
-    moving = smoothed_moving(record, smooth)[::every]
+    moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
     joints = []
     for joint in range(6):
-        sources = (*design(record, joint, terms, presliding[joint]), record.current[:, joint])
-        smoothed = smooth(np.column_stack(sources), record)[::every]
+        key = smooth, terms, joint, presliding[joint]
+        smoothed = record.once(key, partial(_smoothed, record, *key, every))
         kept = np.isfinite(smoothed).all(axis=1)
         columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T
         joints.append((columns, held, current, moving[kept, joint], block[::every][kept]))
     return joints
+
+
+def _smoothed(
+    record: Record, smooth: Smooth, terms: Sequence[Term], joint: int, presliding: float, every: int
+) -> Array:
+    """Return the columns of a joint, held and current, low-passed, and every so many rows."""
+    sources = (*design(record, joint, terms, presliding), record.current[:, joint])
+    return smooth(np.column_stack(sources), record)[::every].copy()
 
 
 def _unit(path: Labels, block: Labels) -> Labels:
