@@ -28,6 +28,7 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 FAST = "Movement_No4_Acc"
+STANDSTILL = "Movement_No10_Standstill_ForceSensor_All"
 PERIOD = 0.008
 K0, K1 = np.full(6, 400.0), np.full(6, 30.0)
 PRINTED_POSITION = {  # Table 5.5 [1e-4 rad]
@@ -370,3 +371,10 @@ def test_fast_moves_determine_gains(real_ur5: RealStudy) -> None:
     for joint in estimate_gains(recorded(real_ur5.recording(FAST)))[:4]:
         assert joint.position.determined
         assert joint.velocity.determined
+
+
+def test_an_arm_at_rest_determines_no_gain(real_ur5: RealStudy) -> None:
+    """Whatever the loop, a target that stays is followed exactly, but for noise."""
+    for joint in estimate_gains(recorded(real_ur5.recording(STANDSTILL))):
+        assert not joint.position.determined
+        assert not joint.velocity.determined

@@ -291,11 +291,12 @@ def _estimate(joint: _Joint) -> JointGains:
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
+    stiff_cost = np.sum((stiff / noise) ** 2)
     position, velocity = (
-        _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit)
+        _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit, stiff_cost)
         for axis in (0, 1)
     )
-    return JointGains(position, velocity, noise, least, limit, np.sum((stiff / noise) ** 2))
+    return JointGains(position, velocity, noise, least, limit, stiff_cost)
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:
@@ -336,8 +337,19 @@ def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[
     return [np.array([least(axis, node) for node in range(NODES)]) for axis in (0, 1)]
 
 
-def _gain(best: float, std: float, grid: Array, profile: Array, least: float, limit: float) -> Gain:
+def _gain(
+    best: float,
+    std: float,
+    grid: Array,
+    profile: Array,
+    least: float,
+    limit: float,
+    stiff: float,
+) -> Gain:
     """Return a gain and the range in which its profile stays within the limit.
+
+    If a joint that follows its target exactly fits as well, the range has no upper end: the arm is
+    at rest, or moves too slowly.
 
     The square root of the cost's rise is nearly linear in the log gain (Bates and Watts 1988,
     chapter 6), so it is interpolated linearly.
@@ -347,6 +359,8 @@ def _gain(best: float, std: float, grid: Array, profile: Array, least: float, li
     rise = np.insert(np.sqrt(np.maximum(profile - least, 0)), place, 0.0)
     allowed = np.sqrt(limit - least)
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
+    if stiff <= limit:
+        high = float(grid[-1])
     determined = low > grid[0] and high < grid[-1] and high - low < np.log(KNOWN)
     value, low, high = np.exp([best, low, high])
     return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)

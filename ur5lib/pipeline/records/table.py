@@ -93,6 +93,12 @@ class ByKey(Mapping[str, Array]):
     def __len__(self) -> int:
         return len(self._loads)
 
+    def __or__(self, other: Mapping[str, Array]) -> dict[str, Array]:
+        return {**self, **other}
+
+    def __ror__(self, other: Mapping[str, Array]) -> dict[str, Array]:
+        return {**other, **self}
+
 
 class Source(NamedTuple):
     """A table's columns: their names, and a function that loads some of them, (N, len(names))."""
