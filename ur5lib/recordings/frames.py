@@ -1,7 +1,7 @@
 """Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -65,8 +65,8 @@ def repair_frames(
     _expect_frames(frames, source)
     given, frames = frames, _whole_channels(frames, findings, source)
     frames = in_order(drop_implausible(frames, source, "robot", findings), findings)
-    # The caller's table loses its columns, so that each can be freed when it is on the grid.
-    given.drop(columns=given.columns, inplace=True)  # noqa: PD002
+    for name in [*given]:
+        del given[name]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)
     timing = _timing(frames, cycle, source)
     _report_steps(timing, findings)
@@ -168,11 +168,8 @@ def _on_grid(
     """
     columns_at, flags = dict[str, Array](), dict[str, Mask]()
     lost = np.zeros(sum(len(stretch.slots) for stretch in stretches), dtype=bool)
-    vectors = _vectors(frames)
-    received = {column: frames[column].to_numpy() for column in chain(*vectors.values())}
-    frames.drop(columns=[*received], inplace=True)  # noqa: PD002
-    for name, columns in vectors.items():
-        values = np.stack([received.pop(column) for column in columns], axis=1).astype(float)
+    for name, columns in _vectors(frames).items():
+        values = np.stack([frames.pop(column) for column in columns], axis=1).astype(float)
         filled, flag, beyond = _fill_stretches(values, stretches, timing, max_gap, name)
         columns_at |= {column: filled[:, k].copy() for k, column in enumerate(columns)}
         lost |= beyond
