@@ -1,7 +1,6 @@
 """Typed records: what they hold comes back from a table, with its units."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import Field, fields
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
+from tests.equal_records import same
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
@@ -74,14 +74,6 @@ def whole(record: type[Table], count: int = 4) -> Table:
         keys = own.metadata["channel"].keys or KEYS
         values[own.name] = {key: array(own) for key in keys} if is_family(own) else array(own)
     return record(**values)
-
-
-def same(own: Table, other: Table) -> None:
-    assert type(own) is type(other)
-    for field in fields(own):
-        values = [getattr(record, field.name) for record in (own, other)]
-        by_key = [dict(value) if isinstance(value, Mapping) else value for value in values]
-        np.testing.assert_equal(*by_key)
 
 
 def test_of_several_channels_only_those_that_are_used_are_loaded(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.equal_records import same
 from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
@@ -167,7 +168,7 @@ def test_a_template_is_of_the_same_payload(weighty: tuple[Free, Free], tmp_path:
     assert estimates(own.estimate(alike)) == {"Fmap", "observer", "repeat"}
     both = own.estimate(heavy, alike)
     alone = own.estimate(alike)
-    np.testing.assert_equal(asdict(both), asdict(alone))  # the loaded one has no part in it
+    same(both, alone)  # the loaded one has no part in it
     assert estimates(heavy.estimate(own)) == {"Fmap", "observer"}
 
 
