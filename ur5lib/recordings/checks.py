@@ -130,16 +130,20 @@ def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[str]:
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
     """Return, for moving joints, the least-squares ratio of one channel's slope to another."""
-    values, rates = (channel(robot, name) for name in (below, above))
     whole = (robot["segment"].diff() == 0).to_numpy() & ~robot["interpolated"].to_numpy()
     whole &= ~robot["interpolated"].shift(fill_value=True).to_numpy(bool)
-    slope = np.diff(values, axis=0)[whole[1:]] / period
-    mean = (rates[1:] + rates[:-1])[whole[1:]] / 2
-    moves = np.sqrt(np.nanmean(slope**2, axis=0)) if len(slope) else np.zeros(6)
-    rests = np.sqrt(np.nanmean(mean**2, axis=0)) if len(slope) else np.zeros(6)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        ratio = np.nansum(slope * mean, axis=0) / np.nansum(mean**2, axis=0)
-    return {j: float(ratio[j]) for j in range(6) if max(moves[j], rests[j]) > MOVES}
+    if not whole.any():
+        return {}
+    found = {}
+    for joint in range(6):  # one after the other, for the memory of long recordings
+        value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
+        slope = np.diff(value)[whole[1:]] / period
+        mean = (rate[1:] + rate[:-1])[whole[1:]] / 2
+        moves, rests = (np.sqrt(np.nanmean(each**2)) for each in (slope, mean))
+        if max(moves, rests) > MOVES:
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found[joint] = float(np.nansum(slope * mean) / np.nansum(mean**2))
+    return found
 
 
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
