@@ -12,7 +12,6 @@ scored, too, where they lie there already.
 
 import argparse
 import shutil
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations, product
@@ -24,6 +23,7 @@ import pandas as pd
 import yaml
 from numpy.typing import NDArray
 
+from benchmarks.harness.options import built
 from benchmarks.harness.prediction import (
     CONSTANT,
     FIGAROH,
@@ -98,10 +98,7 @@ def main() -> None:
     options.add_argument("studies", nargs="*", default=STUDIES, help="names of built studies")
     options.add_argument("--quick", action="store_true", help="as without: it takes seconds")
     given = options.parse_args()
-    folders = [RESULTS / name for name in given.studies]
-    for folder in folders:
-        if not (folder / "configuration.yaml").exists():
-            sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
+    folders = built(RESULTS / name for name in given.studies)
     arms = [arm for folder in folders for arm in read_arms(folder)]
     for arm in arms:
         write_samples(arm)

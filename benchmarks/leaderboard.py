@@ -24,6 +24,7 @@ from benchmarks.estimators import all_estimators
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness import page
 from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.options import built
 from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
 from benchmarks.harness.sections import sections
@@ -51,10 +52,7 @@ def main() -> None:
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
     options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
     given = options.parse_args()
-    folders = [RESULTS / name for name in given.studies]
-    for folder in folders:
-        if not (folder / "configuration.yaml").exists():
-            sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
+    folders = built(RESULTS / name for name in given.studies)
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
     chosen = [own for own in all_estimators() if not given.quick or own.name in QUICK]
     arms = [arm for folder in folders for arm in read_arms(folder)]

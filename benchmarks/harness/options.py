@@ -1,6 +1,9 @@
-"""What a benchmark that goes over seeds is asked for on the command line."""
+"""What benchmarks are asked for on the command line: seeds, or studies that are built."""
 
 import argparse
+import sys
+from collections.abc import Iterable
+from pathlib import Path
 from typing import NamedTuple
 
 
@@ -22,3 +25,12 @@ def asked(about: str, seeds: int, first: int = 0) -> Asked:
     options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
     given = options.parse_args()
     return Asked(1 if given.quick else given.seeds, given.quick)
+
+
+def built(folders: Iterable[Path]) -> list[Path]:
+    """Return the results of studies, results/<study>; exit with a sentence if one is not built."""
+    found = [*folders]
+    for folder in found:
+        if not (folder / "configuration.yaml").exists():
+            sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
+    return found
