@@ -369,7 +369,8 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     for axis, lever, size in product("zyx"[:few], LEVERS[:few], SIZES[::-1][:few]):
         wrench = wrench_of(profile, "xyz".index(axis), size, lever, kinematics.rotation)
         torque = run.torque + (jacobian.mT @ wrench[..., None])[..., 0]
-        estimate = Problem(run.with_torque(torque, run.states), model).solve(jacobian, prior)
+        problem = Problem(run.with_torque(torque, run.states), model)
+        estimate = problem.solve(jacobian[problem.rows], prior)
         told = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
         yield told | figures(estimate.wrench, estimate.std, wrench, where, run)
 

@@ -233,8 +233,9 @@ def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> I
     )
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
     prior = ContactPrior(force=SETTINGS.contact.force_n)
-    fmap = found["Fmap"].solve(pushed.kinematics.jacobian, prior)
-    forces = force_record(pushed.motion, {"Fmap": fmap})
+    fmap = found["Fmap"]
+    estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
+    forces = force_record(pushed.motion, {"Fmap": estimate})
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):

@@ -244,10 +244,10 @@ class Fitted:
         """Fmap; extra: (N, 6) [Nm], put onto the external torque."""
         known, model = self.problem(one)
         pushed = Problem(known.with_torque(known.torque + extra, known.states), model)
-        return pushed.solve(one.kinematics.jacobian, prior)
+        return pushed.solve(one.kinematics.jacobian[pushed.rows], prior)
 
     def repeated(self, one: RealRecording, free: Sequence[RealRecording]) -> WrenchEstimate | None:
         """The repeat-aware estimate; None where none of the others is of the same trajectory."""
         alike = ((self.currents(other), other.motion) for other in free)
         found = repeat_problem(self.problem(one), alike, self.lowpass.cutoff)
-        return found and found.solve(one.kinematics.jacobian, PRIOR)
+        return found and found.solve(one.kinematics.jacobian[found.rows], PRIOR)

@@ -21,7 +21,7 @@ import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # that are read or written at once
 Column = NDArray[Any]
@@ -155,15 +155,24 @@ def column_names(path: str | Path) -> list[str]:
     return list(pq.read_schema(path).names)
 
 
-def read_columns(path: str | Path, names: list[str], dtype: type = np.float64) -> Column:
-    """Return columns of a table as an array (N, len(names)), and read nothing else."""
+def read_columns(
+    path: str | Path, names: list[str], dtype: type = np.float64, rows: Labels | None = None
+) -> Column:
+    """Return columns of a table as an array (N, len(names)), and hold nothing else.
+
+    rows: ascending, those to return; all by default.
+    """
     with pq.ParquetFile(path) as file:
-        result = np.empty((file.metadata.num_rows, len(names)), dtype)
+        count = file.metadata.num_rows if rows is None else len(rows)
+        result = np.empty((count, len(names)), dtype)
         start = 0
         for batch in file.iter_batches(ROWS, columns=names):
-            for name, values in zip(names, result[start : start + len(batch)].T, strict=True):
-                values[:] = batch.column(name).to_numpy(zero_copy_only=False)
-            start += len(batch)
+            end = start + len(batch)
+            first, last = (start, end) if rows is None else np.searchsorted(rows, (start, end))
+            kept = slice(None) if rows is None else rows[first:last] - start
+            for name, values in zip(names, result[first:last].T, strict=True):
+                values[:] = batch.column(name).to_numpy(zero_copy_only=False)[kept]
+            start = end
     return result
 
 

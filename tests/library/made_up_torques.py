@@ -11,7 +11,7 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench
+from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -82,7 +82,8 @@ class Free:
 
     def estimate(self, prior: ContactPrior = PRIOR, model: ResidualModel = MODEL) -> WrenchEstimate:
         segment, step = np.zeros(len(self.time), int), self.time[1] - self.time[0]
-        return estimate_wrench(self.torque, self.jacobian, self.states, segment, step, model, prior)
+        jacobian = self.jacobian[used_rows(segment, step)]
+        return estimate_wrench(self.torque, jacobian, self.states, segment, step, model, prior)
 
 
 def free_run(

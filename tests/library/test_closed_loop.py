@@ -259,6 +259,25 @@ def test_a_joint_that_follows_perfectly_determines_nothing() -> None:
         assert not joint.velocity.determined
 
 
+def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> None:
+    """Wandering by itself; its neighbours, whose targets leap, determine their gains as before."""
+    moving = tracking(leap=0.5, seed=6)
+    expected = estimate_gains(moving)
+    rest = {name: getattr(moving, name).copy() for name in ("target_q", "target_qd", "target_qdd")}
+    for values in rest.values():
+        values[:, 2] = 0.0
+    wandering = moving.actual_q.copy()
+    wandering[:, 2] = 1e-3 * np.sin(np.arange(len(wandering)) / 30)
+    found = estimate_gains(replace(moving, **rest, actual_q=wandering))
+    for gain in (found[2].position, found[2].velocity):
+        assert not gain.determined
+        assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])
+    stiff = np.stack([wandering[:, 2], moving.actual_qd[:, 2]], axis=1) / found[2].noise
+    assert found[2].cost == pytest.approx((stiff**2).sum())
+    for joint in (0, 1, 3, 4, 5):
+        assert found[joint].position.best == expected[joint].position.best
+
+
 def test_no_two_successive_samples_are_refused() -> None:
     empty = np.full((10, 6), np.nan)
     recording = Tracking(*[empty] * 5, np.zeros(10, dtype=np.int64), PERIOD)

@@ -24,6 +24,7 @@ from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
+    STEP,
     Ablation,
     StretchEstimate,
     WrenchEstimate,
@@ -376,6 +377,14 @@ def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
         unknown = np.isnan(values.reshape(len(values), -1)).all(axis=1)
         np.testing.assert_array_equal(np.flatnonzero(unknown), np.arange(100, 110))
         assert np.isfinite(np.delete(values, np.arange(100, 110), axis=0)).all()
+
+
+def test_between_the_samples_used_a_pose_is_unknown_beside_an_unknown_one(ur5: Robot) -> None:
+    run = free_run(ur5, seed=72, seconds=4, period=STEP / 4)
+    J = run.jacobian.copy()
+    J[99:102] = np.nan  # the sample used is 100
+    wrench = replace(run, jacobian=J).estimate().wrench
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(wrench).any(axis=1)), range(97, 104))
 
 
 def test_through_a_singularity_no_force_explodes(ur5: Robot) -> None:

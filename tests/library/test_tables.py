@@ -49,6 +49,10 @@ def test_a_long_table_is_written_and_read_in_parts(
     pd.testing.assert_frame_equal(read_table(tmp_path / "parts.parquet"), table)
     names = ["actual_q_2", "time"]
     found = read_columns(tmp_path / "parts.parquet", names)
+    some = np.array([0, 3, 4])
+    np.testing.assert_array_equal(
+        read_columns(tmp_path / "parts.parquet", names, rows=some), found[some]
+    )
     np.testing.assert_array_equal(found, table[names].to_numpy())
     assert pq.ParquetFile(tmp_path / "parts.parquet").num_row_groups == 3
 

@@ -19,7 +19,6 @@ from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.chunks import in_chunks
 from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.segments import marked, unbroken
 
@@ -45,14 +44,13 @@ class StretchEstimate(NamedTuple):
 class WrenchEstimate:
     """The wrench of the environment on the arm, base axes, at the origin of frame 6.
 
-    Each quantity is interpolated between the thinned samples when it is asked for: those of a long
-    recording take a gigabyte together. stretches: each with its rows, of which every so many-th was
-    used; posed: (N,), where the arm's pose is known, NaN elsewhere.
+    Each quantity is interpolated between the samples used when it is asked for: those of a long
+    recording take a gigabyte together. NaN where the arm's pose is unknown. stretches: each with
+    its rows, of which every so many-th was used.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]
     every: int
-    posed: Mask
 
     @property
     def wrench(self) -> Array:
@@ -97,9 +95,7 @@ class WrenchEstimate:
             _at_every_sample(getattr(own, name), self.every, rows.stop - rows.start)
             for rows, own in self.stretches
         ]
-        whole = np.concatenate(parts)
-        whole[~self.posed] = np.nan
-        return whole
+        return np.concatenate(parts)
 
 
 @dataclass(frozen=True)
@@ -118,6 +114,12 @@ class Ablation:
 NOTHING_LEFT_OUT = Ablation()
 
 
+def used_rows(segment: Labels, period: float) -> Labels:
+    """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch."""
+    every = _every(period)
+    return np.concatenate([np.arange(rows.start, rows.stop, every) for rows in unbroken(segment)])
+
+
 def estimate_wrench(
     torque: Array,
     jacobian: Array,
@@ -131,28 +133,35 @@ def estimate_wrench(
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
-    torque: external, low-passed, (N, 6) [Nm], rows of NaN where unknown; jacobian: (N, 6, 6);
-    states: (N, 6), of `model`; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation
-    of an estimated load's torque. Rows without a Jacobian, where the arm's pose is unknown, are
-    NaN.
+    torque: external, low-passed, (N, 6) [Nm], rows of NaN where unknown; jacobian: (M, 6, 6), at
+    `used_rows`, NaN where the arm's pose is unknown; states: (N, 6), of `model`; segment: (N,);
+    period: [s]; doubt: (N, 6) [Nm], standard deviation of an estimated load's torque.
     """
-    # without a Jacobian, the torque is unknown too
-    posed = in_chunks(finite_rows, jacobian.reshape(-1, 36))
     # every stretch on its own, thinned to STEP
-    every = max(1, round(STEP / period))
-    found = []
+    every, found, start = _every(period), [], 0
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
-        at = posed[thin]
-        load_std = np.zeros((len(at), 6)) if doubt is None else np.nan_to_num(doubt[thin])
-        noise = Noise.of(states[thin], model, prior, load_std)
-        known = np.where(at[:, None], torque[thin], np.nan)
-        lever = np.where(at[:, None, None], jacobian[thin], 0.0)
+        own_states = states[thin]
+        own_jacobian = jacobian[start : start + len(own_states)]
+        start += len(own_states)
+        load_std = np.zeros(own_states.shape) if doubt is None else np.nan_to_num(doubt[thin])
+        noise = Noise.of(own_states, model, prior, load_std)
+        # without a Jacobian, the torque is unknown too
+        posed = finite_rows(own_jacobian.reshape(-1, 36))
+        known = np.where(posed[:, None], torque[thin], np.nan)
+        lever = np.where(posed[:, None, None], own_jacobian, 0.0)
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
-        problem = known, lever, states[thin], every * period, noise
+        problem = known, lever, own_states, every * period, noise
         own = _estimate(*problem, model, prior, replace(ablation, contacts=sensed))
+        for quantity in own:
+            quantity[~posed] = np.nan
         found.append((rows, own))
-    return WrenchEstimate(found, every, posed)
+    return WrenchEstimate(found, every)
+
+
+def _every(period: float) -> int:
+    """Return the number of samples from one that is used to the next; period: [s]."""
+    return max(1, round(STEP / period))
 
 
 def _at_every_sample(thinned: Array, every: int, count: int) -> Array:

@@ -129,8 +129,8 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     then that of the gains found. The 95 % range is
     J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
     number of independent samples. Of a recording of more than ENOUGH seconds, the gains come from
-    those parts in which a joint's target accelerates most. Raises ValueError if no two successive
-    samples are complete.
+    those parts in which a joint's target accelerates most. A joint whose target rests throughout
+    determines nothing. Raises ValueError if no two successive samples are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -206,6 +206,10 @@ class _Joint:
         signals = np.concatenate(self.stretches)
         return signals[:, 3:] - signals[:, :2]
 
+    def is_excited(self) -> bool:
+        """Return whether the target ever moves."""
+        return any(stretch[:, 1:3].any() for stretch in self.stretches)
+
     def search_bounds(self) -> Array:
         """Return the logarithms of least and greatest gains (2, 2), by natural frequencies."""
         longest = max(map(len, self.stretches)) * self.period
@@ -274,9 +278,11 @@ def _noise(errors: list[Array]) -> float:
 
 def _estimate(joint: _Joint) -> JointGains:
     """Estimate both gains of one joint and their 95 % ranges."""
-    # squared errors on a grid of log gains
     bounds = joint.search_bounds()
     grid = np.linspace(bounds[0], bounds[1], NODES)  # (NODES, 2)
+    if not joint.is_excited():
+        return _undetermined(joint, grid)
+    # squared errors on a grid of log gains
     squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=0) for p in product(*grid.T)])
     squares = squares.reshape(NODES, NODES, 2)
     # minimum, first with the noise of a stiff joint, then with that of the gains found
@@ -297,6 +303,18 @@ def _estimate(joint: _Joint) -> JointGains:
         for axis in (0, 1)
     )
     return JointGains(position, velocity, noise, least, limit, stiff_cost)
+
+
+def _undetermined(joint: _Joint, grid: Array) -> JointGains:
+    """Return any gains, of which none fits better than those of a joint that follows exactly."""
+    stiff = joint.stiff_errors()
+    noise = joint.noise(stiff)
+    cost = float(np.sum((stiff / noise) ** 2))
+    position, velocity = (
+        Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
+        for values in np.exp(grid).T
+    )
+    return JointGains(position, velocity, noise, cost, cost, cost)
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:

@@ -158,7 +158,7 @@ def smallest_forces(
 
     def log_odds_of(pushed: Array) -> Array:
         own = one.with_torque(one.torque + pushed, one.states)
-        return Problem(own, problem.model).solve(jacobian, prior).log_odds
+        return Problem(own, problem.model).solve(jacobian[problem.rows], prior).log_odds
 
     tried = np.random.default_rng(0).permutation(np.geomspace(LEAST, MOST, TRIALS))
     found = {}

@@ -18,7 +18,7 @@ def variants(
 ) -> dict[str, tuple[Array, Array]]:
     """Return wrench and standard deviation of F̂ᵐᵃᵖ, complete and with one part replaced or omitted.
 
-    jacobian: (N, 6, 6); reference: the sensor's force (N, 3) [N].
+    jacobian: (M, 6, 6), at the problem's `rows`; reference: the sensor's force (N, 3) [N].
     """
     touched = marked(contacts(np.linalg.norm(reference, axis=1)), len(reference))
     settings = {

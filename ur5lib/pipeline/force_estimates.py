@@ -10,12 +10,12 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.template import repeat_aware
-from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench
+from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 ALIKE = 1.96  # standard errors between the masses of runs that may carry the same
 WHOLE = Ablation()
@@ -27,10 +27,15 @@ class Problem(NamedTuple):
     input: ForceInput
     model: ResidualModel
 
+    @property
+    def rows(self) -> Labels:
+        """Return the rows (M,) of the samples that the estimate uses."""
+        return used_rows(self.input.segment, self.input.period)
+
     def solve(
         self, jacobian: Array, prior: ContactPrior, ablation: Ablation = WHOLE
     ) -> WrenchEstimate:
-        """Return the contact wrench; jacobian: (N, 6, 6)."""
+        """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
         one = self.input
         samples = one.torque, jacobian, one.states, one.segment, one.period
         return estimate_wrench(*samples, self.model, prior, one.doubt, ablation)

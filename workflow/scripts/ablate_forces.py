@@ -18,10 +18,10 @@ def ablate_forces(input: Any, output: Any, params: Any) -> None:
     if "compensated" in sensor.wrench and "Fmap" in forces.wrench:
         reference = sensor.wrench["compensated"][:, :3]
         motion, currents = Motion.read(input.motion), Currents.read(input.currents)
-        jacobian = Kinematics.read(input.kinematics).jacobian
         prior = ContactPrior(force=params.contact_force_n)
-        found = direct_problems(motion, currents, read_json(input.residuals))
-        estimates = variants(found["Fmap"], jacobian, prior, reference)
+        fmap = direct_problems(motion, currents, read_json(input.residuals))["Fmap"]
+        jacobian = Kinematics.read(input.kinematics, fmap.rows).jacobian
+        estimates = variants(fmap, jacobian, prior, reference)
         for name in ("least_squares", "repeat"):
             if name in forces.wrench:
                 estimates[name] = forces.wrench[name], forces.std[name]

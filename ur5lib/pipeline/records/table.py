@@ -146,12 +146,13 @@ class Table:
         return period(self.time)
 
     @classmethod
-    def read(cls, path: str | Path) -> Self:
+    def read(cls, path: str | Path, rows: Labels | None = None) -> Self:
         """Read a table, each channel when it is first used: a long recording fits no memory whole.
 
-        Raises KeyError where a column that is not optional is missing.
+        rows: ascending, those to read; all by default. Raises KeyError where a column that is not
+        optional is missing.
         """
-        return cls._of(Source(column_names(path), partial(read_columns, path)))
+        return cls._of(Source(column_names(path), partial(read_columns, path, rows=rows)))
 
     @classmethod
     def from_table(cls, table: pd.DataFrame) -> Self:
