@@ -19,8 +19,9 @@ from ur5lib.identification.closed_loop import (
     simulate_closed_loop,
     tracking_cost,
 )
-from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
+from ur5lib.pipeline.closed_loop import gain_summary, published_gains, simulated, tracking_of
 from ur5lib.pipeline.records.torques import ClosedLoop
+from ur5lib.report.tables.published_gains import published_gain_rows
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.interpolation import interpolated
@@ -268,7 +269,10 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
         values[:, 2] = 0.0
     wandering = moving.actual_q.copy()
     wandering[:, 2] = 1e-3 * np.sin(np.arange(len(wandering)) / 30)
-    found = estimate_gains(replace(moving, **rest, actual_q=wandering))
+    recording = replace(moving, **rest, actual_q=wandering)
+    found = estimate_gains(recording)
+    summary = gain_summary(recording, found, {"some": (K0, K1)})
+    assert [row["joint"] for row in published_gain_rows("one", summary)] == [1, 2, 4, 5, 6]
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])

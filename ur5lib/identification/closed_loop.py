@@ -67,13 +67,14 @@ class Gain:
 class JointGains:
     """The gains of one joint, and costs as in `tracking_cost`.
 
-    noise: (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum;
-    limit: cost at the ends of the 95 % range; stiff: cost of a joint that follows its target
-    exactly.
+    excited: whether the target moves; if not, the recording says nothing about the gains. noise:
+    (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum; limit:
+    cost at the ends of the 95 % range; stiff: cost of a joint that follows its target exactly.
     """
 
     position: Gain
     velocity: Gain
+    excited: bool
     noise: Array
     cost: float
     limit: float
@@ -302,7 +303,7 @@ def _estimate(joint: _Joint) -> JointGains:
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit, stiff_cost)
         for axis in (0, 1)
     )
-    return JointGains(position, velocity, noise, least, limit, stiff_cost)
+    return JointGains(position, velocity, True, noise, least, limit, stiff_cost)
 
 
 def _undetermined(joint: _Joint, grid: Array) -> JointGains:
@@ -314,7 +315,7 @@ def _undetermined(joint: _Joint, grid: Array) -> JointGains:
         Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
         for values in np.exp(grid).T
     )
-    return JointGains(position, velocity, noise, cost, cost, cost)
+    return JointGains(position, velocity, False, noise, cost, cost, cost)
 
 
 def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> OptimizeResult:

@@ -15,15 +15,19 @@ def rows(results: StudyResults) -> Iterator[Row]:
 
 
 def published_gain_rows(recording: str, gains: Mapping[str, Any]) -> Iterator[Row]:
-    """Whether published gains fit a recording as well as the best ones do, from gains.json."""
+    """Yield whether published gains fit as well as the best ones, from gains.json.
+
+    Only of joints whose target moves.
+    """
     for model, costs in gains.get("published", {}).items():
         for joint, (cost, found) in enumerate(zip(costs, gains["joints"], strict=True), start=1):
-            yield {
-                "recording": recording,
-                "model": model,
-                "joint": joint,
-                "cost": cost,
-                "least_cost": found["cost"],
-                "limit": found["limit"],
-                "fits": "yes" if cost <= found["limit"] else "no",
-            }
+            if found["excited"]:
+                yield {
+                    "recording": recording,
+                    "model": model,
+                    "joint": joint,
+                    "cost": cost,
+                    "least_cost": found["cost"],
+                    "limit": found["limit"],
+                    "fits": "yes" if cost <= found["limit"] else "no",
+                }
