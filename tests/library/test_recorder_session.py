@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ import pytest
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
+from ur5lib.recorder.device import Samples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.manifest import NAME, write_manifest
 from ur5lib.recorder.session import Session
@@ -148,6 +150,48 @@ def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
     assert statuses["imu"].ended is None
     raw, findings = read_back(devices, tmp_path / "run"), list[Finding]()
     assert set(place_sensors(raw, findings)) == {"force", "imu"}, (raw.findings, findings)
+
+
+class Stubborn:
+    """A device at 100 Hz that takes for ever to read, or to close, once it is told to stop."""
+
+    columns = ("reading",)
+
+    def __init__(self, hangs_in: str) -> None:
+        self.hangs_in, self.count = hangs_in, 0
+
+    def device(self) -> "Stubborn":
+        return self
+
+    def open(self) -> dict[str, Any]:
+        return {"rate_hz": 100.0}
+
+    def read(self) -> Samples:
+        time.sleep(0.01)
+        self.count += 1
+        if self.count == 100 and self.hangs_in == "read":
+            time.sleep(60)
+        return Samples(np.array([time.monotonic()]), np.array([[float(self.count)]]), 0)
+
+    def close(self) -> None:
+        time.sleep(60)
+
+
+@pytest.mark.parametrize(("hangs_in", "expected"), [("close", None), ("read", "did not end")])
+def test_a_device_that_does_not_close_loses_no_sample(
+    hangs_in: str, expected: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the manifest counts is what the file holds, or it says that it may hold more."""
+    monkeypatch.setattr("ur5lib.recorder.session.CLOSING", 2.0)
+    plan: Any = Stubborn(hangs_in)
+    with Session({"imu": plan}, tmp_path / "run") as session:
+        until(lambda: session.statuses()["imu"].samples > 50)
+        time.sleep(0.7)
+    status, rows = session.statuses()["imu"], (tmp_path / "run" / "imu.csv").read_text()
+    assert (expected or "") in str(status.ended)
+    assert (status.ended is None) == (expected is None)
+    if expected is None:
+        assert status.samples == rows.count("\n") - 1
 
 
 def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path: Path) -> None:

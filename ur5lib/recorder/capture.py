@@ -25,7 +25,7 @@ class Status:
 
     samples, lost: numbers of samples recorded and lost; seconds: from its first sample to its last;
     latest: its last sample, by column; low, high: smallest and largest value of each column;
-    ended: why the recording stopped early, None if it did not.
+    ended: why the recording stopped early, None if it did not; final: whether the file is closed.
     """
 
     samples: int = 0
@@ -35,6 +35,7 @@ class Status:
     low: dict[str, float] = field(default_factory=dict)
     high: dict[str, float] = field(default_factory=dict)
     ended: str | None = None
+    final: bool = False
 
     def rate(self) -> float:
         """Return the mean number of samples per second so far."""
@@ -56,15 +57,17 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
         return
     status, parent = Status(), os.getppid()
     try:
-        _record(device, path, zero, line, stop, status, parent)
-    except DeviceLost as error:
-        status.ended = str(error)
-    except OSError as error:
-        status.ended = f"{path} cannot be written ({error.strerror}); free some space"
+        try:
+            _record(device, path, zero, line, stop, status, parent)
+        except DeviceLost as error:
+            status.ended = str(error)
+        except OSError as error:
+            status.ended = f"{path} cannot be written ({error.strerror}); free some space"
+        status.final = True
+        if os.getppid() == parent:
+            line.send(status)
     finally:
-        device.close()
-    if os.getppid() == parent:
-        line.send(status)
+        device.close()  # after the last report, since a device may take long to answer
 
 
 def _record(

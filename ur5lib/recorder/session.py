@@ -79,6 +79,11 @@ class Session:
             self._listen(name, line)
             if line.process.is_alive():
                 line.process.kill()
+            if line.status.ended is None and not line.status.final:
+                line.status.ended = (
+                    f"the process that records {name} did not end within {CLOSING:g} s; "
+                    "its file has samples that are not counted here"
+                )
 
     def _start(self, name: str, plan: AnyDevice) -> _Line:
         here, there = self._context.Pipe()
