@@ -21,6 +21,7 @@ from ur5lib.timeseries.segments import unbroken
 
 NODES = 31  # of the grid of gains, on each axis
 STARTS = 5  # local minima of the grid from which least squares start
+PROFILE_STEP = 1e-3  # of a log gain, to which a profile's minima are searched
 LEVEL = 0.95  # of the confidence region
 ENOUGH = 120.0  # s, of motion: more would make gains surer than the loop is known
 KNOWN = 10.0  # factor between the ends of a range, above which a gain is undetermined
@@ -101,8 +102,8 @@ def simulate_closed_loop(
     drive = target_qdd + position_gains * target_q + velocity_gains * target_qd  # (N, 6)
     starts = np.stack([target_q[0], target_qd[0]], axis=1)
     steps = [_step(*gains, period) for gains in zip(position_gains, velocity_gains, strict=True)]
-    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]  # 6 of (N, 2)
-    q, qd = np.stack(states, axis=1).transpose(2, 0, 1)
+    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]  # 6 of (2, N)
+    q, qd = np.stack(states, axis=2)
     return q, qd, drive - position_gains * q - velocity_gains * qd
 
 
@@ -160,7 +161,7 @@ def _step(position_gain: float, velocity_gain: float, period: float) -> _Step:
 
 
 def _run(step: _Step, drive: Array, start: Array) -> Array:
-    """Return the states (N, 2) under u (N,) from a start (2,).
+    """Return the states (2, N) under u (N,) from a start (2,).
 
     By A² = tr(A) A - det(A) I (Cayley and Hamilton), x[k+1] = A x[k] + w[k+1] becomes a recursion
     of each state alone, x[k+2] = tr(A) x[k+1] - det(A) x[k] + w[k+2] + (A - tr(A) I) w[k+1].
@@ -171,11 +172,11 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
     pushes[:, 0] = start
     pushes[:, 1:] = B0[:, None] * drive[:-1] + B1[:, None] * drive[1:]
     # w[k+2] + (A - tr(A) I) w[k+1]
-    trace = np.trace(A)
+    trace, determinant = A[0, 0] + A[1, 1], A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
     inputs = pushes.copy()
-    inputs[:, 1:] += (A - trace * np.eye(2)) @ pushes[:, :-1]
+    inputs[:, 1:] += (A - np.diag([trace, trace])) @ pushes[:, :-1]
     # x[k+2] - tr(A) x[k+1] + det(A) x[k] = inputs
-    return lfilter([1.0], [1.0, -trace, np.linalg.det(A)], inputs).T
+    return np.asarray(lfilter([1.0], [1.0, -trace, determinant], inputs))
 
 
 # The gains of one joint
@@ -183,44 +184,48 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Joint:
-    """One joint's recording. stretches: (K, 5): target q, q̇, q̈, measured q, q̇; period: [s]."""
+    """One joint's recording. stretches: (5, K): target q, q̇, q̈, measured q, q̇; period: [s]."""
 
     stretches: list[Array]
     period: float
 
     def errors(self, gains: Array) -> Array:
-        """Return the errors of q̂ and q̂̇, (N, 2); gains: (2,), the logarithms of K0 and K1."""
+        """Return the errors of q̂ and q̂̇, (2, N); gains: (2,), the logarithms of K0 and K1."""
         position_gain, velocity_gain = np.exp(gains)
         step = _step(position_gain, velocity_gain, self.period)
         errors = []
         for stretch in self.stretches:
-            drive = stretch[:, 2] + stretch[:, :2] @ np.exp(gains)
-            errors.append(stretch[:, 3:] - _run(step, drive, stretch[0, :2]))
-        return np.concatenate(errors)
+            q, qd, qdd = stretch[:3]
+            drive = qdd + position_gain * q + velocity_gain * qd
+            errors.append(stretch[3:] - _run(step, drive, stretch[:2, 0]))
+        return np.concatenate(errors, axis=1)
+
+    def squares(self, gains: Array) -> Array:
+        """Return the sums (2,) of the squared errors of q̂ and q̂̇; gains: as of `errors`."""
+        return _sums_of_squares(self.errors(gains))
 
     def cost(self, gains: Array, noise: Array) -> float:
         """Return J = Σ r²/(σ² t) of log gains (2,); noise: (2,), σ √t."""
-        return float(np.sum((self.errors(gains) / noise) ** 2))
+        return float(self.squares(gains) @ noise**-2.0)
 
     def stiff_errors(self) -> Array:
-        """Return the errors (N, 2) of a joint that follows its target exactly."""
-        signals = np.concatenate(self.stretches)
-        return signals[:, 3:] - signals[:, :2]
+        """Return the errors (2, N) of a joint that follows its target exactly."""
+        return np.concatenate([stretch[3:] - stretch[:2] for stretch in self.stretches], axis=1)
 
     def is_excited(self) -> bool:
         """Return whether the target ever moves."""
-        return any(stretch[:, 1:3].any() for stretch in self.stretches)
+        return any(stretch[1:3].any() for stretch in self.stretches)
 
     def search_bounds(self) -> Array:
         """Return the logarithms of least and greatest gains (2, 2), by natural frequencies."""
-        longest = max(map(len, self.stretches)) * self.period
+        longest = max(stretch.shape[1] for stretch in self.stretches) * self.period
         frequency = np.array([1 / longest, np.pi / self.period])
         return np.log(np.stack([frequency**2, 2 * frequency], axis=1))
 
     def noise(self, errors: Array) -> Array:
-        """Return σ √t (2,) of errors (N, 2) in position and velocity."""
-        ends = np.cumsum([len(stretch) for stretch in self.stretches])[:-1]
-        return np.array([_noise(np.split(kind, ends)) for kind in errors.T])
+        """Return σ √t (2,) of errors (2, N) in position and velocity."""
+        ends = np.cumsum([stretch.shape[1] for stretch in self.stretches])[:-1]
+        return np.array([_noise(np.split(kind, ends)) for kind in errors])
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
@@ -236,9 +241,7 @@ def _joints(tracking: Tracking) -> list[_Joint]:
     if not complete:
         raise ValueError("no two successive samples have both targets and measured motion")
     return [
-        _Joint(
-            [np.stack([kind[rows, joint] for kind in kinds], axis=1) for rows in chosen], t.period
-        )
+        _Joint([np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen], t.period)
         for joint in range(6)
         for chosen in [_telling(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))]
     ]
@@ -263,6 +266,11 @@ def _telling(stretches: list[slice], acceleration: Array, enough: int) -> list[s
     return [parts[k] for k in sorted(order[:needed])]
 
 
+def _sums_of_squares(errors: Array) -> Array:
+    """Return the sum of each row's squares (2,)."""
+    return np.einsum("in,in->i", errors, errors)
+
+
 def _noise(errors: list[Array]) -> float:
     """Return √(σ² t): mean square, and correlation time by the positive sums of Geyer (1992)."""
     # autocovariance by the power spectrum, zero-padded
@@ -284,7 +292,7 @@ def _estimate(joint: _Joint) -> JointGains:
     if not joint.is_excited():
         return _undetermined(joint, grid)
     # squared errors on a grid of log gains
-    squares = np.array([np.sum(joint.errors(np.array(p)) ** 2, axis=0) for p in product(*grid.T)])
+    squares = np.array([joint.squares(np.array(pair)) for pair in product(*grid.T)])
     squares = squares.reshape(NODES, NODES, 2)
     # minimum, first with the noise of a stiff joint, then with that of the gains found
     stiff = joint.stiff_errors()
@@ -298,7 +306,7 @@ def _estimate(joint: _Joint) -> JointGains:
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
-    stiff_cost = np.sum((stiff / noise) ** 2)
+    stiff_cost = _sums_of_squares(stiff) @ noise**-2.0
     position, velocity = (
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit, stiff_cost)
         for axis in (0, 1)
@@ -310,7 +318,7 @@ def _undetermined(joint: _Joint, grid: Array) -> JointGains:
     """Return any gains, of which none fits better than those of a joint that follows exactly."""
     stiff = joint.stiff_errors()
     noise = joint.noise(stiff)
-    cost = float(np.sum((stiff / noise) ** 2))
+    cost = float(_sums_of_squares(stiff) @ noise**-2.0)
     position, velocity = (
         Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
         for values in np.exp(grid).T
@@ -322,7 +330,7 @@ def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> Optimi
     """Return the best least squares fit from the deepest local minima of the grid."""
 
     def residuals(gains: Array) -> Array:
-        return (joint.errors(gains) / noise).ravel()
+        return (joint.errors(gains) / noise[:, None]).ravel()
 
     starts = _valleys(grid, squares @ noise**-2.0)
     bounds = grid[0], grid[-1]
@@ -351,7 +359,8 @@ def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[
             return joint.cost(gains, noise)
 
         between = other[max(k - 1, 0)], other[min(k + 1, NODES - 1)]
-        return minimize_scalar(cost, bounds=between, method="bounded").fun
+        options = {"xatol": PROFILE_STEP}
+        return minimize_scalar(cost, bounds=between, method="bounded", options=options).fun
 
     return [np.array([least(axis, node) for node in range(NODES)]) for axis in (0, 1)]
 
