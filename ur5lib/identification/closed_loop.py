@@ -206,7 +206,7 @@ class _Joint:
 
     def cost(self, gains: Array, noise: Array) -> float:
         """Return J = Σ r²/(σ² t) of log gains (2,); noise: (2,), σ √t."""
-        return float(self.squares(gains) @ noise**-2.0)
+        return _cost(self.squares(gains), noise)
 
     def stiff_errors(self) -> Array:
         """Return the errors (2, N) of a joint that follows its target exactly."""
@@ -266,9 +266,14 @@ def _telling(stretches: list[slice], acceleration: Array, enough: int) -> list[s
     return [parts[k] for k in sorted(order[:needed])]
 
 
+def _cost(squares: Array, noise: Array) -> float:
+    """Return J = Σ r²/(σ² t) of sums of squares r² (2,); noise: (2,), σ √t."""
+    return float(squares @ noise**-2.0)
+
+
 def _sums_of_squares(errors: Array) -> Array:
     """Return the sum of each row's squares (2,)."""
-    return np.einsum("in,in->i", errors, errors)
+    return np.asarray(np.einsum("in,in->i", errors, errors))
 
 
 def _noise(errors: list[Array]) -> float:
@@ -306,7 +311,7 @@ def _estimate(joint: _Joint) -> JointGains:
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
-    stiff_cost = _sums_of_squares(stiff) @ noise**-2.0
+    stiff_cost = _cost(_sums_of_squares(stiff), noise)
     position, velocity = (
         _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit, stiff_cost)
         for axis in (0, 1)
@@ -318,7 +323,7 @@ def _undetermined(joint: _Joint, grid: Array) -> JointGains:
     """Return any gains, of which none fits better than those of a joint that follows exactly."""
     stiff = joint.stiff_errors()
     noise = joint.noise(stiff)
-    cost = float(_sums_of_squares(stiff) @ noise**-2.0)
+    cost = _cost(_sums_of_squares(stiff), noise)
     position, velocity = (
         Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
         for values in np.exp(grid).T
@@ -389,7 +394,8 @@ def _gain(
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
     if stiff <= limit:
         high = float(grid[-1])
-    determined = low > grid[0] and high < grid[-1] and high - low < np.log(KNOWN)
+    inside = low > grid[0] + PROFILE_STEP and high < grid[-1] - PROFILE_STEP
+    determined = inside and high - low < np.log(KNOWN)
     value, low, high = np.exp([best, low, high])
     return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)
 
