@@ -12,8 +12,11 @@ thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), 
 	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
 	snakemake --configfile workflow/studies/thesis.yaml
 
-test: lint ## run every check
-	OMP_NUM_THREADS=1 pytest  # two processes share the work already
+test: lint ## run every check but the slow tests
+	OMP_NUM_THREADS=1 pytest -m "not slow"  # two processes share the work already
+
+test-slow: .venv/ready ## run the slow tests: many arms and designs, studies, devices in real time
+	OMP_NUM_THREADS=1 pytest -m slow
 
 lint: .venv/ready ## check style and types
 	pre-commit run --all-files
@@ -37,7 +40,7 @@ clean: ## remove results and the environment; recordings stay
 	rm -rf .venv .snakemake results .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 help: ## list these commands
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "make %-7s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "make %-11s %s\n", $$1, $$2}' Makefile
 
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo \
@@ -50,4 +53,4 @@ help: ## list these commands
 	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: all thesis test lint bench leaderboard schema lock clean help
+.PHONY: all thesis test test-slow lint bench leaderboard schema lock clean help

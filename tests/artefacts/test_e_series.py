@@ -13,6 +13,8 @@ from ur5lib.study.check import read_study
 from ur5lib.study.reading import study_text
 from ur5lib.tables import read_csv, read_json
 
+pytestmark = pytest.mark.slow
+
 TOOL = {"mass": 1.2, "center_of_mass": [0, 0, 0.05], "tcp": [0, 0, 0.12, 0, 0, 0]}
 WRIST = {"bias": [3, -3, 3, 0.1, -0.1, 0.1], "rotation_deg": [3, 0, 4], "scale": 0.9}
 PUSH = {"kind": "push", "start_s": 4, "seconds": 4, "force": [60, 30, -45]}

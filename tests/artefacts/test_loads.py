@@ -14,6 +14,8 @@ from ur5lib.pipeline.records.truth import Truth
 from ur5lib.tables import read_csv, read_json
 from ur5lib.timeseries.interpolation import interpolated
 
+pytestmark = pytest.mark.slow
+
 SECONDS = 16.0
 CARRIED = {"mass": 2.7, "center_of_mass": [0.02, 0.0, 0.06]}
 PUSH = {"kind": "push", "start_s": 3, "seconds": 2, "force": [0, 40, 0]}

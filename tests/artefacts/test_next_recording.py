@@ -17,6 +17,7 @@ LARGEST = re.compile(r"largest standard error: (\d+)% of the prior's")
 ERRORS = re.compile(r"^ *load friction of joint \d +(\S+) -> (\S+) +(\S+) -> (\S+)", re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_the_second_recording_of_the_loop_halves_the_largest_errors(tmp_path: Path) -> None:
     """On the virtual stand, those predicted and those that the study states."""
     workflow = Workflow(copy_project(tmp_path / "project"))

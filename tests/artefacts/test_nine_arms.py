@@ -9,6 +9,8 @@ import yaml
 from tests.conftest import Workflow, copy_project
 from ur5lib.tables import read_csv
 
+pytestmark = pytest.mark.slow
+
 ARMS = ["ur3", "ur5", "ur10", "ur3e", "ur5e", "ur10e", "ur16e", "ur20", "ur30"]
 EXCITING = {"kind": "fourier", "draw": 3, "period_s": 6, "limit_share": 0.4, "amplitude_rad": 1.0}
 

@@ -54,6 +54,7 @@ def test_every_benchmark_is_run() -> None:
     assert files == set(PRINTED) | OF_A_BUILT_STUDY | IN_A_COPY
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     printed = run_benchmark(name, PROJECT)

@@ -18,6 +18,8 @@ from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
 from ur5lib.study.check import print_tables, text_console, unusable
 
+pytestmark = pytest.mark.slow
+
 WIDTH = 1000  # of the terminal, so that no line is broken
 SECONDS = 10  # for one recording
 JARGON = re.compile(

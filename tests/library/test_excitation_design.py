@@ -91,6 +91,7 @@ def test_the_recorder_would_accept_it() -> None:
     assert list(refusals(motion, task().cell.robot, states.q[0], TABLE)) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(CELLS))
 def test_trajectories_of_random_cells_keep_all_limits(seed: int) -> None:
     try:
@@ -155,6 +156,7 @@ def test_the_next_recording_complements_the_last() -> None:
     assert (errors[1] / errors[0]).min() < 0.6
 
 
+@pytest.mark.slow
 def test_each_question_is_answered_best_by_its_own_design() -> None:
     """Of payload and friction, which ask for the most different motions."""
     own, other = (task("ur5e", question, 6.0) for question in ("payload", "friction"))

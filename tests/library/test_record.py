@@ -32,6 +32,8 @@ from ur5lib.study.check import read_study
 from ur5lib.study.record import Wish, record
 from ur5lib.tables import read_json
 
+pytestmark = pytest.mark.slow
+
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\
 study: lab

@@ -18,6 +18,8 @@ from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.timeseries.arrays import Array
 
+pytestmark = pytest.mark.slow
+
 WRENCH = np.array([10.0, -20.0, 30.0, 0.5, -1.0, 2.0])
 
 

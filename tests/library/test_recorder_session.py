@@ -35,6 +35,8 @@ from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
 from ur5lib.tables import read_json
 
+pytestmark = pytest.mark.slow
+
 BORN = time.monotonic()  # sensors read the time since, by the host's clock,
 SCALE = 0.01  # per s, so that no reading is beyond what a sensor can read
 SECONDS = 15.0  # shorter than the 60 s that are promised, so that clocks are harder to tell

@@ -16,6 +16,8 @@ from tests.conftest import PROJECT, STUDY, Workflow
 from tests.one_node_slurm import NoSlurmError, ask, one_node_slurm
 from tests.workflow.test_workflow import results
 
+pytestmark = pytest.mark.slow
+
 PROFILE = ("--workflow-profile", "profiles/slurm")
 SMALL = ("--cores", "2", "--latency-wait", "5")  # the profile is for more cores and a slow disk
 TOGETHER = ("--group-components", "motion=2", "forces=2", "fits=3")  # two short recordings a job
