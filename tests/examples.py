@@ -161,7 +161,7 @@ def command_fault(words: list[str]) -> str | None:
 
 def check_make(words: list[str]) -> str | None:
     makefile = (PROJECT / "Makefile").read_text()
-    targets = set(re.findall(r"^([a-z]+):", makefile, re.MULTILINE))
+    targets = set(re.findall(r"^([a-z-]+):", makefile, re.MULTILINE))
     variables = set(re.findall(r"^([A-Z]+) [?:]?=", makefile, re.MULTILINE))
     given = {word.split("=")[0] for word in words if "=" in word}
     wrong = ({word for word in words if "=" not in word} - targets) | (given - variables)
