@@ -169,9 +169,11 @@ def test_gains_come_back_from_a_leap() -> None:
             assert gain.std_error < 0.1 * truth
 
 
-def test_smooth_targets_determine_no_gain() -> None:
-    """Nothing then depends on the gains; the range holds what they are."""
-    for joint in estimate_gains(tracking(leap=0.0, seed=0)):
+@pytest.mark.parametrize("seed", [0, 3, 7, 8])
+def test_smooth_targets_determine_no_gain(seed: int) -> None:
+    """Nothing then depends on the gains; the range holds what they are. A loop that rings fits the
+    noise better than the true one by chance, since so many are tried."""
+    for joint in estimate_gains(tracking(leap=0.0, seed=seed)):
         for gain, truth in ((joint.position, 400.0), (joint.velocity, 30.0)):
             assert not gain.determined
             assert gain.low < truth < gain.high

@@ -130,9 +130,11 @@ def estimate_gains(tracking: Tracking) -> list[JointGains]:
     local minima of a grid in the logarithm of both gains; the noise is first that of a stiff joint,
     then that of the gains found. The 95 % range is
     J <= J_min [1 + 2/(n - 2) F(2, n - 2)]: F is the 95 % point of Fisher's distribution, n the
-    number of independent samples. Of a recording of more than ENOUGH seconds, the gains come from
-    those parts in which a joint's target accelerates most. A joint whose target rests throughout
-    determines nothing. Raises ValueError if no two successive samples are complete.
+    number of independent samples; J_min is that of a joint that follows exactly, where the best of
+    as many gains as the grid has would fit better by chance. Of a recording of more than ENOUGH
+    seconds, the gains come from those parts in which a joint's target accelerates most. A joint
+    whose target rests throughout determines nothing. Raises ValueError if no two successive samples
+    are complete.
     """
     return [_estimate(joint) for joint in _joints(tracking)]
 
@@ -304,19 +306,25 @@ def _estimate(joint: _Joint) -> JointGains:
     first = _descend(joint, grid, squares, joint.noise(stiff))
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
-    # limit = J_min [1 + 2/(n - 2) F(2, n - 2)], with n - 2 = `free`
-    free = max(joint.cost(first.x, noise) - 2, 1.0)
-    least = 2 * best.cost
-    limit = least * (1 + 2 / free * fisher.ppf(LEVEL, 2, free))
+    free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
+    least, stiff_cost = 2 * best.cost, _cost(_sums_of_squares(stiff), noise)
+    # the best of so many gains fits noise: better by chance than a joint that follows exactly
+    by_chance = least * _rise(1 - (1 - LEVEL) / NODES**2, free)
+    reference = max(least, stiff_cost) if stiff_cost <= by_chance else least
+    limit = reference * _rise(LEVEL, free)
     # cov = J_min / (n - 2) (Jᵀ J)⁻¹
     std = np.sqrt(least / free * np.diag(np.linalg.pinv(best.jac.T @ best.jac)))
     profiles = _profiles(joint, grid, squares, noise)
-    stiff_cost = _cost(_sums_of_squares(stiff), noise)
     position, velocity = (
-        _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], least, limit, stiff_cost)
+        _gain(best.x[axis], std[axis], grid[:, axis], profiles[axis], reference, limit, stiff_cost)
         for axis in (0, 1)
     )
     return JointGains(position, velocity, True, noise, least, limit, stiff_cost)
+
+
+def _rise(level: float, free: float) -> float:
+    """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
+    return float(1 + 2 / free * fisher.ppf(level, 2, free))
 
 
 def _undetermined(joint: _Joint, grid: Array) -> JointGains:
@@ -375,22 +383,22 @@ def _gain(
     std: float,
     grid: Array,
     profile: Array,
-    least: float,
+    reference: float,
     limit: float,
     stiff: float,
 ) -> Gain:
     """Return a gain and the range in which its profile stays within the limit.
 
     If a joint that follows its target exactly fits as well, the range has no upper end: the arm is
-    at rest, or moves too slowly.
+    at rest, or moves too slowly. reference: the cost from which the limit counts.
 
     The square root of the cost's rise is nearly linear in the log gain (Bates and Watts 1988,
     chapter 6), so it is interpolated linearly.
     """
     place = np.searchsorted(grid, best)
     nodes = np.insert(grid, place, best)
-    rise = np.insert(np.sqrt(np.maximum(profile - least, 0)), place, 0.0)
-    allowed = np.sqrt(limit - least)
+    rise = np.insert(np.sqrt(np.maximum(profile - reference, 0)), place, 0.0)
+    allowed = np.sqrt(limit - reference)
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
     if stiff <= limit:
         high = float(grid[-1])
