@@ -17,6 +17,8 @@ from ur5lib.report.tables import parameters as parameter_table
 from ur5lib.report.tables import rotor_inertia as rotor_table
 from ur5lib.robots.description import load_robot, robot_path
 
+pytestmark = pytest.mark.slow
+
 PATHS, SECONDS = 5, 12.0
 SEEDS = 3
 Study = Callable[..., Path]

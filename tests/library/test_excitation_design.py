@@ -101,6 +101,7 @@ def test_trajectories_of_random_cells_keep_all_limits(seed: int) -> None:
     assert kept
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_trajectory() -> None:
     own, effort = task("ur5", "model", 6.0), Effort(2, 5, ((1e2, 5), (1e4, 5)))
     first, again, other = (design(own, seed, effort).path.coefficients for seed in (0, 0, 1))
@@ -115,11 +116,13 @@ def test_it_is_better_than_the_best_of_random_ones() -> None:
     assert condition < random[:, 1].min()
 
 
+@pytest.mark.slow
 def test_unseen_motions_are_predicted_better_than_after_way_points() -> None:
     ours = unseen_error(task(), along(designed().path))
     assert (ours < 0.7 * unseen_error(task(), one_joint_after_the_other(task()))).all()
 
 
+@pytest.mark.slow
 def test_predicted_standard_errors_are_those_observed() -> None:
     """Of all parameters that the recording determines, in physical units."""
     problem, random = task().problem, np.random.default_rng(3)
@@ -146,6 +149,7 @@ def physical(theta: Array) -> Array:
     return values
 
 
+@pytest.mark.slow
 def test_the_next_recording_complements_the_last() -> None:
     first = task("ur5", "model", 6.0)
     last = design(first, 0, Effort(1, 15, ((1e3, 15),)))

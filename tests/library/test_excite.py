@@ -70,6 +70,7 @@ def test_the_program_streams_every_state(folder: Path) -> None:
     assert len([line for line in lines if line.startswith("  servoj([")]) == 1 + SECONDS * 125
 
 
+@pytest.mark.slow
 def test_an_emulated_controller_executes_the_program(folder: Path, ur5e: Robot) -> None:
     """Received by its port for programs; servoj lags by 0.1 s, and smooths a little."""
     with EmulatedController(ur5e, ports=Ports.free()) as arm:

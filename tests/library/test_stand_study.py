@@ -8,6 +8,8 @@ import torch
 
 from benchmarks.stand_seeds import Taken, device_rows, fitted_map, map_rows, plans, taken
 
+pytestmark = pytest.mark.slow
+
 torch.set_num_threads(1)
 
 SEEDS = 5  # `benchmarks/stand_seeds.py` counts over 20

@@ -148,6 +148,7 @@ def test_real_recordings_are_right(study: str, name: str) -> None:
     assert real(study, name).signs() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", robot_names())
 @pytest.mark.parametrize("name", SIMULATED)
 def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> None:
@@ -304,6 +305,7 @@ def test_real_recordings_tell_what_is_wrong(study: str, name: str, corruption: s
     assert any(told(real(study, name), corruption))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", robot_names())
 @pytest.mark.parametrize("corruption", CORRUPTIONS)
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:

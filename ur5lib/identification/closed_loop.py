@@ -402,8 +402,7 @@ def _gain(
     low, high = (_crossing(nodes[::way], rise[::way], allowed) for way in (1, -1))
     if stiff <= limit:
         high = float(grid[-1])
-    inside = low > grid[0] + PROFILE_STEP and high < grid[-1] - PROFILE_STEP
-    determined = inside and high - low < np.log(KNOWN)
+    determined = low > grid[0] and high < grid[-1] and high - low < np.log(KNOWN)
     value, low, high = np.exp([best, low, high])
     return Gain(value, value * std, low, high, bool(determined), np.exp(grid), profile)
 
