@@ -1,6 +1,7 @@
 """Reading recordings: nothing invented, nothing silently dropped."""
 
 import gzip
+import hashlib
 import tracemalloc
 from contextlib import nullcontext
 from pathlib import Path
@@ -18,7 +19,7 @@ from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.columns import FACTORS, SIX, SUFFIXES, expand
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.formats import READERS, read_recording
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.intake import Intake, checksum, read_and_repair
 from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
@@ -76,6 +77,20 @@ def test_a_part_after_the_end_is_refused(recording: Path) -> None:
 
 
 # Long recordings
+
+
+def test_a_checksum_takes_no_memory(tmp_path: Path) -> None:
+    """An hour's file is more than a gigabyte."""
+    content = bytes(range(256)) * (1 << 13)
+    (tmp_path / "long.csv").write_bytes(content)
+    tracemalloc.start()
+    try:
+        found = checksum(tmp_path / "long.csv")
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert found == hashlib.sha256(content).hexdigest()
+    assert peak < len(content) / 4
 
 
 def test_a_long_recording_is_in_memory_about_once(

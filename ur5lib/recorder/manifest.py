@@ -27,7 +27,7 @@ def write_manifest(
         file = folder / f"{name}.csv"
         entries[name] |= {
             "file": file.name,
-            "sha256": hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else None,
+            "sha256": _checksum(file) if file.is_file() else None,
             "samples": status.samples,
             "lost": status.lost,
             "recorded_rate_hz": round(status.rate(), 3),
@@ -45,3 +45,8 @@ def write_manifest(
         },
         folder / NAME,
     )
+
+
+def _checksum(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
