@@ -104,7 +104,7 @@ def find_contacts(
         if noise.still.any():
             held = smooth(torque, measured, noise.spread, np.exp(-period * rate))
     past = hidden_markov.filtered(evidence, chain.transitions, chain.start)
-    return Gate(contact, np.exp(past[:, len(free) :]).sum(axis=1), slow)
+    return Gate(contact, past[:, len(free) :].sum(axis=1), slow)
 
 
 def _contact_densities(
