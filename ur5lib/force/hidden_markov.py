@@ -4,7 +4,6 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
-
 LEAST = 1e-300  # of a state's probability, so that no evidence makes all of them vanish
 
 
