@@ -163,6 +163,7 @@ def test_hardly_any_reading_is_no_failure(count: int) -> None:
     reading[count:] = np.nan
     offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
     assert f"only {count} samples are without contact" in str(offset_doubt(offset))
+    assert np.isnan(offset.mass)
 
 
 @pytest.mark.parametrize("column", [0, 4])
@@ -216,6 +217,31 @@ def test_a_wrench_at_the_sensor_keeps_its_force() -> None:
     wrench = np.array([[2.0, 0, 0, 0, 0, 0]])
     moved = move_to_frame_6(wrench, np.eye(3)[None], np.array([0, 0, 0.0286]))
     np.testing.assert_allclose(moved, [[2.0, 0, 0, 0, 2 * 0.0286, 0]])
+
+
+def test_a_thinned_record_keeps_away_from_contacts_as_others_do() -> None:
+    """Of touches that set in slowly, the first tenths of a newton would shift the bias."""
+    random = np.random.default_rng(9)
+    clock = PERIOD * np.arange(30_000)
+    touch = 20.0 * np.clip(np.sin(2 * np.pi * clock / 3.0), 0, None) ** 2
+    reading = BIAS + random.normal(0, 0.01, (len(clock), 6))
+    reading[:, 2] -= touch
+    offset = fit_offset(reading, GRAVITY @ upright(len(clock)), PERIOD)
+    np.testing.assert_allclose(offset.bias, BIAS, atol=1e-3)
+    touched = (touch > 0.5).nonzero()[0]
+    assert not offset.free[touched].any()
+    assert 1 / 3 < offset.free.mean() < 0.4  # half of the time, but for half a second of each
+
+
+def test_a_bias_that_wanders_is_still_one() -> None:
+    """By a newton each half minute: in any tenth of a second it rests."""
+    clock = PERIOD * np.arange(6000)
+    reading = BIAS + np.sin(2 * np.pi * clock / 30.0)[:, None] * np.eye(6)[1]
+    reading += 1e-3 * np.random.default_rng(10).normal(size=reading.shape)
+    offset = fit_offset(reading, GRAVITY @ upright(len(clock)), PERIOD)
+    np.testing.assert_allclose(offset.bias, BIAS, atol=0.05)
+    assert offset.agreeing == 1.0
+    assert offset.free.all()
 
 
 def upright(count: int) -> np.ndarray:

@@ -43,6 +43,7 @@ def without_flags(table: pd.DataFrame) -> pd.DataFrame:
 def test_complete_frames_pass_unchanged() -> None:
     repaired, findings = repair(frames())
     assert findings == {}
+    assert list(repaired)[:3] == ["time", "segment", "interpolated"]
     assert repaired["segment"].eq(0).all()
     assert not repaired["interpolated"].any()
     pd.testing.assert_frame_equal(without_flags(repaired), frames(), check_like=True)
@@ -168,7 +169,7 @@ def test_steps_that_fit_no_cycle_are_interpolated_in_time() -> None:
     time = np.cumsum(steps)
     table = pd.DataFrame({"time": time, **{f"actual_q_{j}": 0.1 * time**2 for j in range(6)}})
     repaired, findings = repair(table, cycle=None)
-    assert "irregular steps" in findings
+    assert list(findings) == ["irregular steps"]
     np.testing.assert_allclose(np.diff(repaired["time"]), 0.010)
     np.testing.assert_allclose(repaired["actual_q_0"], 0.1 * repaired["time"] ** 2, atol=1e-5)
     assert not repaired["interpolated"].any()
@@ -221,9 +222,20 @@ def test_a_gap_is_as_long_as_what_is_missing(lost: int, filled: bool) -> None:
     repaired, findings = repair(frames(kept), max_gap=0.08)
     assert findings["lost frames"].count == lost
     assert repaired["interpolated"].sum() == (lost if filled else 0)
-    assert ("split" in findings) != filled
+    assert list(findings) == ["lost frames"] + ["split"] * (not filled)
     if not filled:
         assert findings["split"].count == 1
+
+
+@pytest.mark.parametrize(("lost", "filled"), [(10, True), (11, False)])
+def test_a_channel_may_be_missing_for_as_long_as_whole_frames(lost: int, filled: bool) -> None:
+    holes = frames()
+    holes.loc[30 : 30 + lost - 1, "actual_current_0"] = np.nan
+    repaired, findings = repair(holes, max_gap=0.08)
+    assert repaired["interpolated"].sum() == (lost if filled else 0)
+    assert len(repaired) == COUNT - (0 if filled else lost)
+    told = [] if filled else ["split", "incomplete frames"]
+    assert list(findings) == ["missing cells", *told]
 
 
 def test_the_pattern_of_lost_frames_is_told() -> None:
@@ -320,3 +332,69 @@ def test_noise_that_repeats_once_in_a_while_is_stale_only_if_currents_are_noisy(
         table.loc[500, columns] = table.loc[499, columns]
         findings = repair(table)[1]
         assert ("stale data" in findings) == stale
+
+
+def irregular(lost: range) -> pd.DataFrame:
+    """Every fourth step takes 12 ms, the others 10 ms; lines in positions and currents."""
+    time = np.delete(np.cumsum(np.tile([0.010, 0.010, 0.010, 0.012], 50)), lost)
+    names = [f"{channel}_{j}" for channel in ("actual_q", "actual_current") for j in range(6)]
+    return pd.DataFrame({"time": time} | dict.fromkeys(names, 0.1 * time))
+
+
+@pytest.mark.parametrize("lost", [1, 2, 5])
+def test_among_irregular_steps_what_is_further_than_one_from_any_frame_is_filled(lost: int) -> None:
+    """Those frames are lost, but not the ones that lack a channel only."""
+    given = irregular(range(90, 90 + lost))
+    given.loc[30:34, "actual_current_2"] = np.nan
+    repaired, findings = repair(given, cycle=None)
+    away = np.abs(repaired["time"].to_numpy()[:, None] - given["time"].to_numpy()).min(axis=1)
+    far = away > 0.010
+    filled = repaired.get("filled_actual_q", pd.Series(False, repaired.index))
+    np.testing.assert_array_equal(filled, far)
+    assert repaired["interpolated"].sum() > far.sum() == lost - 1
+    assert findings["missing cells"].count == 5
+    assert ("lost frames" in findings) == far.any()
+    if far.any():
+        assert findings["lost frames"].count == far.sum()
+    np.testing.assert_allclose(repaired["actual_current_2"], 0.1 * repaired["time"], atol=1e-9)
+
+
+@pytest.mark.parametrize("known", [[], [3], [3, 5]])
+def test_of_a_part_that_lacks_a_channel_only_what_lies_between_its_cells_is_kept(
+    known: list[int],
+) -> None:
+    """After a clock reset, from which on the channel is missing but for some cells."""
+    twice = pd.concat([frames(range(60, 120)), frames(range(70))], ignore_index=True)
+    twice.loc[60 + np.delete(np.arange(70), known), "actual_q_2"] = np.nan
+    repaired, findings = repair(twice)
+    kept = range(known[0], known[-1] + 1) if known else range(0)
+    expected = [*frames(range(60, 120))["time"], *frames()["time"].iloc[[*kept]]]
+    np.testing.assert_allclose(repaired["time"], expected)
+    assert findings["incomplete frames"].count == 70 - len(kept)
+    assert repaired["interpolated"].sum() == max(len(known) - 1, 0)
+    np.testing.assert_allclose(repaired["actual_q_2"], 0.1 * repaired["time"] ** 2, atol=1e-5)
+
+
+def test_jitter_is_that_of_the_median_step_and_of_one_in_a_hundred() -> None:
+    """A frame in twenty is late by 0.2 ms, so that a step in ten deviates."""
+    shaken = frames()
+    shaken.loc[10::20, "time"] += 2e-4
+    _, timing, findings = repair_frames(shaken, None, 0.1, "run.csv")
+    assert timing.period == CYCLE
+    assert timing.jitter_median == pytest.approx(0.0, abs=1e-9)
+    assert timing.jitter_99 == pytest.approx(2e-4)
+    assert [one.finding for one in findings] == ["jitter"]
+
+
+def test_the_cycle_is_a_tenth_of_a_millisecond_exact() -> None:
+    """Though stamps jitter by 30 µs."""
+    shaken = frames(range(1000))
+    shaken["time"] += np.random.default_rng(0).uniform(-3e-5, 3e-5, 1000)
+    assert repair_frames(shaken, None, 0.1, "run.csv")[1].period == CYCLE
+
+
+def test_the_cycle_is_a_step_that_one_in_nine_takes() -> None:
+    """Of a recording that lost nearly every other frame."""
+    kept = np.cumsum(np.tile([2, 2, 2, 2, 2, 2, 2, 2, 1], 12)) - 2
+    timing = repair_frames(frames([*kept]), None, 0.1, "run.csv")[1]
+    assert (timing.period, timing.regular) == (CYCLE, True)

@@ -58,6 +58,7 @@ def test_each_sample_is_placed_within_a_millisecond(entry: dict[str, Any]) -> No
     assert np.abs(on_robot - true).max() < 0.001
     assert start.drift_std is not None
     assert start.drift_std < 20e-6
+    assert start.std < 0.001
     assert list(record.table) == ["time", *(f"ft_{part}{axis}" for part in "ft" for axis in "xyz")]
 
 
@@ -218,6 +219,10 @@ def test_the_error_of_a_rate_is_that_of_the_sixth_best_stamps() -> None:
     line = least_delayed(own, BOOT + own + 1e-3 * delay)
     assert line.slope_std == pytest.approx(np.hypot(5e-3, 5e-3) / half, rel=1e-3)
     assert least_delayed(own, 2 * own).slope_std == pytest.approx(1e-6 / half)
+    later = np.insert(1e-3 * delay, 20, 0.0)  # a stamp at the mean time is one of the later half
+    later[20:] *= 2
+    line = least_delayed(np.arange(41.0), BOOT + np.arange(41.0) + later)
+    assert line.slope_std == pytest.approx(np.hypot(5e-3, 8e-3) / 20, rel=1e-3)
     few = np.arange(12.0)  # six in each half, the sixth best of which is the worst
     assert least_delayed(few, 2 * few).slope_std == pytest.approx(1e-6 / (few[-1] / 2))
     assert least_delayed(few[:11], 2 * few[:11]).slope_std == 1e-3
@@ -245,12 +250,26 @@ def test_a_count_that_does_not_increase_tells_nothing(count: list[float]) -> Non
     assert table.to_dict("list") == {"time": time}
 
 
+def test_a_stamp_that_was_lost_is_told_by_the_count() -> None:
+    """Of which two stamps are enough."""
+    stamps = pd.DataFrame({"time": [0.0, np.nan, 0.4], "counter": [7, 8, 9]})
+    np.testing.assert_allclose(without_delays(stamps)["time"], [0.0, 0.2, 0.4], atol=1e-9)
+
+
 @settings(max_examples=50, deadline=None)
-@example([1.0, 0.0, 1.0], 0.0)  # an edge of the hull ends at the mean
-@given(st.lists(st.floats(0, 10), min_size=2, max_size=40), st.floats(-1e-3, 1e-3))
-def test_the_line_solves_the_linear_program(delays: list[float], drift: float) -> None:
+@example([1, 1, 1], [1, 0, 1], 0.0)  # an edge of the hull ends at the mean
+@example([1] * 10, [8, 8, 8, 8, 0, 2, 4, 6, 8, 10], 0.0)  # the last edge lies under it
+@example([1, 1, 1, 18, 1, 1, 45], [4, 5, 4, 9, 8, 5, 8], 0.0)  # one above the stamps does, too
+@given(
+    st.lists(st.floats(0.1, 100), min_size=40, max_size=40),
+    st.lists(st.floats(0, 10), min_size=2, max_size=40),
+    st.floats(-1e-3, 1e-3),
+)
+def test_the_line_solves_the_linear_program(
+    steps: list[float], delays: list[float], drift: float
+) -> None:
     """No stamp lies below it, and no other such line has a lesser mean delay."""
-    own = np.arange(len(delays), dtype=np.float64)
+    own = np.cumsum(steps[: len(delays)])
     host = (1 + drift) * own + delays
     line = least_delayed(own, host)
     left = host - line.host(own)

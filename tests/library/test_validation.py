@@ -8,7 +8,11 @@ import pytest
 from tests.library.current_study import PRESLIDING, make_record, prior, smooth
 from ur5lib.identification.friction import BASE
 from ur5lib.identification.samples import Record
-from ur5lib.identification.validation import fitted_on_tested_on, score
+from ur5lib.identification.validation import (
+    fitted_on_tested_on,
+    least_squares_coefficients,
+    score,
+)
 from ur5lib.timeseries.arrays import Array
 
 
@@ -61,3 +65,30 @@ def test_a_fit_is_tested_where_both_recordings_move() -> None:
     assert np.nanmax(table[:, :, [0, 1, 3]]) < 0.02
     assert (table[0, :, 2] > 0.02).all()  # a term that is not fitted
     assert table[0, 1, 2] == pytest.approx(table[0, 0, 2], rel=1.0)
+
+
+def test_a_fit_is_tested_on_each_sample_of_the_other_recording() -> None:
+    """One has 0.3 A more for 2 s and 0.3 A less for 2 s, in turn, which no term explains."""
+    plain, changed = make_record(0), make_record(1)
+    wave = np.where(np.arange(len(changed.q)) // 100 % 2, 0.3, -0.3)
+    changed = replace(changed, current=changed.current + wave[:, None])
+    table = fitted_on_tested_on([plain, changed], smooth, prior(), [BASE] * 6, [PRESLIDING] * 6)
+    exact = [0, 1, 3, 4, 5]  # of joint 3, a term is not fitted
+    np.testing.assert_allclose(table[0, 1, exact], 0.3, rtol=0.1)
+    assert (table[1, 0, exact] < 0.2).all()
+
+
+def test_the_baseline_is_fitted_to_the_samples_that_are_whole() -> None:
+    """A cell that is missing takes its sample along, and no other."""
+    record = make_record(0)
+    lacking = replace(record, torque=record.torque.copy(), current=record.current.copy())
+    lacking.torque[:50, 2] = np.nan
+    lacking.current[100:150, 4] = np.nan
+    whole = np.ones(len(record.q), bool)
+    whole[:50] = whole[100:150] = False
+    parts = {name: getattr(record, name)[whole] for name in ("torque", "qd", "current")}
+    np.testing.assert_allclose(
+        least_squares_coefficients([lacking]),
+        least_squares_coefficients([replace(record, **parts)]),
+        atol=1e-9,
+    )

@@ -152,7 +152,7 @@ def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Str
 def _stretch(rows: Labels, time: Array, timing: Timing) -> Stretch:
     """Return the stretch of some frames. rows: their indices; time: of all frames [s]."""
     place = _places(time[rows], timing)
-    first = np.unique(np.rint(place) if timing.regular else place, return_index=True)[1]
+    first = np.unique(place, return_index=True)[1]
     slots = np.arange(int(np.floor(place[first[-1]] + 1e-6)) + 1)
     crowded = len(place) - len(first)
     return Stretch(rows[first], place[first], slots, float(time[rows[0]]), crowded)
@@ -229,7 +229,7 @@ def _fill(
     place: Array, values: Array, slots: Labels, timing: Timing, max_gap: float, name: str
 ) -> tuple[Array, Mask, Mask]:
     """Return values at the slots, which were not received, and which lie in too long a gap."""
-    after = np.clip(np.searchsorted(place, slots), 0, len(place) - 1)
+    after = np.minimum(np.searchsorted(place, slots), len(place) - 1)
     before = np.maximum(np.searchsorted(place, slots, side="right") - 1, 0)
     nearest = np.where(place[after] - slots < slots - place[before], after, before)
     away = np.abs(place[nearest] - slots)
