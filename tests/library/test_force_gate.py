@@ -180,6 +180,17 @@ def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
         assert off < 0.4 * kept, name
 
 
+def test_the_margins_of_a_contact_have_its_force(ur5: Robot) -> None:
+    """A sensor tells of a push but for its first and last 0.15 s, by which contacts extend."""
+    run = free_run(ur5, seed=22, seconds=10.0, scale=0.1)
+    wrench = push(run, 2, 40.0, 5.0, 7.0)
+    touched = run.pushed(wrench)
+    told, during = (between(run.time, *part) > 0 for part in ((5.15, 6.85), (5.05, 6.95)))
+    given = touched.torque, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
+    estimate = estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(told))
+    np.testing.assert_allclose(estimate.wrench[during & ~told, 2], 40.0, rtol=0.25)
+
+
 def test_a_contact_that_learns_nothing_is_a_typical_one(ur5: Robot) -> None:
     """Of a push of 80 N, the prior of 15 N then takes its share."""
     run = free_run(ur5, seed=24, scale=0.3)

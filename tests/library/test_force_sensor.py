@@ -189,6 +189,16 @@ def test_the_noise_of_a_sensor_is_measured() -> None:
     np.testing.assert_allclose(offset.bias_std, deviation / np.sqrt(offset.free.sum()), rtol=0.15)
 
 
+def test_a_noisier_sensor_in_proportion_has_the_same_offset_in_proportion() -> None:
+    random = np.random.default_rng(11)
+    reading = BIAS + random.normal(0, [0.5] * 3 + [0.05] * 3, (400, 6))
+    pull = np.tile(GRAVITY, (400, 1))
+    offset, louder = fit_offset(reading, pull, PERIOD), fit_offset(1000 * reading, pull, PERIOD)
+    np.testing.assert_array_equal(louder.free, offset.free)
+    for name in ("bias", "bias_std", "noise"):
+        np.testing.assert_allclose(getattr(louder, name), 1000 * getattr(offset, name), rtol=1e-9)
+
+
 @pytest.mark.parametrize("follows", [0.0, 0.6, 0.9])
 def test_noise_that_lasts_tells_a_bias_less_well(follows: float) -> None:
     """As the variance of a mean of an autoregressive process has it: (1 + a) / (1 - a)."""

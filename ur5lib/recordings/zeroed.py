@@ -51,7 +51,7 @@ def _fallen(column: Array, least: float) -> Mask:
     leap = max(least, FAR * np.quantile(steps, USUAL))
     for start, end in _runs(zero):
         beside = [column[k] for k in (start - 1, end) if 0 <= k < len(column)]
-        wrong[start:end] = bool(beside) and np.nanmax(np.abs(beside)) > leap
+        wrong[start:end] = np.nanmax(np.abs(beside)) > leap
     return wrong
 
 
