@@ -129,6 +129,14 @@ def test_a_periodic_motion_does_not_jump_a_period(period: float) -> None:
     assert clock.offset == pytest.approx(OFFSET, abs=0.01)
 
 
+@pytest.mark.parametrize("offset", [-0.1, -0.08, -0.06, -0.04])
+def test_nor_does_one_as_fast_as_the_band_lets_pass(offset: float) -> None:
+    """Nearly four times a second, wherever the clock lies between the search's steps."""
+    clock, reason = record(swinging(0.27), offset=offset).clock()
+    assert reason is None
+    assert clock.offset == pytest.approx(offset, abs=0.01)
+
+
 def test_nothing_is_used_across_a_gap() -> None:
     """Half a second is missing, and the robot's turning beside it is not joined up."""
     whole = record(trajectory)

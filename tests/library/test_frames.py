@@ -97,6 +97,12 @@ def test_order_and_repeats_do_not_matter(order: list[int], repeated: list[int]) 
         assert findings["repeated frames"].count == len(repeated)
 
 
+def test_two_frames_are_a_recording() -> None:
+    repaired, findings = repair(frames(range(2)))
+    assert findings == {}
+    pd.testing.assert_frame_equal(without_flags(repaired), frames(range(2)), check_like=True)
+
+
 def test_jitter_does_not_lose_frames() -> None:
     shaken = frames(range(1000))
     shaken["time"] += np.random.default_rng(0).uniform(-5e-4, 5e-4, 1000)
@@ -111,6 +117,7 @@ def test_new_data_under_an_old_stamp_go_to_the_next_slot() -> None:
     stale.loc[30, "time"] = stale.loc[29, "time"]
     repaired, findings = repair(stale)
     assert findings["stale stamps"].count == 1
+    assert list(in_order(stale, []).index) == [*range(COUNT)]
     np.testing.assert_allclose(repaired["actual_current_0"], frames()["actual_current_0"])
 
 
@@ -120,6 +127,7 @@ def test_old_data_under_a_new_stamp_are_a_lost_frame() -> None:
     stale.loc[30, channels] = stale.loc[29, channels]
     repaired, findings = repair(stale)
     assert findings["stale data"].count == 1
+    assert list(in_order(stale, [])) == [*stale, "epoch"]
     assert list(repaired.index[repaired["interpolated"]]) == [30]
     assert repaired["actual_q_0"][30] == pytest.approx(frames()["actual_q_0"][30], rel=1e-3)
 
@@ -212,6 +220,7 @@ def test_each_frame_out_of_order_is_counted(swaps: int) -> None:
         ("frames out of order", swaps) for _ in range(min(swaps, 1))
     ]
     np.testing.assert_array_equal(ordered["actual_q_0"], np.sin(np.arange(200)))
+    assert list(ordered.index) == [*range(200)]
     assert (ordered["epoch"] == 0).all()
 
 
@@ -398,3 +407,85 @@ def test_the_cycle_is_a_step_that_one_in_nine_takes() -> None:
     kept = np.cumsum(np.tile([2, 2, 2, 2, 2, 2, 2, 2, 1], 12)) - 2
     timing = repair_frames(frames([*kept]), None, 0.1, "run.csv")[1]
     assert (timing.period, timing.regular) == (CYCLE, True)
+
+
+def test_a_stale_stamp_does_not_hide_that_the_clock_was_reset() -> None:
+    slots = [*range(20), 19, *range(21, 60), *range(60)]
+    stale = frames(slots).assign(actual_current_0=0.1 * np.arange(120))
+    repaired, findings = repair(stale)
+    assert (findings["clock reset"].count, findings["stale stamps"].count) == (1, 1)
+    np.testing.assert_array_equal(repaired["actual_current_0"], 0.1 * np.arange(120))
+
+
+def test_a_recording_that_a_file_has_twice_is_read_once() -> None:
+    repaired, findings = repair(pd.concat([frames(), frames()], ignore_index=True))
+    assert findings["repeated frames"].count == COUNT
+    assert list(findings) == ["repeated frames"]
+    pd.testing.assert_frame_equal(without_flags(repaired), frames(), check_like=True)
+
+
+def test_what_a_reset_clock_shows_again_is_no_repeat() -> None:
+    """Some frames after the reset are by chance as before it."""
+    first, second = frames(range(60)), frames(range(60))
+    second.loc[5:, "actual_current_0"] += 1.0
+    both = pd.concat([first, second], ignore_index=True)
+    repaired, findings = repair(both)
+    assert list(findings) == ["clock reset", "split"]
+    np.testing.assert_array_equal(repaired["actual_current_0"], both["actual_current_0"])
+
+
+def uniform(travel: float, shown: np.ndarray, lost: int) -> pd.DataFrame:
+    """A motion at one speed [rad a cycle, of all joints], without one frame; shown: cycles."""
+    table = pd.DataFrame({"time": CYCLE * np.arange(len(shown))})
+    for joint in range(6):
+        table[f"actual_q_{joint}"] = travel / np.sqrt(6) * shown
+        table[f"actual_qd_{joint}"] = travel / np.sqrt(6) / CYCLE
+    return table.drop(index=lost)
+
+
+@pytest.mark.parametrize(
+    ("travel", "late", "returned"),
+    [(3e-3, 0.6, True), (3e-3, 0.4, False), (8e-4, 1.0, True), (6e-4, 1.0, False)],
+)
+def test_late_data_are_those_of_an_arm_that_moves_half_a_cycle_and_a_millirad(
+    travel: float, late: float, returned: bool
+) -> None:
+    """At rest, the way from one frame to the next is noise."""
+    shown = np.arange(COUNT, dtype=float)
+    shown[60] -= late
+    assert ("late data" in repair(uniform(travel, shown, lost=59))[1]) == returned
+
+
+@pytest.mark.parametrize("count", [62, COUNT])
+def test_whether_data_are_late_is_told_by_the_frames_beside_them(count: int) -> None:
+    """Though the next but one are late, too; up to the last frame but one."""
+    shown = np.arange(count, dtype=float)
+    shown[57] -= 1.0
+    shown[60] -= 1.0
+    shown[62:63] -= 1.0
+    assert repair(uniform(3e-3, shown, lost=59))[1]["late data"].count == 1
+
+
+@pytest.mark.parametrize("first", [60, 61])
+@pytest.mark.parametrize("behind", [-1.0, 1.0])
+def test_an_arm_that_stays_behind_or_ahead_is_not_late(first: int, behind: float) -> None:
+    """From a lost frame on, or from the one after it."""
+    shown = np.arange(COUNT, dtype=float)
+    shown[first:] -= behind
+    assert "late data" not in repair(uniform(3e-3, shown, lost=59))[1]
+
+
+def test_the_last_frame_has_none_after_it_to_tell_whether_it_is_late() -> None:
+    shown = np.arange(COUNT, dtype=float)
+    shown[-1] -= 1.0
+    assert list(repair(uniform(3e-3, shown, lost=COUNT - 2))[1]) == ["lost frames"]
+
+
+def test_stale_data_are_told_by_any_current_that_is_noisy() -> None:
+    """By a hundredth of an ampere, though one joint has no current at all."""
+    table = frames()
+    for joint in range(6):
+        table[f"actual_current_{joint}"] *= 0.01 if joint < 5 else 0.0
+    columns = table.columns.drop("time")
+    table.loc[50, columns] = table.loc[49, columns]
+    assert repair(table)[1]["stale data"].count == 1

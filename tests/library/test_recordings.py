@@ -154,6 +154,16 @@ def test_a_whole_last_line_needs_no_end_of_line(recording: Path) -> None:
     assert len(raw.robot.table) == 125
 
 
+def test_rows_with_a_timestamp_that_was_used_before_are_counted(recording: Path) -> None:
+    whole = read(recording).robot.table
+    path = recording / "csv_files" / "log_q_actual.csv"
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join([*lines[:40], *lines[38:]]))
+    raw = read(recording)
+    assert found(raw.findings, "repeated stamps").count == 2
+    pd.testing.assert_frame_equal(raw.robot.table, whole)
+
+
 def test_channels_of_unequal_length_share_their_frames(recording: Path) -> None:
     path = recording / "csv_files" / "log_m_target.csv"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:100]))
