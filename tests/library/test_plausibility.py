@@ -131,6 +131,7 @@ def test_of_shuffled_frames_neighbours_say_nothing() -> None:
     time = np.random.default_rng(0).permutation(0.1 * np.arange(1000))
     assert strays(time) == []
     assert strays(np.array([0.0, 100, 200, 300])) == []  # four frames are too few to judge
+    assert strays(np.array([0.0, 0.01, 0.02, 0.03, 100])) == [4]
 
 
 # Order

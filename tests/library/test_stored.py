@@ -82,12 +82,17 @@ def test_a_channel_may_be_made_of_several_arrays(tmp_path: Path, made: Made) -> 
 
 def test_a_sensor_may_lie_in_the_robot_s_file(tmp_path: Path, made: Made) -> None:
     force = np.random.default_rng(1).normal(size=(len(made[0]), 3))
-    write_hdf5(tmp_path / "run.h5", made[0], made[1] | {"force": force, "torque": force / 9})
+    stamps = 3.0 + made[0]
+    own = {"force": force, "torque": force / 9, "stamps": stamps}
+    write_hdf5(tmp_path / "run.h5", made[0], made[1] | own)
     entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"])
-    its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
+    its = {"time": ["run/stamps"], "ft_f": "run/force", "ft_t": "run/torque"}
     entry["force_sensor"] = {"channels": its, "units": {}, "time": "relative_s"}
-    sensor = read_recording(entry).sensors["force"].table
-    np.testing.assert_allclose(sensor[["ft_fx", "ft_fy", "ft_fz"]], force)
+    sensor = read_recording(entry).sensors["force"]
+    np.testing.assert_allclose(sensor.table[["ft_fx", "ft_fy", "ft_fz"]], force)
+    assert sensor.start is not None
+    assert sensor.start.seconds == pytest.approx(stamps[0])
+    np.testing.assert_allclose(sensor.table["time"], stamps - stamps[0], atol=1e-12)
 
 
 # Bags

@@ -131,7 +131,7 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
             "the study (`ur5 import` writes them), or copy the file again"
         )
     parts = [np.atleast_2d(arrays[name]) for name in single]
-    rows = max(parts[0].shape) if parts else 0
+    rows = max(parts[0].shape)
     turned = [part if part.shape[1] == rows else part.T for part in parts]
     if len({part.shape[1] for part in turned}) > 1:
         raise InputError(
