@@ -17,7 +17,9 @@ from ur5lib.timeseries.lowpass import (
 RATE = 125.0
 
 
-@pytest.mark.parametrize("design", [THESIS_ACCELERATION, THESIS_CURRENT, Butterworth(1, 20.0)])
+@pytest.mark.parametrize(
+    "design", [THESIS_ACCELERATION, THESIS_CURRENT, Butterworth(1, 20.0), Butterworth(4, 60.0)]
+)
 def test_response_is_the_definition(design: Butterworth) -> None:
     """|H|² = 1 / (1 + (Ω / Ω_c)^2N), with frequencies warped by the bilinear transform."""
     frequency = np.linspace(0.1, 60, 200)
