@@ -17,6 +17,8 @@ from tests.conftest import PROJECT, recordings
 from tests.synthetic import write_recording
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
@@ -310,6 +312,31 @@ def test_real_recordings_tell_what_is_wrong(study: str, name: str, corruption: s
 @pytest.mark.parametrize("corruption", CORRUPTIONS)
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:
     assert any(told(simulated(made, "fast", robot, "floor"), corruption))
+
+
+@pytest.mark.parametrize(
+    ("constant", "sentence"),
+    [
+        (0.45, "motors have 2.5 to 40 Nm/A"),
+        (0.55, "is a torque in Nm"),
+        (1.9, "is a torque in Nm"),
+        (2.1, "motors have 2.5 to 40 Nm/A"),
+        (2.6, None),
+        (39.0, None),
+        (41.0, "motors have 2.5 to 40 Nm/A"),
+    ],
+)
+def test_the_unit_of_a_current_is_told_by_what_holds_gravity(
+    ur5: Robot, constant: float, sentence: str | None
+) -> None:
+    """constant: Nm per unit of the current, of an arm at a hundred poses."""
+    random = np.random.default_rng(0)
+    q, (qd, qdd) = random.uniform(-2, 2, (100, 6)), random.normal(0, 0.3, (2, 100, 6))
+    still = BlockMeans(q, qd, qdd, None, {})
+    means = BlockMeans(q, qd, qdd, None, {"actual_current": still.gravity(ur5) / constant})
+    said = [*foreign_currents(means, ur5)]
+    assert len(said) == (sentence is not None)
+    assert all(str(sentence) in one for one in said)
 
 
 @pytest.mark.parametrize(("study", "name"), REAL)
