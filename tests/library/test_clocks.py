@@ -276,6 +276,12 @@ def test_a_gap_is_longer_than_five_mean_steps(steps: float, bridged: bool) -> No
     assert np.isnan(outside).all()
 
 
+def test_a_gap_before_the_last_sample_holds_nothing() -> None:
+    time = np.append(0.01 * np.arange(1000), 20.0)
+    told = interpolate(np.array([15.0, 20.0]), time, time[:, None])[:, 0]
+    np.testing.assert_array_equal(told, [np.nan, 20.0])
+
+
 def test_even_samples_keep_the_usual_step_and_both_ends() -> None:
     """Gaps do not lengthen it, and hold nothing."""
     own = np.delete(0.01 * np.arange(1001), slice(300, 400))
