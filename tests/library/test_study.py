@@ -102,6 +102,14 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
             format="rtde-csv", file="a.csv", imu={"file": "b.csv", "columns": ["time"], "tim": 1}),
          "unknown key `recordings[0].imu.tim` (did you mean `time`?); "
          "known keys: file, columns, units, time, start_file, start"),
+        (lambda raw: raw["recordings"][0].update(
+            format="hdf5", file="a.h5", channels={"time": "t", "actual_q": []}),
+         "`recordings[0].channels` is {'time': 't', 'actual_q': []}; give a mapping in which each "
+         "channel names an array"),
+        (lambda raw: raw["recordings"][0].update(
+            format="hdf5", file="a.h5", channels={"actual_q": "q"}),
+         "`recordings[0].channels` is {'actual_q': 'q'}; give a mapping with `time`, which names "
+         "the array of the stamps"),
         (lambda raw: raw["recordings"][0].pop("format"),
          f"`recordings[0].format` is missing; give one of {FORMATS}"),
         (lambda raw: raw["recordings"][0].pop("role"),

@@ -243,6 +243,8 @@ class TableRecording(Part, DeviceTable, Sensors):
 def _maps_the_time(channels: dict[str, Any]) -> dict[str, Any]:
     if "time" not in channels:
         raise ValueError("a mapping with `time`, which names the array of the stamps")
+    if not all(channels.values()):
+        raise ValueError("a mapping in which each channel names an array")
     return channels
 
 
