@@ -196,6 +196,35 @@ def test_a_device_that_does_not_close_loses_no_sample(
         assert status.samples == rows.count("\n") - 1
 
 
+class Wide:
+    """A device at 100 Hz with so many columns that reports on it soon fill a pipe."""
+
+    columns = tuple(f"reading_{k}" for k in range(500))
+
+    def device(self) -> "Wide":
+        return self
+
+    def open(self) -> dict[str, Any]:
+        return {"rate_hz": 100.0}
+
+    def read(self) -> Samples:
+        time.sleep(0.01)
+        return Samples(np.array([time.monotonic()]), np.random.default_rng().random((1, 500)), 0)
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path) -> None:
+    plan: Any = Wide()
+    with Session({"imu": plan}, tmp_path / "run") as session:
+        time.sleep(5.0)
+    status, rows = session.statuses()["imu"], (tmp_path / "run" / "imu.csv").read_text()
+    assert status.ended is None
+    assert status.samples == rows.count("\n") - 1
+    assert status.seconds > 4.0
+
+
 def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path: Path) -> None:
     absent = {"imu": XsensDevice(port=str(tmp_path / "nowhere"))}
     with pytest.raises(InputError, match="nowhere"), Session(absent, tmp_path / "run"):

@@ -1,5 +1,6 @@
 """One device, recorded into its file by a process of its own."""
 
+import copy
 import os
 import queue
 import signal
@@ -83,9 +84,13 @@ def _record(
     file = growing_file(path, device.columns)
     came: queue.SimpleQueue[Any] = queue.SimpleQueue()
     over = threading.Event()
+    reports: queue.SimpleQueue[Status | None] = queue.SimpleQueue()
     # A disk may block for seconds, a device's buffer be full after less: a thread of its own reads.
     reader = threading.Thread(target=_read, args=(device, came, over), daemon=True)
+    # Who does not ask for reports must not hold up the recording: another thread sends them.
+    reporter = threading.Thread(target=_report, args=(line, reports), daemon=True)
     reader.start()
+    reporter.start()
     first: float | None = None
     reported = 0.0
     try:
@@ -97,15 +102,15 @@ def _record(
             if len(samples.received):
                 first = samples.received[0] if first is None else first
                 _count(status, device, samples, first)
-            if time.monotonic() - reported > REPORT:
+            if time.monotonic() - reported > REPORT and reports.empty():
                 reported = time.monotonic()
-                line.send(status)
-    except BrokenPipeError:  # the recorder was killed; what came is in the file
-        return
+                reports.put(copy.deepcopy(status))
     finally:
         over.set()
         reader.join()
         file.close()
+        reports.put(None)
+        reporter.join(REPORT if os.getppid() != parent else None)
 
 
 def _read(device: Any, came: queue.SimpleQueue[Any], over: threading.Event) -> None:
@@ -115,6 +120,15 @@ def _read(device: Any, came: queue.SimpleQueue[Any], over: threading.Event) -> N
             came.put(device.read())
     except Exception as error:
         came.put(error)
+
+
+def _report(line: Connection, reports: queue.SimpleQueue[Status | None]) -> None:
+    """Send reports until there is none, or until the recorder was killed."""
+    try:
+        while (status := reports.get()) is not None:
+            line.send(status)
+    except BrokenPipeError:  # what came is in the file
+        return
 
 
 def _count(status: Status, device: Device, samples: Any, first: float) -> None:

@@ -14,7 +14,8 @@ from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.lab import AnyDevice
 
 PATIENCE = 30.0  # s, for a device to answer and its process to start
-CLOSING = 5.0  # s, for a process to write its last samples
+CLOSING = 10.0  # s, for all processes to write their last samples
+POLL = 0.05  # s between looks at their reports meanwhile
 
 
 @dataclass
@@ -74,8 +75,11 @@ class Session:
     def close(self) -> None:
         """Stop all devices; returns when their files are closed."""
         self._stop.set()
+        end = time.monotonic() + CLOSING
         for name, line in self._lines.items():
-            line.process.join(CLOSING)
+            while line.process.is_alive() and time.monotonic() < end:
+                self._listen(name, line)
+                line.process.join(POLL)
             self._listen(name, line)
             if line.process.is_alive():
                 line.process.kill()
