@@ -22,7 +22,7 @@ from ur5lib.study.reading import parse_study
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INDENTED = re.compile(r"(?<=\n)[ \t]*\n((?: {4}.*\n(?:[ \t]*\n(?= {4}))*)+)")
 SPAN = re.compile(r"(`+)(?!`)(.+?)(?<!`)\1(?!`)", re.DOTALL)
-COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", ".")
+COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", "sbatch", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 KEY = re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)")
 CODE = re.compile(r"(?:import|from|def|class|>>>) ")
@@ -211,6 +211,11 @@ def check_files(words: list[str]) -> str | None:
     return f"there is no {', '.join(wrong)}" if wrong else None
 
 
+def check_sbatch(words: list[str]) -> str | None:
+    """The command that it is to run."""
+    return command_fault(shlex.split(words[words.index("--wrap") + 1]))
+
+
 SHELL: dict[str, Callable[[list[str]], str | None]] = {
     "make": check_make,
     "snakemake": check_snakemake,
@@ -218,6 +223,7 @@ SHELL: dict[str, Callable[[list[str]], str | None]] = {
     "python": check_python,
     "cp": check_files,
     "rm": check_files,
+    "sbatch": check_sbatch,
     "git": lambda words: None if words[0] in {"clone", "describe", "status"} else "unknown",
     "pip": lambda words: None if words[0] == "install" else "unknown",
     ".": lambda words: None if words == [".venv/bin/activate"] else "no such environment",

@@ -169,6 +169,7 @@ def test_code_runs(example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyP
     "line",
     [
         "make tea",
+        "sbatch --wrap 'snakemake --tea'",
         "make TEA=1",
         "ur5 brew",
         "ur5 check --tea mine.yaml",
