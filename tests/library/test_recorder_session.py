@@ -231,6 +231,12 @@ def test_a_device_that_is_not_there_is_said_before_anything_is_recorded(tmp_path
         pass
 
 
+def test_of_several_devices_that_are_not_there_one_is_said(tmp_path: Path) -> None:
+    absent = {name: XsensDevice(port=str(tmp_path / name)) for name in ("imu", "other")}
+    with pytest.raises(InputError, match="imu"), Session(absent, tmp_path / "run"):
+        pass
+
+
 def test_a_full_disk_is_said(tmp_path: Path) -> None:
     here, there = multiprocessing.Pipe()
     handler = signal.getsignal(signal.SIGINT)

@@ -81,12 +81,14 @@ class Session:
                 self._listen(name, line)
                 line.process.join(POLL)
             self._listen(name, line)
-            if line.process.is_alive():
+            late = line.process.is_alive()
+            if late:
                 line.process.kill()
             if line.status.ended is None and not line.status.final:
+                why = f"did not end within {CLOSING:g} s" if late else "was killed"
                 line.status.ended = (
-                    f"the process that records {name} did not end within {CLOSING:g} s; "
-                    "its file has samples that are not counted here"
+                    f"the process that records {name} {why}; its file may have samples that are "
+                    "not counted here"
                 )
 
     def _start(self, name: str, plan: AnyDevice) -> _Line:
@@ -111,7 +113,9 @@ class Session:
         """Take the last report of a device; a process that died without one has ended."""
         try:
             while line.connection.poll():
-                line.status = line.connection.recv()
+                report = line.connection.recv()
+                if isinstance(report, Status):  # else an answer that nobody waited for
+                    line.status = report
         except (EOFError, OSError):
             if line.status.ended is None and not self._stop.is_set():
                 line.status.ended = f"the process that records {name} was killed"
