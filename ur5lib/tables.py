@@ -6,6 +6,7 @@ a temporary name and renamed, so that no reader meets an incomplete one.
 """
 
 import contextlib
+import hashlib
 import json
 import math
 import os
@@ -200,6 +201,12 @@ def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
 def read_csv(path: str | Path) -> pd.DataFrame:
     """Read a table of results."""
     return pd.read_csv(path)
+
+
+def checksum(path: str | Path) -> str:
+    """Return the SHA-256 of a file's content, which may be longer than the memory."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def write_json(data: object, path: str | Path) -> None:

@@ -154,15 +154,14 @@ def test_a_device_that_dies_leaves_the_others(tmp_path: Path) -> None:
     assert set(place_sensors(raw, findings)) == {"force", "imu"}, (raw.findings, findings)
 
 
-class Stubborn:
-    """A device at 100 Hz that takes for ever to read, or to close, once it is told to stop."""
+class MadeUp:
+    """A device at 100 Hz, which takes for ever in its hundredth `read`, in `close`, or nowhere."""
 
-    columns = ("reading",)
-
-    def __init__(self, hangs_in: str) -> None:
+    def __init__(self, hangs_in: str = "", width: int = 1) -> None:
+        self.columns = tuple(f"reading_{k}" for k in range(width))
         self.hangs_in, self.count = hangs_in, 0
 
-    def device(self) -> "Stubborn":
+    def device(self) -> "MadeUp":
         return self
 
     def open(self) -> dict[str, Any]:
@@ -173,10 +172,12 @@ class Stubborn:
         self.count += 1
         if self.count == 100 and self.hangs_in == "read":
             time.sleep(60)
-        return Samples(np.array([time.monotonic()]), np.array([[float(self.count)]]), 0)
+        values = np.random.default_rng(self.count).random((1, len(self.columns)))
+        return Samples(np.array([time.monotonic()]), values, 0)
 
     def close(self) -> None:
-        time.sleep(60)
+        if self.hangs_in == "close":
+            time.sleep(60)
 
 
 @pytest.mark.parametrize(("hangs_in", "expected"), [("close", None), ("read", "did not end")])
@@ -185,7 +186,7 @@ def test_a_device_that_does_not_close_loses_no_sample(
 ) -> None:
     """What the manifest counts is what the file holds, or it says that it may hold more."""
     monkeypatch.setattr("ur5lib.recorder.session.CLOSING", 2.0)
-    plan: Any = Stubborn(hangs_in)
+    plan: Any = MadeUp(hangs_in)
     with Session({"imu": plan}, tmp_path / "run") as session:
         until(lambda: session.statuses()["imu"].samples > 50)
         time.sleep(0.7)
@@ -196,27 +197,8 @@ def test_a_device_that_does_not_close_loses_no_sample(
         assert status.samples == rows.count("\n") - 1
 
 
-class Wide:
-    """A device at 100 Hz with so many columns that reports on it soon fill a pipe."""
-
-    columns = tuple(f"reading_{k}" for k in range(500))
-
-    def device(self) -> "Wide":
-        return self
-
-    def open(self) -> dict[str, Any]:
-        return {"rate_hz": 100.0}
-
-    def read(self) -> Samples:
-        time.sleep(0.01)
-        return Samples(np.array([time.monotonic()]), np.random.default_rng().random((1, 500)), 0)
-
-    def close(self) -> None:
-        pass
-
-
 def test_a_recording_goes_on_though_nobody_asks_for_its_progress(tmp_path: Path) -> None:
-    plan: Any = Wide()
+    plan: Any = MadeUp(width=500)  # so that reports soon fill a pipe
     with Session({"imu": plan}, tmp_path / "run") as session:
         time.sleep(5.0)
     status, rows = session.statuses()["imu"], (tmp_path / "run" / "imu.csv").read_text()

@@ -19,7 +19,7 @@ from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.columns import FACTORS, SIX, SUFFIXES, expand
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.formats import READERS, read_recording
-from ur5lib.recordings.intake import Intake, checksum, read_and_repair
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
@@ -30,7 +30,7 @@ from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
 from ur5lib.stand.files import MESSAGE, messages
 from ur5lib.study.model import Recording
-from ur5lib.tables import named
+from ur5lib.tables import checksum, named
 
 LONG_CHANNELS = [name for name, suffixes in SUFFIXES.items() if suffixes == SIX]
 

@@ -154,11 +154,11 @@ def smallest_forces(
 
     jacobian: (N, 6, 6); raised: the alarms without any push.
     """
-    one = problem.input
+    one, used = problem.input, jacobian[problem.rows]
 
     def log_odds_of(pushed: Array) -> Array:
         own = one.with_torque(one.torque + pushed, one.states)
-        return Problem(own, problem.model).solve(jacobian[problem.rows], prior).log_odds
+        return Problem(own, problem.model).solve(used, prior).log_odds
 
     tried = np.random.default_rng(0).permutation(np.geomspace(LEAST, MOST, TRIALS))
     found = {}

@@ -6,6 +6,7 @@ import queue
 import signal
 import threading
 import time
+from contextlib import closing
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from multiprocessing.synchronize import Event
@@ -57,7 +58,7 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
         line.send(str(error))
         return
     status, parent = Status(), os.getppid()
-    try:
+    with closing(device):  # after the last report, since a device may take long to answer
         try:
             _record(device, path, zero, line, stop, status, parent)
         except DeviceLost as error:
@@ -67,8 +68,6 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
         status.final = True
         if os.getppid() == parent:
             line.send(status)
-    finally:
-        device.close()  # after the last report, since a device may take long to answer
 
 
 def _record(

@@ -1,6 +1,5 @@
 """The manifest of a recording: what recorded it, with what losses, and its files' checksums."""
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -9,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.recorder.capture import Status
-from ur5lib.tables import write_json
+from ur5lib.tables import checksum, write_json
 
 NAME = "manifest.json"
 CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
@@ -27,7 +26,7 @@ def write_manifest(
         file = folder / f"{name}.csv"
         entries[name] |= {
             "file": file.name,
-            "sha256": _checksum(file) if file.is_file() else None,
+            "sha256": checksum(file) if file.is_file() else None,
             "samples": status.samples,
             "lost": status.lost,
             "recorded_rate_hz": round(status.rate(), 3),
@@ -45,8 +44,3 @@ def write_manifest(
         },
         folder / NAME,
     )
-
-
-def _checksum(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -1,10 +1,8 @@
 """Intake of a recording: read it, repair its frames, check it, place its sensors in time."""
 
-import hashlib
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -19,7 +17,7 @@ from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import Robot
-from ur5lib.tables import has_unit
+from ur5lib.tables import checksum, has_unit
 
 # Every column is a block of its own, so that it can be freed; pandas expects few blocks.
 warnings.filterwarnings(
@@ -116,9 +114,3 @@ def _without_velocities(table: pd.DataFrame) -> list[Finding]:
 
 def _some(names: list[str]) -> str:
     return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
-
-
-def checksum(path: str | Path) -> str:
-    """Return the SHA-256 of a file's content."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

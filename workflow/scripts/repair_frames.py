@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.recordings.intake import checksum, read_and_repair
+from ur5lib.recordings.intake import read_and_repair
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import write_json, write_table
+from ur5lib.tables import checksum, write_json, write_table
 
 NO_SAMPLES = pd.DataFrame({"time": pd.Series(dtype=float)})
 
