@@ -121,6 +121,39 @@ def test_the_euler_route_misses_as_printed(thesis_results: Path) -> None:
     assert (rows.loc[["y", "z"], "mae"] < 0.6 * rows.loc[["y", "z"], "printed"]).all()
 
 
+@pytest.fixture(scope="module")
+def constants(thesis_results: Path) -> pd.DataFrame:
+    return read_csv(thesis_results / "tables" / "torque_constants.csv")
+
+
+def test_printed_torque_constants_are_met(constants: pd.DataFrame) -> None:
+    """Equation 6.5: within 5 %, offsets below 1 Nm within 0.1 Nm."""
+    rows = constants[constants["printed_offset"].notna()]
+    assert set(rows["recording"]) == {TABLE_5_7}
+    assert rows["joint"].tolist() == [1, 2, 3, 4, 5, 6]
+    assert (rows["torque_constant"] / rows["printed_torque_constant"] - 1).abs().max() < 0.05
+    gap, size = (rows["offset"] - rows["printed_offset"]).abs(), rows["printed_offset"].abs()
+    assert (gap < np.where(size < 1, 0.1, 0.05 * size)).all()
+
+
+def test_the_printed_offset_of_joint_2_is_regression_to_the_mean(
+    thesis_results: Path, constants: pd.DataFrame
+) -> None:
+    """It follows the mean torque from run to run, and vanishes where the torque varies widely."""
+    rows = constants.query("joint == 2").set_index(["regression", "recording"])
+    forward, reverse = rows.loc["torque_on_current"], rows.loc["current_on_torque"]
+    assert len(forward) == len(reverse) == 12
+    assert np.corrcoef(forward["offset"], forward["mean_torque"])[0, 1] > 0.9
+    small = forward.index[forward["mean_torque"].abs() < 20]
+    assert len(small) == 3
+    assert forward.loc[small, "offset"].abs().max() < 2
+    assert forward.loc[small, "torque_constant"].between(9.9, 11.0).all()
+    assert reverse.loc[TABLE_5_7, "offset"] < 5
+    friction = read_csv(thesis_results / "tables" / "friction.csv").query("joint == 2")
+    right = friction.set_index("parameter")
+    assert abs(right.loc["offset", "value"]) < 2 * right.loc["offset", "std_error"]
+
+
 def test_rotors_are_those_of_the_maker(thesis_results: Path) -> None:
     rotors = read_csv(thesis_results / "tables" / "rotor_inertia.csv")
     known = np.array([1.61, 1.62, 1.89, 0.159, 0.159, 0.160])
@@ -551,7 +584,7 @@ def test_the_report_holds_what_was_promised(thesis_results: Path, page: Page) ->
     text = (thesis_results / "report.html").read_text()
     for figure in ("5.11", "5.12", "6.4", "6.6", "6.8"):
         assert re.search(rf"after Figures? [0-9., andto]*{re.escape(figure)}", text), figure
-    assert len(re.findall(r"<li>[^<]*Here: ", text)) == 16  # errata
+    assert len(re.findall(r"<li>[^<]*Here: ", text)) == 17  # errata
     assert "Made by commit" in text
     assert "cutoff_hz: 1.454" in text
     assert "pytorch-kinematics" in text

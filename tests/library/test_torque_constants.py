@@ -1,66 +1,107 @@
-"""What is known of torque constants beforehand."""
+"""The thesis's line between current and torque: what it finds, and where it errs."""
+
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
+from tests.conftest import PROJECT
+from ur5lib.force.current_based import friction_torque
+from ur5lib.force.torque_constants import current_on_torque, torque_on_current
+from ur5lib.pipeline.published_constants import current_torque, published_constants
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.report.reference import read_reference
+from ur5lib.report.tables.torque_constants import constant_rows
+from ur5lib.robots.description import Robot
 
-SIZES = ["big", "big", "big", "small", "small", "small"]
-NONE = np.full(6, np.nan)
-WIDTHS = (0.3, 0.1, 0.05)
-
-
-def relative_spread(prior: object) -> np.ndarray:
-    return np.sqrt(np.diag(np.linalg.inv(prior.precision))) / prior.mean
-
-
-def test_the_maker_alone_is_the_prior() -> None:
-    maker = np.array([13.0] * 3 + [14.0] * 3)
-    prior = torque_constant_prior(maker, NONE, SIZES, WIDTHS)
-    np.testing.assert_allclose(1 / prior.mean, maker)
-    np.testing.assert_allclose(relative_spread(prior), np.hypot(0.3, 0.1))
+COUNT, PERIOD = 4000, 0.008
+BLOCK = np.arange(COUNT) // 250
+K, B = np.array([9.0, 11.0, 10.0, 7.0, 8.0, 8.5]), np.array([0.1, 0.5, -0.2, 0.3, 0.2, 0.0])
 
 
-def test_a_joint_learns_from_another_of_its_size_only() -> None:
-    maker, told = np.full(6, 13.0), NONE.copy()
-    told[1] = 10.0
-    prior = torque_constant_prior(maker, told, SIZES, WIDTHS)
-    constant, spread = 1 / prior.mean, relative_spread(prior)
-    assert constant[1] == pytest.approx(10.0, rel=0.02)
-    np.testing.assert_allclose(constant[0], constant[2])
-    assert 10.0 < constant[0] < 11.0
-    np.testing.assert_allclose(constant[3:], 13.0)
-    assert spread[1] < spread[0] < spread[3]
+def samples(mean: float, noise: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Currents and torques on the line (K, B), and noise in the currents."""
+    random = np.random.default_rng(seed)
+    torque = mean + 10 * random.standard_normal((COUNT, 6))
+    return (torque - B) / K + noise * random.standard_normal((COUNT, 6)), torque
 
 
-def test_the_controller_alone_will_do() -> None:
-    told = np.array([np.nan, 12.0, 9.8, 10.8, np.nan, np.nan])
-    prior = torque_constant_prior(NONE, told, SIZES, WIDTHS)
-    np.testing.assert_allclose(1 / prior.mean[4:], 10.8, rtol=1e-3)
+@pytest.mark.parametrize("line", [torque_on_current, current_on_torque])
+def test_both_regressions_find_an_exact_line(line: Any) -> None:
+    found = line(*samples(44, 0), BLOCK)
+    np.testing.assert_allclose(found.torque_constant, K, rtol=1e-9)
+    np.testing.assert_allclose(found.offset, B, atol=1e-7)
+    assert max(found.torque_constant_std.max(), found.offset_std.max()) < 1e-7
 
 
-def test_a_size_of_which_nothing_is_known_is_an_error() -> None:
-    with pytest.raises(ValueError, match="motor size"):
-        torque_constant_prior(NONE, np.array([10.0] * 3 + [np.nan] * 3), SIZES, WIDTHS)
+@pytest.mark.parametrize("mean", [44.0, -44.0])
+def test_noise_of_the_current_moves_the_offset_towards_the_mean_torque(mean: float) -> None:
+    """Of the torque on the current; that of the current on the torque finds the truth."""
+    current, torque = samples(mean, 0.8)
+    forward, reverse = (
+        line(current, torque, BLOCK) for line in (torque_on_current, current_on_torque)
+    )
+    shrunk = 10**2 / (10**2 + (0.8 * K) ** 2)  # of the slope, var(τ) / (var(τ) + var(noise))
+    np.testing.assert_allclose(forward.torque_constant, K * shrunk, rtol=0.05)
+    np.testing.assert_allclose(forward.offset, mean * (1 - shrunk) + B * shrunk, rtol=0.1)
+    assert (np.abs(reverse.torque_constant - K) < 4 * reverse.torque_constant_std).all()
+    assert (np.abs(reverse.offset - B) < 4 * reverse.offset_std).all()
 
 
-def test_the_ratio_is_read_at_rest_and_under_load() -> None:
-    constants = np.array([np.nan, 10.7, 10.2, 11.9, np.nan, np.nan])
-    moment = np.tile([0.0, 30.0, -12.0, 1.0, 0.01, 0.0], (50, 1))
-    current = moment / np.nan_to_num(constants, nan=8.0)
-    qd = np.zeros((50, 6))
-    qd[40:], current[40:] = 0.5, 99.0
-    np.testing.assert_allclose(standstill_ratio(moment, current, qd), constants)
+def test_standard_errors_are_the_scatter_over_repetitions() -> None:
+    lines = [torque_on_current(*samples(5, 0.5, seed), BLOCK) for seed in range(40)]
+    scatter = np.std([line.offset for line in lines], axis=0, ddof=1)
+    stated = np.mean([line.offset_std for line in lines], axis=0)
+    np.testing.assert_allclose(stated.mean(), scatter.mean(), rtol=0.2)
 
 
-def test_an_arm_that_never_rests_tells_no_ratio() -> None:
-    assert np.isnan(standstill_ratio(np.ones((9, 6)), np.ones((9, 6)), np.ones((9, 6)))).all()
+@pytest.fixture
+def recorded(ur5: Robot) -> tuple[Signals, Torques]:
+    """Currents by the printed constants; joint 6 rests, and every tenth frame was lost."""
+    assert ur5.current_to_torque
+    assert ur5.friction
+    time = np.arange(COUNT) * PERIOD
+    qd = 0.5 * np.sin(time[:, None] * np.linspace(0.5, 1.5, 6)) * [1, 1, 1, 1, 1, 0]
+    rigid = 20 * np.cos(time[:, None] * np.linspace(0.3, 0.9, 6)) + 5
+    constants = ur5.current_to_torque
+    total = rigid + friction_torque(qd, ur5.friction)
+    current = (total - constants.offset) / constants.torque_constant
+    lost = np.arange(COUNT) % 10 == 7
+    current[lost] = 99.0
+    grid: dict[str, Any] = {"time": time, "segment": np.zeros(COUNT, int), "interpolated": lost}
+    terms = ("payload_torque", "momentum", "coriolis_torque", "gravity_torque")
+    return Signals(**grid, actual_q=0 * qd, target_qd=qd, actual_current=current), Torques(
+        **grid, target={"C": rigid}, **dict.fromkeys(terms, 0 * qd)
+    )
 
 
-@pytest.mark.parametrize(("bearing", "told"), [(50, False), (51, True)])
-def test_a_joint_tells_a_ratio_that_bears_a_load_most_of_the_time(bearing: int, told: bool) -> None:
-    """Of the time at rest; and a load is more than a tenth of a newton metre."""
-    moment = np.full((100, 6), 0.09)
-    moment[:bearing] = -0.11
-    ratio = standstill_ratio(moment, moment / 8, np.zeros((100, 6)))
-    np.testing.assert_allclose(ratio, 8.0 if told else np.nan)
+def test_the_printed_constants_come_back(ur5: Robot, recorded: tuple[Signals, Torques]) -> None:
+    assert ur5.current_to_torque
+    found = published_constants(current_torque(ur5, *recorded))
+    for line in found["lines"].values():
+        for name in ("torque_constant", "offset"):
+            expected = np.array(getattr(ur5.current_to_torque, name))
+            np.testing.assert_allclose(line[name][:5], expected[:5], rtol=1e-6)
+            assert np.isnan(line[name][5])
+    np.testing.assert_allclose(found["correlation"][:5], 1)
+    assert (found["correlation_without_friction"][:5] < 0.999).all()
+
+
+def test_an_arm_without_printed_friction_has_no_such_constants(
+    ur5: Robot, recorded: tuple[Signals, Torques]
+) -> None:
+    other = ur5.model_copy(update={"friction": None})
+    assert published_constants(current_torque(other, *recorded)) == {}
+    assert [*constant_rows("a", {}, None)] == []
+
+
+def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:
+    """Both files quote Equation 6.6: the arm for the printed forces, the reference to compare."""
+    path: Path = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
+    printed = read_reference(path).printed.current_torque
+    assert printed
+    assert ur5.current_to_torque
+    assert printed.values["k"] == ur5.current_to_torque.torque_constant
+    assert printed.values["b"] == ur5.current_to_torque.offset

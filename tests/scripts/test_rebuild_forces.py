@@ -111,9 +111,9 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}
     inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "friction")}
     given = SimpleNamespace(**inputs)
-    published = SimpleNamespace(forces=folder / "published.parquet")
+    published = SimpleNamespace(forces=folder / "published.parquet", constants=folder / "c.json")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
-    withheld = SimpleNamespace(forces=folder / "withheld.parquet")
+    withheld = SimpleNamespace(forces=folder / "withheld.parquet", constants=folder / "c.json")
     write_json({"from": [], "stopped": "torque constants contradict"}, folder / "friction.json")
     script("rebuild_forces").rebuild_forces(given, withheld, SETTINGS)
     compared = SimpleNamespace(sensor=folder / "sensor.parquet", summary=folder / "forces.json")

@@ -53,6 +53,7 @@ from ur5lib.report.views import (
     next_steps,
     provenance,
     recordings,
+    torque_constants,
     truth,
 )
 
@@ -72,6 +73,7 @@ VIEWS: dict[str, ModuleType] = {
     "next_steps": next_steps,
     "provenance": provenance,
     "recordings": recordings,
+    "torque_constants": torque_constants,
     "truth": truth,
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")

@@ -27,6 +27,7 @@ class Printed(Strict):
     acceleration_mae: PrintedTable | None = None
     force_mae: PrintedTable | None = None
     force_max: PrintedTable | None = None
+    current_torque: PrintedTable | None = None
 
 
 class Erratum(Strict):

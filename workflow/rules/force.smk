@@ -9,6 +9,7 @@ rule rebuild_forces:
         arm=arm_file,
     output:
         forces=result("published_forces.parquet"),
+        constants=result("published_constants.json"),
     log:
         **traces("rebuild_forces", "{recording}"),
     params:

@@ -76,6 +76,7 @@ rule make_tables:
         motion=results("motion.json"),
         fused=results("fused_motion.json"),
         forces=results("forces.json"),
+        constants=results("published_constants.json"),
         rotors=parameters("rotor_inertia.json"),
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),

@@ -1,7 +1,10 @@
-"""Contact wrench from motor currents, as the thesis printed it, and by its equations put right."""
+"""Contact wrench from motor currents, as the thesis printed it, and by its equations put right;
+its torque constants, rebuilt.
+"""
 
 from typing import Any
 
+from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.published_forces import Settings, published_forces
 from ur5lib.pipeline.records.forces import PublishedForces
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -9,7 +12,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json
+from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -23,3 +26,4 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     if not stopped:
         forces = published_forces(robot, signals, motion, torques, jacobian, settings)
     forces.write(output.forces)
+    write_json(published_constants(current_torque(robot, signals, torques)), output.constants)

@@ -1,0 +1,110 @@
+"""Published torque constants and offsets: rebuilt, and what the same regression gives elsewhere."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.report.cells import fixed, number, with_error
+from ur5lib.report.document import Cell
+from ur5lib.report.results import Body, Results
+from ur5lib.report.tables.torque_constants import AS_PRINTED
+
+PARAMETERS = {"torque_constant": "k", "offset": "b"}
+
+
+def printed(results: Results) -> list[str]:
+    """Return the recordings with printed torque constants."""
+    return results.printed("torque_constants", "printed_offset")
+
+
+def rebuilt(results: Results, of: str) -> Body:
+    """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
+    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
+    right = _fitted(results, of)
+    body = []
+    for row in rows.to_dict("records"):
+        line = [Cell(str(row["joint"]))]
+        for name in PARAMETERS:
+            own = right.loc[(row["joint"], name)]
+            line += [
+                number(row[f"printed_{name}"], 3),
+                with_error(row[name], row[f"{name}_std_error"], 3),
+                with_error(own["value"], own["std_error"], 2),
+            ]
+        body.append(line)
+    header = [f"{sign} {what}" for sign in PARAMETERS.values() for what in KINDS]
+    return Body(["joint", *header], body)
+
+
+KINDS = ("printed", "rebuilt", "fitted here")
+
+
+def _fitted(results: Results, of: str) -> pd.DataFrame:
+    """Return what this study's fit found for the arm of a recording, by joint and parameter."""
+    rows = results.rows("friction", robot=results.arms()[of])
+    return rows.set_index(["joint", "parameter"])
+
+
+def doubted_joint(results: Results, of: str) -> int:
+    """Return the joint whose printed offset is furthest from this study's fit."""
+    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
+    here = _fitted(results, of).xs("offset", level="parameter")["value"]
+    away = (rows.set_index("joint")["printed_offset"] - here).abs()
+    return int(away.idxmax())
+
+
+def on_every_run(results: Results, of: str) -> Body:
+    """Return k and b of the doubted joint by both regressions on every recording in which it
+    moves, in the order of its mean torque.
+    """
+    rows = results.rows("torque_constants", joint=doubted_joint(results, of))
+    body = []
+    for (_, recording), pair in rows.groupby(["mean_torque", "recording"]):
+        lines = pair.set_index("regression")
+        forward, reverse = (lines.loc[name] for name in (AS_PRINTED, "current_on_torque"))
+        body.append([
+            Cell(recording),
+            number(forward["mean_torque"], 1),
+            *(with_error(line[name], line[f"{name}_std_error"], 1)
+              for name in reversed(PARAMETERS) for line in (forward, reverse)),
+        ])  # fmt: skip
+    columns = [
+        f"{sign}, {way}"
+        for sign in ("b", "k")
+        for way in ("torque on current", "current on torque")
+    ]
+    return Body(["recording", "mean torque [Nm]", *columns], body)
+
+
+def follows_the_mean(results: Results, of: str) -> Iterator[str]:
+    """Report how offsets follow the mean torque from run to run, beside the printed ones."""
+    rows = results.rows("torque_constants", regression=AS_PRINTED)
+    joint = doubted_joint(results, of)
+    own = rows[rows["joint"] == joint]
+    here = _fitted(results, of).loc[(joint, "offset")]
+    (said,) = own.loc[own["recording"] == of, "printed_offset"]
+    each = ", ".join(
+        fixed(np.corrcoef(part["offset"], part["mean_torque"])[0, 1], 2)
+        for _, part in rows.groupby("joint")
+    )
+    yield (
+        f"The offset of joint {joint}, printed as {said:g} Nm, is {fixed(own['offset'].min(), 1)} "
+        f"to {fixed(own['offset'].max(), 1)} Nm by the same regression on {len(own)} recordings; "
+        f"this study's fit has {fixed(here['value'], 1)} ± {fixed(here['std_error'], 1)} Nm. "
+        "An offset of the motor would be the same on every run. Instead, offsets follow the mean "
+        f"torque (correlation over the runs, joints 1 to 6: {each}): regression to the mean."
+    )
+
+
+def linear(results: Results, of: str) -> Iterator[str]:
+    """Report how current and torque are correlated, without and with the printed friction."""
+    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
+    without, with_ = (
+        ", ".join(fixed(value, 2) for value in rows[name])
+        for name in ("correlation_without_friction", "correlation")
+    )
+    yield (
+        f"On {of}, the correlation of current and torque is {without} on joints 1 to 6 without "
+        f"friction, and {with_} with the printed friction."
+    )
