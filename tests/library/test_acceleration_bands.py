@@ -25,7 +25,9 @@ def of_noise(deviation: float, seed: int) -> dict[str, object]:
     def difference(cutoff: float) -> Array:
         return slow + quick if cutoff > 5 else slow
 
-    return {"ranges": by_range(difference, np.where(moving, 0.5, 0.0) * np.ones(6))}
+    qd = np.where(moving, 0.5, 0.0) * np.ones(6)
+    plain = by_range(lambda cutoff: 2 * difference(cutoff), qd)
+    return {"ranges": by_range(difference, qd), "plain_ranges": plain}
 
 
 def test_a_band_is_that_of_the_other_recordings() -> None:
@@ -38,6 +40,7 @@ def test_a_band_is_that_of_the_other_recordings() -> None:
         assert row["rms"] == pytest.approx(size, rel=0.05)
         assert row["std"] == pytest.approx(size, rel=0.05)
         assert row["held"] == pytest.approx(0.95, abs=0.015)
+        assert row["filterpy_rms"] == pytest.approx(2 * row["rms"])
     narrow = list(band_rows("a", of_noise(0.2, 3), others))
     assert all(row["held"] == pytest.approx(0.673, abs=0.03) for row in narrow)
 

@@ -15,6 +15,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
 from ur5lib.signals.euler_route import euler_acceleration
 from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
+from ur5lib.signals.plain_filter import FilteredMotion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import (
@@ -35,7 +36,7 @@ def as_calibrated(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motions: Mapping[str, Motion],
+    motions: Mapping[str, Motion | FilteredMotion],
     calibration: ImuCalibration,
     design: Butterworth,
 ) -> tuple[Array, dict[str, Array], Array]:
@@ -87,7 +88,7 @@ def compared(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motions: Mapping[str, Motion],
+    motions: Mapping[str, Motion | FilteredMotion],
     calibration: ImuCalibration,
     design: Butterworth,
     by_stamps: Array,
@@ -113,7 +114,7 @@ def difference(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motion: Motion,
+    motion: Motion | FilteredMotion,
     calibration: ImuCalibration,
     cutoff: float,
 ) -> Array:

@@ -10,9 +10,11 @@ from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.imu_calibration import calibration_for
+from ur5lib.signals.plain_filter import FilteredMotion, filter_encoders
 from ur5lib.tables import read_json, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -25,13 +27,19 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         design = Butterworth(params.order, params.cutoff_hz)
         others, calibration = calibration_for(params.recording, read_json(input.calibration))
         motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)
-        motions = {"encoders": motion, "encoders+imu": fused}
+        plain = filter_encoders(signals.segment, *measured(signals), signals.period)
+        motions: dict[str, Motion | FilteredMotion] = {
+            "encoders": motion,
+            "encoders+imu": fused,
+            "filterpy": plain,
+        }
         start = read_json(input.quality)["starts"]["imu"]
         placed = by_stamps(read_table(input.imu), start, signals.time, "imu")
         own = robot.mounted(params.gravity), signals, Kinematics.read(input.kinematics)
         accelerations, bias = compared(*own, motions, calibration, design, placed)
         errors = acceleration_errors(accelerations)
         summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
-        summary["ranges"] = by_range(partial(difference, *own, motion, calibration), motion.qd)
+        for name, moved in (("ranges", motion), ("plain_ranges", plain)):
+            summary[name] = by_range(partial(difference, *own, moved, calibration), motion.qd)
     accelerations.write(output.accelerations)
     write_json(summary, output.summary)

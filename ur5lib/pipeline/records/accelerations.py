@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array
 
-ESTIMATES = ("encoders", "encoders+imu")
+ESTIMATES = ("encoders", "encoders+imu", "filterpy")
 PUBLISHED = ("euler", "euler, B corrected")
 MOTION = "m/s2, rad/s2"
 

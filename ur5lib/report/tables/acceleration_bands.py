@@ -8,7 +8,17 @@ import numpy as np
 from ur5lib.report.study_results import Row, StudyResults
 from ur5lib.timeseries.arrays import Array
 
-COLUMNS = ["recording", "range", "during", "component", "unit", "rms", "std", "held"]
+COLUMNS = [
+    "recording",
+    "range",
+    "during",
+    "component",
+    "unit",
+    "rms",
+    "std",
+    "held",
+    "filterpy_rms",
+]
 
 COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
 WITHIN = 1.96  # standard deviations of a 95 % band
@@ -25,8 +35,9 @@ def rows(results: StudyResults) -> Iterator[Row]:
 def band_rows(
     recording: str, summary: Mapping[str, Any], others: list[Mapping[str, Any]]
 ) -> Iterator[Row]:
-    """Yield rows of a recording: its differences from the IMU, and the share within the band that
-    the other recordings show for the same range of frequency, in motion or at rest.
+    """Yield rows of a recording: its differences from the IMU, the share within the band that the
+    other recordings show for the same range of frequency, in motion or at rest, and the differences
+    of filterpy's plain filter.
 
     The band counts all errors of both: noise of encoders and IMU, its calibration, and links that
     bend between them. No rows without another recording.
@@ -37,6 +48,7 @@ def band_rows(
             if not known:
                 continue
             std = np.sqrt(np.mean([part["square"] for part in known], axis=0))
+            plain = summary["plain_ranges"][name][state]["square"]
             held = _held(np.array(found["quantiles"]), WITHIN * std)
             for index, (component, unit) in enumerate(COMPONENTS.items()):
                 yield {
@@ -48,6 +60,7 @@ def band_rows(
                     "rms": float(np.sqrt(found["square"][index])),
                     "std": float(std[index]),
                     "held": float(held[index]),
+                    "filterpy_rms": float(np.sqrt(plain[index])),
                 }
 
 

@@ -67,16 +67,19 @@ def beside_imu(results: Results) -> Iterator[str]:
 
 
 def bands(results: Results) -> Body:
-    """Return the differences from the IMU and the share within their bands, over recordings."""
+    """Return the differences from the IMU, the share within their bands, and those of filterpy."""
     table = results.tables["acceleration_bands"]
     body = []
     for (name, state), rows in table.groupby(["range", "during"], sort=False):
         of = rows.groupby("component", sort=False)
         linear, angular = slice(0, 3), slice(3, 6)
-        rms = np.sqrt(of["rms"].apply(lambda x: np.mean(x**2)))
+        rms, plain = (
+            np.sqrt(of[column].apply(lambda x: np.mean(x**2))) for column in ("rms", "filterpy_rms")
+        )
         held = 100 * of["held"].mean()
         parts = [listed(values[part], digits) for values, digits, part in (
-            (rms, 3, linear), (held, 0, linear), (rms, 3, angular), (held, 0, angular)
+            (rms, 3, linear), (held, 0, linear), (plain, 3, linear),
+            (rms, 3, angular), (held, 0, angular), (plain, 3, angular),
         )]  # fmt: skip
         body.append([Cell(name), Cell(state), *map(Cell, parts)])
     header = [
@@ -84,8 +87,10 @@ def bands(results: Results) -> Body:
         "arm",
         "difference x, y, z [m/s²]",
         "in band [%]",
+        "filterpy",
         "difference rx, ry, rz [rad/s²]",
         "in band [%]",
+        "filterpy",
     ]
     return Body(header, body) if body else NOTHING
 

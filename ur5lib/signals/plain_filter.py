@@ -1,0 +1,72 @@
+"""The plain filter beside our smoother: filterpy's extended Kalman filter, with fixed noise."""
+
+from typing import NamedTuple
+
+import numpy as np
+from filterpy.common import Q_discrete_white_noise
+from filterpy.kalman import ExtendedKalmanFilter
+
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.segments import starts, unbroken
+
+JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
+TUNED_ON = 300  # samples with the most motion, on which the jerk is chosen
+RESOLUTION = 1e-6  # rad, rad/s: the least noise
+UNKNOWN = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: std at the start of a segment
+
+
+class FilteredMotion(NamedTuple):
+    """Velocities [rad/s] and accelerations [rad/s²] of the joints, (N, 6) each."""
+
+    qd: Array
+    qdd: Array
+
+
+def filter_encoders(segment: Labels, q: Array, qd: Array, period: float) -> FilteredMotion:
+    """Return the motion by a filter of constant accelerations, each sample by those before it.
+
+    segment: (N,) labels, each filtered on its own; q, qd: (N, 6) [rad, rad/s], NaN where missing;
+    period: [s]. Its noise is fixed: that of measurements is white (`white_noise`), and one jerk of
+    all joints, of `JERKS`, is the most likely.
+    """
+    z = np.hstack([q, qd])
+    noise = white_noise(z, segment)
+    count = len(z) // TUNED_ON or 1
+    parts = np.array_split(np.arange(len(z)), count)
+    most = max(parts, key=lambda part: np.nansum(qd[part] ** 2) / len(part))
+
+    def likelihood(jerk: float) -> float:
+        return _filtered(z[most], starts(segment[most]), period, noise, jerk)[1]
+
+    state, _ = _filtered(z, starts(segment), period, noise, max(JERKS, key=likelihood))
+    return FilteredMotion(state[:, 6:12], state[:, 12:])
+
+
+def white_noise(z: Array, segment: Labels) -> Array:
+    """Return the standard deviations (M,) of z (N, M), as if its third differences were noise.
+
+    White noise has third differences of 1 + 9 + 9 + 1 = 20 times its variance.
+    """
+    differences = [np.diff(z[part], 3, axis=0) for part in unbroken(segment)]
+    square = np.nanmean(np.concatenate(differences) ** 2, axis=0) / 20
+    return np.maximum(np.sqrt(square), RESOLUTION)
+
+
+def _filtered(
+    z: Array, fresh: Mask, period: float, noise: Array, jerk: float
+) -> tuple[Array, float]:
+    """Return the states q, q̇, q̈ (N, 18) and the log-likelihood of their innovations."""
+    ekf, H, likelihood = ExtendedKalmanFilter(18, 12), np.eye(12, 18), 0.0
+    step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
+    ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
+    ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
+    states, known = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
+    for k, measured in enumerate(z):
+        ekf.predict()
+        if fresh[k]:
+            ekf.x, ekf.P = np.zeros(18), np.diag(UNKNOWN**2)
+        if known[k]:
+            ekf.update(measured, lambda _: H, lambda x: x[:12])
+            likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
+        states[k] = ekf.x
+    return states, likelihood
