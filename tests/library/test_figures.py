@@ -1,5 +1,7 @@
 """Figures: the same file for the same data, every peak, every gap, units on every axis."""
 
+from base64 import b64decode
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -7,10 +9,11 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 
 from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.decimation import decimate
-from ur5lib.report.house_style import JOINTS, Drawing, save
+from ur5lib.report.house_style import DPI, EMBEDDED, JOINTS, Drawing, save
 from ur5lib.report.traces import TORQUE, WRENCH, Traces, draw_traces
 
 LONG = 20_000
@@ -33,6 +36,31 @@ def test_the_same_figure_is_the_same_file(tmp_path: Path) -> None:
 def test_long_recordings_make_small_files(tmp_path: Path) -> None:
     save(drawing(LONG), tmp_path / "long.svg")
     assert (tmp_path / "long.svg").stat().st_size < 500_000
+
+
+def images(svg: bytes) -> list[np.ndarray]:
+    """The images of an SVG over white, (H, W, 4)."""
+    found = [Image.open(BytesIO(b64decode(data))) for data in EMBEDDED.findall(svg)]
+    return [
+        np.asarray(Image.alpha_composite(Image.new("RGBA", one.size, "white"), one.convert("RGBA")))
+        for one in found
+    ]
+
+
+def test_an_image_with_a_palette_looks_the_same_and_is_half_as_large(tmp_path: Path) -> None:
+    drawn, full = drawing(LONG), BytesIO()
+    save(drawn, tmp_path / "palette.svg")
+    drawn.figure.savefig(full, format="svg", dpi=DPI)
+    palette = (tmp_path / "palette.svg").read_bytes()
+    found, expected = (
+        np.concatenate([image.ravel() for image in images(svg)]).astype(float)
+        for svg in (palette, full.getvalue())
+    )
+    error = np.abs(found - expected)  # of 255
+    assert error.mean() < 1
+    assert np.quantile(error, 0.999) < 32
+    sizes = [sum(map(len, EMBEDDED.findall(svg))) for svg in (palette, full.getvalue())]
+    assert sizes[0] < sizes[1] / 2
 
 
 def test_what_is_drawn_lies_beside_the_figure(tmp_path: Path) -> None:

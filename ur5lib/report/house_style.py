@@ -1,5 +1,7 @@
 """The house style of all figures, and how they are written: as SVG with their data, or PDF."""
 
+import re
+from base64 import b64decode, b64encode
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,6 +11,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
+from PIL import Image
 
 from ur5lib.report.column_figures import fit_column
 from ur5lib.tables import write_bytes, write_csv
@@ -43,6 +46,8 @@ GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linew
 SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 WIDTH = 7.2  # inches, of A4 between margins
 DPI = 130  # of what is an image inside a figure
+COLOURS = 256  # of such an image: a third of the size of one with all colours
+EMBEDDED = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
@@ -104,4 +109,12 @@ def _rendered(drawing: Drawing, kind: str, metadata: dict[str, Any]) -> bytes:
             if type(axis.get_major_formatter()) is ScalarFormatter:
                 axis.set_major_formatter(Ticks())
         drawing.figure.savefig(buffer, format=kind, dpi=DPI, metadata=metadata)
-    return buffer.getvalue()
+    return EMBEDDED.sub(_with_palette, buffer.getvalue()) if kind == "svg" else buffer.getvalue()
+
+
+def _with_palette(image: re.Match[bytes]) -> bytes:
+    """Return an image, PNG as base64, with a palette of COLOURS."""
+    buffer = BytesIO()
+    full = Image.open(BytesIO(b64decode(image[0])))
+    full.quantize(COLOURS, Image.Quantize.FASTOCTREE).save(buffer, "PNG")
+    return b64encode(buffer.getvalue())
