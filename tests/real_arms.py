@@ -34,7 +34,8 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.pipeline.residual_fit import residual_summary
-from ur5lib.pipeline.sensor_reference import device_reading, sensor_wrenches
+from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
+from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
@@ -124,10 +125,12 @@ class RealRecording:
     def sensor(self) -> tuple[Array, SensorOffset]:
         """Contact wrench (N, 6) by the force sensor, and what was taken off its reading."""
         signals = self.signals
-        assert signals.force_sensor is not None
+        assert self.sensor_clock is not None
         start = self.intake.quality["starts"]["force"]
         placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
-        reading = device_reading(self.robot, signals, self.kinematics, placed)
+        moved = moved_tool(self.robot, self.kinematics, self.motion)
+        clock_std = self.sensor_clock.end_std(signals.time[-1] - signals.time[0])
+        reading = sensor_reading(self.robot, signals, moved, clock_std, placed)
         window = self.settings.sensor.bias_window_s
         known = self.robot, signals, reading, self.kinematics, window
         return sensor_wrenches(*known).wrench["compensated"], reading.offset

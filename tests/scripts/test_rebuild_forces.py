@@ -106,10 +106,11 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
     write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
+    write_json({"force": {"end_std": 0.001}}, folder / "clocks.json")
     write_json({"stop_signs": []}, folder / "torques.json")
     write_json({"from": []}, folder / "friction.json")
     inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}
-    inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "friction")}
+    inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "clocks", "friction")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet", constants=folder / "c.json")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)

@@ -12,8 +12,7 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH
-from ur5lib.pipeline.sensor_reference import in_frame_6, weight_per_kilogram
-from ur5lib.pipeline.wrist_reading import pull_and_spin, within_reach
+from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -67,9 +66,9 @@ def _explained(
     """Explain the raw reading, with the tool where it turns out to be."""
     assert signals.ft_raw_wrench is not None
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
+    moved = moved_tool(robot, kinematics, motion)
     for _ in range(ROUNDS):
-        pull, spin = pull_and_spin(robot, kinematics, motion, center)
-        known = pull, spin, signals.time, signals.period
+        known = moved.pull_at(center), moved.spin, signals.time, signals.period
         reading = read_free(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
         sensed = sense(reading, tool.mass if tool else None)
         if tool and abs(sensed.scale.mean() - 1) > PAYLOAD:
@@ -83,14 +82,14 @@ def _left_by_controller(
 ) -> tuple[FreeReading, Sensed] | None:
     """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
     assert signals.actual_TCP_force is not None
-    weight = weight_per_kilogram(robot, kinematics)
-    pull, spin = pull_and_spin(robot, kinematics, motion, np.zeros(3))
-    slow = np.linalg.norm(pull - weight, axis=1) < SLOW
+    moved = moved_tool(robot, kinematics, motion)
+    weight = np.array(robot.gravity) @ kinematics.rotation  # R_6ᵀ g
+    slow = np.linalg.norm(moved.pull - weight, axis=1) < SLOW
     if slow.sum() * signals.period < FEW:
         return None
     wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ kinematics.rotation).reshape(-1, 6)
     wrench[~slow] = np.nan
-    reading = read_free(wrench, weight, spin, signals.time, signals.period, None)
+    reading = read_free(wrench, weight, moved.spin, signals.time, signals.period, None)
     return reading, sense(reading, None)
 
 

@@ -9,7 +9,6 @@ from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import (
     SensorOffset,
     bias,
-    fit_offset,
     move_to_frame_6,
     offset_doubt,
     wrench_of_environment,
@@ -25,48 +24,20 @@ from ur5lib.timeseries.arrays import Array
 class SensorReading:
     """A force sensor's reading (N, 6) [N, Nm], axes of frame 6, on the robot's clock.
 
-    by_stamps: the same, placed by start stamps alone, as in the thesis, None for a sensor without a
-    clock of its own; pull: (N, 3) [m/s²], on each kilogram of its tool; offset: without contact.
+    untouched: the part of bias, weight and inertia of its tool (N, 6); offset: bias and tool;
+    by_stamps: the reading placed by start stamps alone, as in the thesis, None for a sensor without
+    a clock of its own.
     """
 
     values: Array
-    by_stamps: Array | None
-    pull: Array
+    untouched: Array
     offset: SensorOffset
+    by_stamps: Array | None
 
     @property
     def placed(self) -> Array:
         """Return the reading as it is placed in the thesis, where it has a clock of its own."""
         return self.values if self.by_stamps is None else self.by_stamps
-
-
-def device_reading(
-    robot: Robot, signals: Signals, kinematics: Kinematics, by_stamps: Array
-) -> SensorReading:
-    """Return the reading of a sensor with a clock of its own.
-
-    Its tool's inertia is left out: no clock is known well enough for it.
-    """
-    assert signals.force_sensor is not None
-    values, placed = (in_frame_6(part, robot) for part in (signals.force_sensor, by_stamps))
-    pull = weight_per_kilogram(robot, kinematics)
-    return SensorReading(values, placed, pull, fit_offset(values, pull, signals.period))
-
-
-def in_frame_6(reading: Array, robot: Robot) -> Array:
-    """Return a sensor's reading (N, 6) in the axes of frame 6, by its mounting."""
-    turn = robot.mounting.force_sensor_turn_deg
-    if not any(turn):
-        return reading
-    from scipy.spatial.transform import Rotation  # slow to import, and few are turned
-
-    axes = Rotation.from_rotvec(turn, degrees=True).as_matrix()
-    return (reading.reshape(-1, 2, 3) @ axes.T).reshape(-1, 6)
-
-
-def weight_per_kilogram(robot: Robot, kinematics: Kinematics) -> Array:
-    """Return R_6ᵀ g (N, 3) [m/s²]; robot: under the recording's gravity."""
-    return np.array(robot.gravity) @ kinematics.rotation
 
 
 def sensor_wrenches(
@@ -89,7 +60,7 @@ def sensor_wrenches(
     wrenches = {
         "printed": wrench_of_environment(reading.placed, rotation),
         "corrected": at_flange(reading.placed - at_start),
-        "compensated": at_flange(reading.values - reading.offset.reading(reading.pull)),
+        "compensated": at_flange(reading.values - reading.untouched),
     }
     if reading.by_stamps is None:
         del wrenches["printed"]

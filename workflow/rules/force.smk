@@ -77,6 +77,8 @@ rule compare_forces:
         signals=result("signals.parquet"),
         force=result("force.parquet"),
         quality=result("quality.json"),
+        clocks=result("clocks.json"),
+        load=result("torques.json"),
         kinematics=result("kinematics.parquet"),
         motion=result("motion.parquet"),
         published=result("published_forces.parquet"),

@@ -9,12 +9,11 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.sensor_reference import (
     SensorReading,
-    device_reading,
     offset_account,
     sensor_doubts,
     sensor_wrenches,
 )
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import Payload, load_robot
 from ur5lib.tables import read_json, read_table, write_json
 
 
@@ -42,12 +41,15 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
 
 def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics) -> SensorReading:
     """Return the reading of the arm's own sensor, or of one with a clock of its own."""
-    start = read_json(input.quality)["starts"].get("force")
-    if start is None:  # what either needs is slow to import, and most recordings have no sensor
-        from ur5lib.pipeline.wrist_reading import wrist_reading
-
-        return wrist_reading(robot, signals, kinematics, Motion.read(input.motion))
+    # slow to import, and most recordings have no sensor
+    from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
     from ur5lib.pipeline.stamps import by_stamps
 
+    moved = moved_tool(robot, kinematics, Motion.read(input.motion))
+    start = read_json(input.quality)["starts"].get("force")
+    if start is None:
+        known = read_json(input.load)["payload"]
+        return sensor_reading(robot, signals, moved, tool=Payload(**known) if known else None)
     placed = by_stamps(read_table(input.force), start, signals.time, "force")
-    return device_reading(robot, signals, kinematics, placed)
+    clock_std = read_json(input.clocks)["force"]["end_std"]
+    return sensor_reading(robot, signals, moved, clock_std, placed)
