@@ -49,7 +49,8 @@ def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics
     start = read_json(input.quality)["starts"].get("force")
     if start is None:
         known = read_json(input.load)["payload"]
-        return sensor_reading(robot, signals, moved, tool=Payload(**known) if known else None)
+        whole = known and signals.ft_raw_wrench is not None  # the controller takes its tool off
+        return sensor_reading(robot, signals, moved, tool=Payload(**known) if whole else None)
     placed = by_stamps(read_table(input.force), start, signals.time, "force")
     clock_std = read_json(input.clocks)["force"]["end_std"]
     return sensor_reading(robot, signals, moved, clock_std, placed)
