@@ -81,6 +81,7 @@ def verdicts(study: Study) -> dict[str, tuple[str, list[str]]]:
     judged = {
         "Data quality": quality(study),
         "Link model": link_model(study),
+        "Torque constants": torque_constants(study.tables["friction"]),
         "Friction and currents": currents(study),
         "Force in contact": force(study),
         "Motion": motion(study.tables["acceleration_mae"]),
@@ -167,6 +168,21 @@ def link_model(study: Study) -> tuple[str, list[str]] | None:
     joint, errors, zero = worst(own, "joint", "mae", "zero_mae")
     unseen = study.roles[rows[0]["recording"]] != "fit"
     return state(mean(errors), zero, unseen), [joint, *spread(errors, zero, 3)]
+
+
+def torque_constants(rows: list[Row]) -> tuple[str, list[str]] | None:
+    """The constant that is the largest factor off the known one, on the joints named first."""
+    rows = [row for row in rows if row["parameter"] == "torque_constant"]
+    if not rows:
+        return None
+    factors = [math.exp(abs(math.log(float(row["value"]) / float(row["known"])))) for row in rows]
+    row = rows[max(range(len(rows)), key=factors.__getitem__)]
+    known = [row["joint"] for row in rows if row["determined"] == "yes"]
+    refused = [row["joint"] for row in rows if row["contradicted"]]
+    named = [[j[0], j[-1]] if j == list("123456") else j for j in (known, refused)]
+    told = [*named[0], *named[1], row["joint"]]
+    told += [shown(float(row[name]), 2) for name in ("value", "std_error", "known", "known_std")]
+    return "good" if len(known) == len(rows) and not refused else "usable", told
 
 
 def currents(study: Study) -> tuple[str, list[str]] | None:

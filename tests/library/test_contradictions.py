@@ -7,11 +7,28 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.library.current_study import CONSTANT, PLAIN, make_record, prior, smooth, with_noise
-from ur5lib.identification.currents import CurrentFit, fit_currents, fit_without_each_path
+from tests.library.current_study import (
+    CONSTANT,
+    FRICTION,
+    PLAIN,
+    PRESLIDING,
+    TERMS,
+    coefficients,
+    make_record,
+    prior,
+    smooth,
+    with_noise,
+)
+from ur5lib.identification.currents import (
+    CurrentFit,
+    fit_currents,
+    fit_without_each_path,
+    parameters,
+    torque_constants,
+)
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
-from ur5lib.identification.samples import Record
+from ur5lib.identification.samples import Record, design
 from ur5lib.identification.validation import explained
 from ur5lib.pipeline.friction_fit import (
     ContradictionError,
@@ -44,11 +61,19 @@ def test_known_constants_are_accepted(fit: CurrentFit) -> None:
     require_known_constants(fit, known(2.2, 0.3))  # hardly known
 
 
-@pytest.mark.parametrize("factor", [0.45, 2.2])
-def test_the_constants_of_another_arm_are_told(fit: CurrentFit, factor: float) -> None:
-    told = "torque constants contradict the known values .joint 1 with 8.* Nm/A.*; correct `robot`"
-    with pytest.raises(ContradictionError, match=told):
-        require_known_constants(fit, known(factor, 0.1))
+STOPPED = "torque constants contradict the known values .joint 1 with 8.* Nm/A.*; correct `robot`"
+
+
+def test_constants_of_a_larger_arm_are_a_stop_sign(fit: CurrentFit) -> None:
+    with pytest.raises(ContradictionError, match=STOPPED):
+        require_known_constants(fit, known(2.2, 0.1))
+
+
+def test_constants_of_a_smaller_arm_are_a_stop_sign() -> None:
+    records = [with_noise(make_record(seed, seconds=12.0), seed) for seed in (1, 2)]
+    smaller = known(0.4, 0.1)
+    with pytest.raises(ContradictionError, match=STOPPED):
+        require_known_constants(fit_currents(records, smooth, smaller, PLAIN), smaller)
 
 
 def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
@@ -125,3 +150,34 @@ def test_of_many_stop_signs_the_first_are_reported() -> None:
     assert [*stop_signs(results(9, None))][-1] == (
         "There are 9 stop signs in all; tables/quality.csv lists them."
     )
+
+
+def without_torque(record: Record, joints: list[int]) -> Record:
+    """The record with currents of friction alone, as an arm has whose inertia they hardly show."""
+    still = replace(record, torque=record.torque * ~np.isin(np.arange(6), joints))
+    exact = [design(still, j, TERMS[j], PRESLIDING)[0] @ coefficients(j) for j in range(6)]
+    return replace(record, current=np.stack(exact, axis=1))
+
+
+def test_a_current_without_torque_keeps_the_known_constant() -> None:
+    """Its friction is then right, too; the other joints are as if nothing had happened."""
+    records = [with_noise(without_torque(make_record(k), [0, 4]), k) for k in (1, 2, 3)]
+    fit = fit_currents(records, smooth, prior(0.3), PLAIN)
+    lost = [joint.contradicted is not None for joint in fit.joints]
+    assert lost == [True, False, False, False, True, False]
+    np.testing.assert_allclose(torque_constants(fit)[[0, 4]], CONSTANT[[0, 4]], rtol=0.01)
+    rows = {(row.joint, row.name): row for row in parameters(fit)}
+    for joint in (1, 5):
+        constant, coulomb = rows[joint, "torque_constant"], rows[joint, "coulomb"]
+        assert not constant.determined
+        assert constant.std_error == pytest.approx(0.3 * CONSTANT[joint - 1], rel=0.4)
+        assert coulomb.interval[0] < FRICTION[joint - 1][0] < coulomb.interval[1]
+    require_known_constants(fit, prior(0.3))
+
+
+def test_four_joints_without_torque_are_a_stop_sign() -> None:
+    records = [with_noise(without_torque(make_record(k), [0, 1, 2, 4]), k) for k in (1, 2)]
+    fit = fit_currents(records, smooth, prior(0.3), PLAIN)
+    assert sum(joint.contradicted is not None for joint in fit.joints) == 4
+    with pytest.raises(ContradictionError):
+        require_known_constants(fit, prior(0.3))

@@ -53,6 +53,13 @@ def test_a_sensor_has_samples_not_frames() -> None:
     assert [one.finding for one in findings] == ["impossible samples"]
 
 
+def test_a_joint_without_limits_may_be_anywhere() -> None:
+    table, findings = frames(100), list[Finding]()
+    table["actual_q_0"] += 50.0
+    assert len(drop_implausible(table, "run.csv", "robot", findings, ["actual_q_0"])) == 100
+    assert not findings
+
+
 @pytest.mark.parametrize(("count", "refused"), [(5, False), (6, True)])
 def test_more_than_a_twentieth_is_no_damage(count: int, refused: bool) -> None:
     """Of a hundred frames: then the unit is wrong, which the median beyond the bound tells."""

@@ -9,7 +9,14 @@ import pytest
 
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
-from ur5lib.report.verdicts import currents, data_quality, force, link_model, motion
+from ur5lib.report.verdicts import (
+    currents,
+    data_quality,
+    force,
+    link_model,
+    motion,
+    torque_constants,
+)
 from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views.currents import constants, cross_validation, next_recordings
@@ -25,7 +32,10 @@ COLUMNS = {
     "remarks": ["robot", "step", "joint", "remark"],
     "torque_mae": ["recording", "motion", "model", "joint", "mae", "printed", "zero_mae"],
     "current_rmse": ["model", "recording", "joint", "rmse_2hz", "r2", "coverage95"],
-    "friction": ["joint", "parameter", "value", "std_error", "prior_share", "thesis"],
+    "friction": [
+        *("robot", "joint", "parameter", "value", "std_error", "low", "high", "prior_share"),
+        *("determined", "known", "known_std", "contradicted", "thesis"),
+    ],
     "payload": ["recording", "mass", "std_error", "configured", "taken"],
     "force_mae": [
         *("recording", "kind", "estimate", "during", "component", "mae", "mae_low", "mae_high"),
@@ -96,6 +106,41 @@ def test_a_state_follows_from_the_error_beside_zero(
 
 def test_nothing_is_judged_where_nothing_acts() -> None:
     assert state(0.0, 0.0) == "not determined"
+
+
+# Torque constants
+
+
+def constant(joint: int, value: float, **more: Any) -> dict[str, Any]:
+    row = {"robot": "ur5", "joint": joint, "parameter": "torque_constant", "value": value}
+    row |= {"std_error": 0.5, "low": value - 1, "high": value + 1, "prior_share": 0.1}
+    return row | {"known": 10.0, "known_std": 3.0, "determined": "yes", "contradicted": None} | more
+
+
+REFUSED = {"determined": "no", "contradicted": 142.0, "prior_share": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("second", "expected"),
+    [({}, "good"), ({"determined": "no", "prior_share": 0.8}, "usable"), (REFUSED, "usable")],
+)
+def test_torque_constants_are_good_where_the_data_determine_them(
+    second: dict[str, Any], expected: str
+) -> None:
+    rows = [constant(1, 5.0), constant(2, 11.0, **second)]
+    verdict = torque_constants.verdict(study(friction=rows))
+    assert verdict is not None
+    assert verdict.state == expected
+    (number,) = verdict.numbers
+    assert (number.place, number.value, number.baseline) == ("joint 1", 5.0, 10.0)
+
+
+def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
+    remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong constants"}]
+    verdict = torque_constants.verdict(study(remarks=remarks))
+    assert verdict is not None
+    assert verdict.state == "do not use"
+    assert torque_constants.verdict(study()) is None
 
 
 # Data quality
@@ -332,12 +377,13 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
 def test_a_joint_that_never_moved_has_no_friction() -> None:
     known = {"robot": "ur5", "joint": 6, "value": 0.0, "std_error": 59.792, "prior_share": 1.0}
     known |= {"low": -100.0, "high": 100.0, "determined": "no", "thesis": np.nan}
+    known |= {"known": 10.0, "known_std": 3.0}
     rows = pd.DataFrame([known | {"parameter": name} for name in ("torque_constant", "coulomb")])
     results = study({"fitted": "1 2 3"})
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
     constant, coulomb = ([cell.text for cell in row] for row in constants(results).rows)
     assert constant[3] == "0.000 ± 59.792"
-    assert coulomb[3:] == ["did not move", "–", "–", "–"]
+    assert coulomb[3:] == ["did not move", "–", "–", "–", "–"]
 
 
 def test_a_recording_is_not_validated_on_itself() -> None:

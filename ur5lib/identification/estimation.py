@@ -48,7 +48,8 @@ def estimate_together(
     # the estimate from all blocks, and the prior's share of its variance
     solution, share = _solve(sums, np.ones((1, count)), whole)
     # replicates: the prior's mean is drawn, too
-    drawn_prior = Normal(_draw_means(whole, generator), whole.precision)
+    known = prior.unpinned().over(terms)
+    drawn_prior = Normal(_draw_means(known, generator), whole.precision)
     by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), drawn_prior)  # (B, P)
     by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), drawn_prior)  # (B, P)
     # each joint's part, with standard errors in physical units

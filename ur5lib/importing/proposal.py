@@ -120,7 +120,8 @@ def _means(
     columns = {f"{name}_{k}": its[:, k] for name, its in values.items() for k in range(6)}
     stamps = found.clocks[moving.position.clock]
     table = pd.DataFrame({"time": stamps - stamps[0], **columns})
-    robot, timing, _ = repair_frames(table, None, 0.1, str(found.path))
+    positions = [f"actual_q_{k}" for k in range(6)]  # whose unit the motion has told
+    robot, timing, _ = repair_frames(table, None, 0.1, str(found.path), positions)
     means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     if len(means.q) < FEWEST:
         raise InputError(f"{found.path}: too short to tell anything; record two seconds or more")

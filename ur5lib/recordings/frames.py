@@ -1,5 +1,6 @@
 """Frame repair: frames on a uniform time grid, with gaps flagged and filled, or split."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -50,12 +51,17 @@ class Stretch:
 
 
 def repair_frames(
-    frames: pd.DataFrame, cycle: float | None, max_gap: float, source: str
+    frames: pd.DataFrame,
+    cycle: float | None,
+    max_gap: float,
+    source: str,
+    unbounded: Collection[str] = (),
 ) -> tuple[pd.DataFrame, Timing, list[Finding]]:
     """Return the frames in order on a uniform grid, each slot at most once, with gaps flagged.
 
     frames: `time` [s] and channels as read; cycle: the controller's [s], None to determine it;
-    max_gap: [s]; source: the file, for messages. Returns `time`, `segment`, `interpolated`, the
+    max_gap: [s]; source: the file, for messages; unbounded: as in `drop_implausible`.
+    Returns `time`, `segment`, `interpolated`, the
     channels, and `filled_<channel>` for each channel with interpolated cells. Gaps up to `max_gap`
     are interpolated; longer ones split the recording: `segment` counts its parts from 0. `frames`
     loses its columns on the way, so that a long recording is in memory only once.
@@ -64,7 +70,9 @@ def repair_frames(
     findings: list[Finding] = []
     _expect_frames(frames, source)
     given, frames = frames, _whole_channels(frames, findings, source)
-    frames = in_order(drop_implausible(frames, source, "robot", findings), findings)
+    possible = drop_implausible(frames, source, "robot", findings, unbounded)
+    frames = in_order(possible, findings)
+    del possible
     for name in [*given]:
         del given[name]  # so that each channel can be freed when it is on the grid
     _expect_frames(frames, source)

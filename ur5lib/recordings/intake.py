@@ -53,7 +53,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, _epoch(raw.robot.start)
     del raw  # whose channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source)
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _endless_positions(arm))
     findings += repairs + remarks
     robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
     findings += wrist
@@ -79,6 +79,12 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
         "findings": [finding.as_row() for finding in findings],
     }
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
+
+
+def _endless_positions(arm: Robot) -> list[str]:
+    """Return the position channels of the joints that turn without limit."""
+    joints = [joint - 1 for joint in arm.endless_joints or []]
+    return [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
 
 
 def _epoch(start: Stamp | None) -> float | None:

@@ -1,6 +1,7 @@
 """Detection of physically impossible frames: shifted bytes, wrong units, absurd times."""
 
 import re
+from collections.abc import Collection
 
 import numpy as np
 import pandas as pd
@@ -37,15 +38,22 @@ AROUND = 2  # frames on each side that a timestamp is compared with
 
 
 def drop_implausible(
-    frames: pd.DataFrame, source: str, device: Device, findings: list[Finding]
+    frames: pd.DataFrame,
+    source: str,
+    device: Device,
+    findings: list[Finding],
+    unbounded: Collection[str] = (),
 ) -> pd.DataFrame:
-    """Return the frames whose values and times are possible. frames: in the file's order.
+    """Return the frames whose values and times are possible.
+
+    frames: in the file's order; unbounded: channels that may have any value, such as the position
+    of a joint that turns without limit.
 
     Raises InputError when so many are impossible that a unit or a column must be wrong.
     """
     wrong = np.zeros(len(frames), dtype=bool)
     for prefix, bound in BOUNDS.items():
-        channels = [name for name in frames if re.match(prefix, name)]
+        channels = [n for n in frames if re.match(prefix, n) and n not in unbounded]
         if channels:
             wrong |= _beyond(frames[channels], bound, source)
     time = frames["time"].to_numpy(float)

@@ -12,6 +12,9 @@ COLUMNS = [
     "value",
     "std_error",
     "prior_share",
+    "known",
+    "known_std",
+    "contradicted",
     "thesis",
     "low",
     "high",
@@ -39,12 +42,25 @@ def friction_rows(robot: str, arm: Robot, friction: Mapping[str, Any]) -> Iterat
             "value": row["value"],
             "std_error": row["std_error"],
             "prior_share": row["prior_share"],
+            **_known(friction, row),
             "thesis": published[name][joint - 1] if name in published else None,
             "low": low,
             "high": high,
             "determined": "yes" if row["determined"] else "no",
             "robot": robot,
         }
+
+
+def _known(friction: Mapping[str, Any], row: Mapping[str, Any]) -> Row:
+    """Return what was known of a torque constant, and a fitted one that contradicted this."""
+    if row["name"] != "torque_constant":
+        return {}
+    joint, known = row["joint"] - 1, friction["known_constants"]
+    return {
+        "known": known["value"][joint],
+        "known_std": known["std_error"][joint],
+        "contradicted": friction["fit"]["joints"][joint]["contradicted"],
+    }
 
 
 def _published(arm: Robot) -> dict[str, Sequence[float]]:

@@ -40,7 +40,7 @@ def constants(results: Results) -> Body:
         ]
         for row in rows.itertuples()
     ]
-    header = ["arm", "joint", "parameter", "value", "95 %", "prior share", "mainly from"]
+    header = ["arm", "joint", "parameter", "value", "95 %", "known", "prior share", "mainly from"]
     if not results.of_thesis:
         return Body(header, body)
     published = [number(value, 2) for value in rows["thesis"]]
@@ -54,7 +54,7 @@ TOLD = {
     "load": "load friction",
 }
 LEAST_KNOWN = 3  # parameters that the next recording is designed for
-REST = [Cell("did not move"), *[Cell("–")] * 3]  # of what only motion tells
+REST = [Cell("did not move"), *[Cell("–")] * 4]  # of what only motion tells
 
 
 def _moved(results: Results, robot: str) -> set[int]:
@@ -74,6 +74,7 @@ def _constant(row: Any) -> list[Cell]:
     return [
         with_error(row.value, row.std_error, 3),
         Cell(interval(row.low, row.high, 2)),
+        with_error(row.known, row.known_std, 2),
         Cell(f"{100 * row.prior_share:.0f} %"),
         Cell(_source(row)),
     ]

@@ -5,13 +5,21 @@ from collections.abc import Callable, Iterator
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts import currents as current_verdict
-from ur5lib.report.verdicts import data_quality, drift, force, link_model, motion
+from ur5lib.report.verdicts import (
+    data_quality,
+    drift,
+    force,
+    link_model,
+    motion,
+    torque_constants,
+)
 from ur5lib.report.views.currents import loaded, predicted
 from ur5lib.report.views.models import compared
 
 VERDICTS: list[Callable[[Results], Verdict | None]] = [
     data_quality.verdict,
     link_model.verdict,
+    torque_constants.verdict,
     current_verdict.verdict,
     force.verdict,
     motion.verdict,
