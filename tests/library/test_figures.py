@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from ur5lib.report import house_style
-from ur5lib.report.charts import MassModel, mass_panels
 from ur5lib.report.decimation import decimate
 from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
 from ur5lib.report.traces import TORQUE, WRENCH, Traces, draw_traces
@@ -136,10 +135,3 @@ def test_decimation_keeps_every_peak_and_gap(seed: int, count: int, cuts: list[i
 def test_decimation_of_few_samples_changes_nothing() -> None:
     time, values = np.arange(10.0), np.arange(20.0).reshape(10, 2)
     assert decimate(time, values)[1] is values
-
-
-def test_a_ball_is_drawn_with_its_radius() -> None:
-    inertia = 0.4 * 2.0 * 0.3**2 * np.eye(3)
-    ball = MassModel(np.full(6, 2.0), np.zeros((6, 3)), np.tile(inertia, (6, 1, 1)))
-    axis = mass_panels(np.zeros((7, 3)), {"ball": ball}).figure.axes[0]
-    assert axis.patches[0].get_width() == pytest.approx(0.6)

@@ -1,14 +1,12 @@
-"""Figures that are not over time: scatter plots, filters, coverage of bands, masses of links."""
+"""Figures that are not over time: scatter plots, filters, coverage of bands."""
 
 from collections.abc import Mapping, Sequence
 from itertools import cycle
-from typing import NamedTuple
 
 import matplotlib
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.patches import Ellipse
 
 from ur5lib.report.house_style import (
     DOTS,
@@ -20,16 +18,6 @@ from ur5lib.report.house_style import (
     nothing_to_draw,
 )
 from ur5lib.timeseries.arrays import Array
-
-MARGIN = 0.2  # m, around an arm
-
-
-class MassModel(NamedTuple):
-    """masses (6,) [kg], centres of mass (6, 3) [m], inertias about them (6, 3, 3), base axes."""
-
-    masses: Array
-    centers: Array
-    inertias: Array
 
 
 def scatter_panels(
@@ -123,48 +111,3 @@ def calibration_panels(
         for i, part in enumerate(components)
     }
     return Drawing(figure, pd.DataFrame({"stated [%]": [*stated], **columns}))
-
-
-def mass_panels(joints: Array, bodies: Mapping[str, MassModel]) -> Drawing:
-    """Draw the links' masses of each model from the side (x, z), one panel per model.
-
-    joints: (7, 3) [m], origins of the frames.
-    """
-    # undetermined parameters can have any value, so the arm sets the limits of the axes
-    wide, high = ((np.min(x) - MARGIN, np.max(x) + MARGIN) for x in (joints[:, 0], joints[:, 2]))
-    with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 2.6 * -(-len(bodies) // 3)), layout="constrained")
-        axes = figure.subplots(-(-len(bodies) // 3), 3, sharex=True, sharey=True, squeeze=False)
-        for axis in axes.flat[len(bodies) :]:
-            axis.set_visible(False)
-        for axis, (name, body) in zip(axes.flat, bodies.items(), strict=False):
-            axis.plot(joints[:, 0], joints[:, 2], "o-", color="#999999", markersize=3)
-            for link, colour in enumerate(JOINTS):
-                axis.add_patch(_ellipse(body, link, colour))
-            size = 12 * body.masses
-            axis.scatter(body.centers[:, 0], body.centers[:, 2], size, JOINTS, zorder=3)
-            axis.set(title=name, aspect="equal", xlabel="x [m]", xlim=wide, ylim=high)
-        for axis in axes[:, 0]:
-            axis.set_ylabel("z [m]")
-    columns = ["mass [kg]", "x [m]", "y [m]", "z [m]"]
-    tables = [
-        pd.DataFrame(np.column_stack([body.masses, body.centers]), columns=columns).assign(
-            model=name, link=range(1, 7)
-        )
-        for name, body in bodies.items()
-    ]
-    return Drawing(figure, pd.concat(tables))
-
-
-def _ellipse(body: MassModel, link: int, colour: str) -> Ellipse:
-    """Return the outline of a homogeneous ellipsoid of the link's mass and inertia, seen along y.
-
-    Its mass is spread with covariance (tr(I)/2 1 − I) / m, a fifth of its squared half-axes.
-    """
-    inertia = body.inertias[link]
-    spread = (np.trace(inertia) / 2 * np.eye(3) - inertia) / body.masses[link]
-    squares, axes = np.linalg.eigh(5 * spread[np.ix_([0, 2], [0, 2])])
-    width, height = 2 * np.sqrt(np.maximum(squares, 0))
-    angle = np.degrees(np.arctan2(axes[1, 0], axes[0, 0]))
-    x, _, z = body.centers[link]
-    return Ellipse((x, z), width, height, angle=angle, color=colour, alpha=0.25)

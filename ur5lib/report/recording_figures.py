@@ -1,4 +1,6 @@
-"""Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4 to 6.9."""
+"""Figures of one recording, after the thesis's 5.1 to 5.4, 5.9 to 5.12, 5.14, 5.15, 6.4 to 6.9."""
+
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -8,7 +10,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.house_style import Drawing, nothing_to_draw
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
@@ -31,26 +33,38 @@ PUBLISHED_STYLES = {
     "F*": ("with friction", "third"),
 }
 STATES = {  # symbol, unit
-    "q": (r"\Delta q", "rad"),
-    "qd": (r"\Delta \dot{q}", "rad/s"),
+    "q": ("q", "rad"),
+    "qd": (r"\dot{q}", "rad/s"),
 }
 
 
-def tracking_figure(signals: Signals, closed_loop: ClosedLoop, robot: Robot, state: str) -> Drawing:
-    """Return Figure 5.9 (state q) or 5.10 (qd): errors of the closed loop and of the targets."""
-    gains = robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
+def chosen_gains(robot: Robot) -> str:
+    """Return the name of the gains that were published for the chosen model, or "estimated"."""
+    return robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
+
+
+def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state: str) -> Drawing:
+    """Return Figures 5.1 and 5.9 (state q) or 5.2 and 5.10 (qd): the closed loop under some gains.
+
+    The measured motion, its target and the closed loop, and the errors of the latter two.
+    """
     looped = getattr(closed_loop, state).get(gains)
-    series: Series = {}
-    if looped is not None:
-        measured, target = (getattr(signals, f"{kind}_{state}") for kind in ("actual", "target"))
-        series = {
-            "measured − target": (with_breaks(measured - target, signals.segment), "measured"),
-            f"measured − closed loop, gains {gains}": (
-                with_breaks(measured - looped, signals.segment),
-                "joint",
-            ),
-        }
-    traces = Traces(with_breaks(signals.time, signals.segment), series)
+    if looped is None:
+        return nothing_to_draw()
+    known = {
+        "measured": (getattr(signals, f"actual_{state}"), "measured"),
+        "target": (getattr(signals, f"target_{state}"), "first"),
+        f"closed loop, gains {gains}": (looped, "second"),
+    }
+    series = {
+        label: (with_breaks(values, signals.segment), style)
+        for label, (values, style) in known.items()
+    }
+    traces = Traces(
+        with_breaks(signals.time, signals.segment),
+        series,
+        errors(series, series["measured"][0]),
+    )
     return draw_traces(traces, joint_quantity(*STATES[state]))
 
 
@@ -65,6 +79,25 @@ def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
         series = {"controller's target_moment": (reference, "measured")} | series
     time = with_breaks(signals.time, signals.segment)
     return draw_traces(Traces(time, series, errors(series, reference)), TORQUE)
+
+
+def older_torque_figure(
+    signals: Signals, modelled: Mapping[str, Array], printed: Sequence[float]
+) -> Drawing:
+    """Return Figures 5.3 and 5.4 without the older model's torque, whose equations are not printed.
+
+    modelled: torques (N, 6) [Nm] by label; printed: the older model's mean absolute error (6,).
+    """
+    if signals.target_moment is None or not modelled:
+        return nothing_to_draw()
+    reference = with_breaks(signals.target_moment, signals.segment)
+    series: Series = {"controller's target_moment": (reference, "measured")}
+    for (label, values), style in zip(modelled.items(), DRAWN, strict=False):
+        series[label] = with_breaks(values, signals.segment), style
+    time = with_breaks(signals.time, signals.segment)
+    level = np.where(np.isnan(time), np.nan, 1.0)[:, None] * np.array(printed)
+    known = {"[21], printed mean": (level, "second")}
+    return draw_traces(Traces(time, series, (errors(series, reference) or {}) | known), TORQUE)
 
 
 def current_figure(signals: Signals, currents: Currents) -> Drawing:

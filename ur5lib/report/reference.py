@@ -9,6 +9,8 @@ from pydantic import ValidationError
 from ur5lib.errors import InputError
 from ur5lib.strict import Strict, read_yaml
 
+OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
+
 
 class PrintedTable(Strict):
     """A published table: by model or estimate, six values, joints or components in order."""
@@ -46,8 +48,15 @@ class Reference(Strict):
 
     def recordings(self) -> set[str]:
         """Return the names of the recordings with published values."""
+        return {table.recording for table in self._tables()}
+
+    def of_older_model(self) -> set[str]:
+        """Return the names of the recordings with published values of the older model."""
+        return {table.recording for table in self._tables() if OLDER_MODEL in table.values}
+
+    def _tables(self) -> list[PrintedTable]:
         tables = (getattr(self.printed, name) for name in type(self.printed).model_fields)
-        return {table.recording for table in tables if table is not None}
+        return [table for table in tables if table is not None]
 
 
 def read_reference(path: str | Path | None) -> Reference:

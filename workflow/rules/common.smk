@@ -17,9 +17,9 @@ from ur5lib.study.reading import parse_study, study_text
 
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
-    PRINTED = sorted(
-        read_reference(STUDY.reference).recordings() & {r.name for r in STUDY.recordings}
-    )
+    reference, names = read_reference(STUDY.reference), {r.name for r in STUDY.recordings}
+    PRINTED = sorted(reference.recordings() & names)
+    OLDER_MODEL = sorted(reference.of_older_model() & names)
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
 
@@ -329,6 +329,7 @@ def of_every_job(kind):
         "ablate_forces": TOUCHED,
         "audit_sensor": WITH_WRIST_SENSOR,
         "draw_figures": illustrated(),
+        "draw_older_model": OLDER_MODEL,
         "draw_published_forces": PRINTED,
     }
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}

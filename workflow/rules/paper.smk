@@ -10,6 +10,13 @@ use rule draw_figures as draw_figures_for_paper with:
         **traces("draw_figures_for_paper", "{recording}"),
 
 
+use rule draw_older_model as draw_older_model_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{recording}}", OLDER_FIGURES),
+    log:
+        **traces("draw_older_model_for_paper", "{recording}"),
+
+
 use rule draw_published_forces as draw_published_forces_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{recording}}", PUBLISHED_FIGURES),
@@ -33,7 +40,7 @@ use rule draw_health as draw_health_for_paper with:
 
 use rule draw_models as draw_models_for_paper with:
     output:
-        **columns(f"{PAPER}/figures/{{robot}}", ["models"]),
+        **columns(f"{PAPER}/figures/{{robot}}", MODEL_FIGURES),
     log:
         **traces("draw_models_for_paper", "{robot}"),
 

@@ -1,4 +1,5 @@
 FIGURES = [
+    "packets",
     "positions",
     "velocities",
     "torques",
@@ -13,6 +14,8 @@ PUBLISHED_FIGURES = [
     "forces_corrected",
     "forces_friction_corrected",
 ]
+OLDER_FIGURES = ["positions_older", "velocities_older", "torques_older"]
+MODEL_FIGURES = ["frames", "models"]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
 COMPARED = [
     "quality",
@@ -44,6 +47,23 @@ rule draw_figures:
     params:
         code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_older_model:
+    input:
+        **REFERENCE,
+        signals=result("signals.parquet"),
+        closed_loop=result("closed_loop.parquet"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{recording}}", OLDER_FIGURES),
+    log:
+        **traces("draw_older_model", "{recording}"),
+    params:
+        code=code("draw_older_model"),
+        recording="{recording}",
     run:
         run_step(rule, input, output, params, log)
 
@@ -149,7 +169,7 @@ rule draw_models:
     input:
         arm=parameter("arm.yaml"),
     output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", ["models"]),
+        **drawings(f"{RESULTS}/figures/{{robot}}", MODEL_FIGURES),
     log:
         **traces("draw_models", "{robot}"),
     params:

@@ -1,4 +1,4 @@
-"""Figures of one recording, after the thesis's 5.9 to 5.12, 5.14, 5.15 and 6.4."""
+"""Figures of one recording, after the thesis's 4.4, 5.9 to 5.12, 5.14, 5.15 and 6.4."""
 
 from functools import partial
 from typing import Any
@@ -11,15 +11,18 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
+from ur5lib.report.packet_figure import packet_figure
 from ur5lib.robots.description import load_robot
 
 
 def draw_figures(input: Any, output: Any, params: Any) -> None:
     # each figure reads its tables anew, so that none holds those of another
     signals, robot = partial(Signals.read, input.signals), load_robot(input.arm)
+    save(packet_figure(signals()), output.packets)
+    gains = figures.chosen_gains(robot)
     for state, file in (("q", output.positions), ("qd", output.velocities)):
         closed_loop = ClosedLoop.read(input.closed_loop)
-        save(figures.tracking_figure(signals(), closed_loop, robot, state), file)
+        save(figures.tracking_figure(signals(), closed_loop, gains, state), file)
     torques = figures.torque_figure(signals(), Torques.read(input.torques), robot.chosen_model)
     save(torques, output.torques)
     save(figures.current_figure(signals(), Currents.read(input.currents)), output.currents)

@@ -7,6 +7,7 @@ import pandas as pd
 
 from ur5lib.report.cells import joints, number, significant
 from ur5lib.report.document import Cell
+from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Body, Results
 
 
@@ -20,6 +21,11 @@ def drawn(results: Results) -> list[str]:
     known = [*results.tables["closed_loop_mae"]["recording"].unique()]
     validated = [name for name in results.with_role("validate") if name in known]
     return results.shown(printed(results)) or results.shown([*validated, *known], 1)
+
+
+def older(results: Results) -> list[str]:
+    """Return the recordings on which the closed loop of the older model is drawn."""
+    return results.shown([*results.rows("torque_mae", model=OLDER_MODEL)["recording"]])
 
 
 def positions(results: Results, of: str) -> Body:

@@ -33,6 +33,12 @@ def files(results: Results) -> Body:
     return Body([*header, "jitter [ms]", "devices used"], rows)
 
 
+def late(results: Results) -> list[str]:
+    """Return the recording, of those with figures, that lost most frames."""
+    lost = results.rows("quality", device="robot", finding="lost frames")
+    return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
+
+
 def counted(results: Results) -> Iterator[str]:
     """Report how many findings there are, and the most frequent serious ones."""
     found = results.tables["quality"]

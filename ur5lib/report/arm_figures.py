@@ -1,0 +1,191 @@
+"""Drawings of an arm: its frames, and where its link models place mass."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import matplotlib
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from scipy.spatial import ConvexHull
+
+from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
+from ur5lib.robots.description import Cylinder, DenavitHartenberg, Robot
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.timeseries.arrays import Array
+
+UPRIGHT = [0.0, -np.pi / 2, 0.0, -np.pi / 2, 0.0, 0.0]  # rad, position 2 of Figure 4.1
+MARGIN = 0.03  # m, around what is drawn
+FARTHEST = 0.3  # m, of what is drawn from the joints
+IN_A_ROW = 4  # panels
+TURN = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a circle
+SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
+OBLIQUE = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
+AXES = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
+AXIS_LENGTH = 0.15  # of the largest extent of what is drawn
+LABEL_ASIDE = 8  # points from the tip of an axis
+PLACE, PARAMETERS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]"]
+
+
+class MassModel(NamedTuple):
+    """masses (6,) [kg] and centres of mass (6, 3) [m] of the links, base axes; outlines: of each
+    link, of its bodies as they are seen along x, (K, 2) [m] in y and z.
+    """
+
+    masses: Array
+    centers: Array
+    outlines: Sequence[Sequence[Array]]
+
+
+def placed(robot: Robot, name: str, rotation: Array, origin: Array) -> MassModel:
+    """Return a link model in base axes: its cylinders or, where it has none, ellipsoids.
+
+    rotation: (7, 3, 3), origin: (7, 3) [m], of frames 0 to 6.
+    """
+    bodies, turns = rigid_bodies(robot, name), rotation[1:]
+    centers = origin[1:] + np.einsum("kij,kj->ki", turns, bodies.center_of_mass)
+    cylinders = robot.models[name].cylinders
+    if cylinders is not None:
+        links = zip(cylinders, centers, turns, strict=True)
+        outlines = [[cylinder_outline(part, at, turn) for part in own] for own, at, turn in links]
+    else:
+        inertias = turns @ bodies.inertia @ turns.transpose(0, 2, 1)
+        tensors = zip(bodies.mass, inertias, centers, strict=True)
+        outlines = [[ellipsoid_outline(*link)] for link in tensors]
+    return MassModel(bodies.mass, centers, outlines)
+
+
+def cylinder_outline(part: Cylinder, center: Array, rotation: Array) -> Array:
+    """Return the outline (K, 2) [m] of a cylinder seen along x.
+
+    center: (3,) [m], the link's centre of mass; rotation: (3, 3), of the link's frame; base axes.
+    """
+    along = np.roll([1.0, 0.0, 0.0], "xyz".index(part.axis))
+    circle = np.outer(np.cos(TURN), np.roll(along, 1)) + np.outer(np.sin(TURN), np.roll(along, 2))
+    ends = [part.radius * circle + sign * part.height / 2 * along for sign in (-1, 1)]
+    seen = (center + (np.concatenate(ends) + part.offset) @ rotation.T) @ SIDE.T
+    corners: Array = seen[ConvexHull(seen).vertices]
+    return corners
+
+
+def ellipsoid_outline(mass: float, inertia: Array, center: Array) -> Array:
+    """Return the outline (K, 2) [m], seen along x, of a homogeneous ellipsoid of a mass [kg] and an
+    inertia about its centre (3, 3) [kg m²], base axes.
+
+    Its mass is spread with covariance (tr(I)/2 1 − I) / m, a fifth of its squared half-axes.
+    """
+    spread = (np.trace(inertia) / 2 * np.eye(3) - inertia) / mass
+    squares, axes = np.linalg.eigh(5 * SIDE @ spread @ SIDE.T)
+    circle = np.column_stack([np.cos(TURN), np.sin(TURN)])
+    outline: Array = SIDE @ center + circle * np.sqrt(np.maximum(squares, 0)) @ axes.T
+    return outline
+
+
+def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
+    """Draw the links' masses of each model, seen along x, one panel per model.
+
+    joints: (7, 3) [m], origins of the frames.
+    """
+    line = joints @ SIDE.T
+    bodies = [body for model in models.values() for link in model.outlines for body in link]
+    low, high = _limits(line, bodies)
+    panels = min(IN_A_ROW, len(models))
+    rows = -(-len(models) // panels)
+    height = min(4.6, WIDTH / panels * (high - low)[1] / (high - low)[0])
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(WIDTH, rows * (height + 0.3) + 0.3), layout="constrained")
+        axes = figure.subplots(rows, panels, sharex=True, sharey=True, squeeze=False)
+        for axis in axes.flat[len(models) :]:
+            axis.set_visible(False)
+        for axis, (name, model) in zip(axes.flat, models.items(), strict=False):
+            axis.plot(*line.T, "o-", color="#999999", markersize=3)
+            _draw_masses(axis, model)
+            axis.set(title=name, aspect="equal", xlabel="y [m]")
+            axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        for axis in axes[:, 0]:
+            axis.set_ylabel("z [m]")
+        links = [Patch(color=colour, label=f"link {k}") for k, colour in enumerate(JOINTS, 1)]
+        figure.legend(handles=links, loc="outside lower center", frameon=False, ncols=6)
+    return Drawing(figure, pd.concat([_masses(name, model) for name, model in models.items()]))
+
+
+def _limits(line: Array, outlines: Sequence[Array]) -> tuple[Array, Array]:
+    """Return the lower and the upper ends of the axes, around joints and outlines (K, 2)."""
+    drawn = np.concatenate([line, *outlines])
+    # undetermined parameters can have any value, so the arm limits the axes
+    low = np.maximum(drawn.min(axis=0), line.min(axis=0) - FARTHEST)
+    high = np.minimum(drawn.max(axis=0), line.max(axis=0) + FARTHEST)
+    return low - MARGIN, high + MARGIN
+
+
+def _draw_masses(axis: Axes, model: MassModel) -> None:
+    for bodies, colour in zip(model.outlines, JOINTS, strict=True):
+        for body in bodies:
+            axis.fill(*body.T, facecolor=f"{colour}40", edgecolor=colour, linewidth=0.8)
+    y, z = SIDE @ model.centers.T
+    axis.scatter(y, z, 12 * model.masses, JOINTS, zorder=3)
+
+
+def _masses(name: str, model: MassModel) -> pd.DataFrame:
+    numbers = np.column_stack([model.masses, model.centers.round(9)])
+    values = pd.DataFrame(numbers, columns=["mass [kg]", *PLACE])
+    return values.assign(model=name, link=range(1, 7))
+
+
+def frame_panels(
+    rotation: Array, origin: Array, parameters: Sequence[DenavitHartenberg]
+) -> Drawing:
+    """Draw the frames of an arm and the Denavit-Hartenberg parameters between them: the whole arm,
+    and its wrist enlarged.
+
+    rotation: (7, 3, 3), origin: (7, 3) [m], of frames 0 to 6 in the base frame.
+    """
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
+        whole, wrist = figure.subplots(1, 2, width_ratios=[1, 1.6])
+        parts = (whole, "frames 0 to 3", range(4)), (wrist, "frames 3 to 6", range(3, 7))
+        for axis, title, frames in parts:
+            _draw_links(axis, origin, parameters, frames)
+            _draw_frames(axis, rotation, origin, frames)
+            axis.set(title=title, aspect="equal", xticks=[], yticks=[])
+            axis.spines[:].set_visible(False)
+    axes = [f"{axis} axis, {part}" for axis in "xyz" for part in "xyz"]
+    turned = rotation.transpose(0, 2, 1).reshape(-1, 9)
+    values = pd.DataFrame(np.column_stack([origin, turned]).round(9), columns=[*PLACE, *axes])
+    own = pd.DataFrame([[one.a, one.d, one.alpha] for one in parameters], range(1, 7), PARAMETERS)
+    return Drawing(figure, values.rename_axis("frame").join(own).reset_index())
+
+
+def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[int]) -> None:
+    """Draw the axes of some frames, labelled to the left of their tips."""
+    seen = origin[[*frames]] @ OBLIQUE.T
+    length = AXIS_LENGTH * np.ptp(seen, axis=0).max()
+    low, high = seen.min(axis=0) - 1.5 * length, seen.max(axis=0) + 1.5 * length
+    axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+    for k in frames:
+        for part, (name, colour) in enumerate(AXES.items()):
+            start, way = OBLIQUE @ origin[k], OBLIQUE @ rotation[k, :, part] * length
+            arrow = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0, "shrinkB": 0}
+            axis.annotate("", start + way, start, arrowprops=arrow)
+            aside = LABEL_ASIDE * np.array([-way[1], way[0]]) / np.hypot(*way)
+            label = axis.annotate(f"${name}_{k}$", start + way, aside, textcoords="offset points")
+            label.set(color=colour, ha="center", va="center")
+
+
+def _draw_links(
+    axis: Axes, origin: Array, parameters: Sequence[DenavitHartenberg], frames: Sequence[int]
+) -> None:
+    """Draw the links between some frames, each with its parameters other than zero beside it."""
+    axis.plot(*(OBLIQUE @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3)
+    for k in frames[1:]:
+        own = parameters[k - 1]
+        lengths = {f"d_{k}": own.d, f"a_{k}": own.a}
+        parts = [f"${name}$ = {1000 * value:g} mm" for name, value in lengths.items() if value]
+        parts += [rf"$\alpha_{k}$ = {np.degrees(own.alpha):.4g}°"] if own.alpha else []
+        start, end = OBLIQUE @ origin[k - 1], OBLIQUE @ origin[k]
+        level = abs(end - start)[0] > abs(end - start)[1]
+        aside, side = ((0, 16), "center") if level else ((8, 0), "left")
+        middle = (start + end) / 2
+        axis.annotate("\n".join(parts), middle, aside, textcoords="offset points", ha=side)

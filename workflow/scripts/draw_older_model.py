@@ -1,0 +1,36 @@
+"""The closed loop with the gains of the thesis's older model [21], after Figures 5.1 to 5.4."""
+
+from typing import Any
+
+from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import ClosedLoop
+from ur5lib.report import recording_figures as figures
+from ur5lib.report.house_style import save
+from ur5lib.report.reference import OLDER_MODEL, published, read_reference
+from ur5lib.robots.description import Robot, load_robot
+from ur5lib.timeseries.arrays import Array
+
+
+def draw_older_model(input: Any, output: Any, params: Any) -> None:
+    signals, robot = Signals.read(input.signals), load_robot(input.arm)
+    closed_loop = ClosedLoop.read(input.closed_loop)
+    for state, file in (("q", output.positions_older), ("qd", output.velocities_older)):
+        save(figures.tracking_figure(signals, closed_loop, OLDER_MODEL, state), file)
+    printed = published(read_reference(input.reference).printed.torque_mae, params.recording)
+    modelled = torques(signals, closed_loop, robot) if OLDER_MODEL in closed_loop.q else {}
+    torque = figures.older_torque_figure(signals, modelled, printed[OLDER_MODEL])
+    save(torque, output.torques_older)
+
+
+def torques(signals: Signals, closed_loop: ClosedLoop, robot: Robot) -> dict[str, Array]:
+    """Return the chosen model's torque (N, 6) [Nm] in the older model's loop, and without gravity.
+
+    Gravity is what the thesis found missing in the older model.
+    """
+    q, qd, qdd = (getattr(closed_loop, name)[OLDER_MODEL] for name in ("q", "qd", "qdd"))
+    model = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    name = f"Model {robot.chosen_model}"
+    torque = model.inverse_dynamics(q, qd, qdd)
+    return {name: torque, f"{name} without gravity": torque - model.gravity_torque(q)}
