@@ -14,7 +14,7 @@ Row = dict[str, str]
 ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "Fu", "F", "F*")
 MOST_WORDS = 180
 FORCES = ("Fx", "Fy", "Fz")
-FIXED = ["probability of 95 %", "95 % interval", "95 % band", "(95 %:"]
+FIXED = ["10 N", "probability of 95 %", "95 % interval", "95 % band", "(95 %:"]
 SEVERITIES = ("stop", "error", "warning", "note")
 
 
@@ -258,6 +258,7 @@ def findings(study: Study) -> Iterator[list[str]]:
         yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
     yield from contacts(study)
     yield from detected(study)
+    yield from claimed(study)
     moments = [row for row in in_contact(force) if row["component"] not in FORCES]
     if {row["component"] for row in moments if row["determined"] == "yes"} < {
         row["component"] for row in moments
@@ -296,6 +297,16 @@ def detected(study: Study) -> Iterator[list[str]]:
     pushes = [row for row in free if any(map(row.get, columns))]
     if pushes and all(row[column] for row in pushes for column in columns):
         yield [f"{max(median(float(row[c]) for row in pushes) for c in columns):.0f}"]
+
+
+def claimed(study: Study) -> Iterator[list[str]]:
+    """Pushes of the thesis's recording that its threshold of 10 N along z misses."""
+    printed = {row["recording"] for row in study.tables["force_mae"] if row["printed_mae"]}
+    rows = [row for row in study.tables["fixed_threshold"] if row["component"] == "Fz"]
+    if pushed := [row for row in rows if row["recording"] in printed and row["estimate"] == "F*"]:
+        pushes, found = (sum(int(row[name]) for row in pushed) for name in ("pushes", "found"))
+        assert found < pushes
+        yield [str(pushes - found), str(pushes)]
 
 
 def widest(rows: list[Row], figure: str) -> str:

@@ -34,6 +34,7 @@ from ur5lib.report.tables.ablation import ablation_rows
 from ur5lib.report.tables.contacts import COLUMNS as CONTACTS
 from ur5lib.report.tables.contacts import contact_rows
 from ur5lib.report.tables.detection import detection_rows
+from ur5lib.report.tables.fixed_threshold import fixed_threshold_rows
 from ur5lib.report.tables.force_mae import force_errors
 from ur5lib.report.tables.payload import payload_rows
 from ur5lib.report.tables.remarks import remark_rows
@@ -54,6 +55,7 @@ from ur5lib.report.views.forces import (
     ablation,
     contacts,
     detections,
+    fixed_threshold,
     headline,
     smallest_pushes,
     summary,
@@ -359,20 +361,41 @@ def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
 def test_contacts_are_counted_by_their_force() -> None:
     part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay": 0.1, "causal_delay": np.nan}
     found = {"raised": [], "alarms_per_min": 1.0, "time_in_alarm": 0.5, "extra": 2}
+    found |= {"threshold": 8.5}
     found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
-    rows = pd.DataFrame(detection_rows("run", {"Fmap": found, "observer": found}))
+    rows = pd.DataFrame(detection_rows("run", {"Fmap": found, "Fu": found}))
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
     header, body = detections(Results({}, {"detection": rows}, Path()))
     cells = dict(zip(header, (cell.text for cell in body[0]), strict=True))
     assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
     assert (cells["delay [s]"], cells["causal delay [s]"]) == ("0.10", "–")
+    assert [row[header.index("from [N]")].text for row in body] == ["–", "8.5"]  # odds, N
+
+
+def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
+    axes = {"z": {"force": 10.0, "time_above": 0.25, "pushes": 4, "found": 3}}
+    free = {"z": {"force": 10.0, "time_above": 0.0}}
+    found = [
+        ("run", {"F*": {"axes": axes}, "Fmap": {"axes": axes}}),
+        ("free", {"F*": {"axes": free}}),
+    ]
+    rows = pd.DataFrame([row for one in found for row in fixed_threshold_rows(*one)])
+    study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
+    header, body = fixed_threshold(Results(study, {"fixed_threshold": rows}, Path()))
+    assert header == ["recording", "role", "F̂*", "F̂ᵐᵃᵖ"]
+    assert [[cell.text for cell in row] for row in body] == [
+        ["run", "contact", "25 %; 3 of 4", "25 %; 3 of 4"],
+        ["free", "fit", "0 %", "–"],
+    ]
+    others = rows[rows["estimate"] != "F*"]
+    assert fixed_threshold(Results(study, {"fixed_threshold": others}, Path())).rows == []
 
 
 def test_pushes_never_found_are_told_as_such() -> None:
     """A push that is never found is infinite, and null in the file."""
-    found = {"raised": [], "alarms_per_min": 0.0}
+    found = {"raised": [], "alarms_per_min": 0.0, "threshold": 0.0}
     smallest = {
         axis: {"force": force} for axis, force in zip("xyz", (9.0, None, 20.0), strict=True)
     }

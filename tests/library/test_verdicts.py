@@ -19,6 +19,7 @@ from ur5lib.report.verdicts import (
 )
 from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
+from ur5lib.report.views import claimed
 from ur5lib.report.views.currents import constants, cross_validation, next_recordings
 from ur5lib.report.views.found import NOTHING, findings
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
@@ -44,6 +45,9 @@ COLUMNS = {
     "detection": [
         *("recording", "estimate", "force_class_n", "contacts", "found", "alarms_per_min"),
         *("smallest_force_95_x", "smallest_force_95_y", "smallest_force_95_z"),
+    ],
+    "fixed_threshold": [
+        *("recording", "estimate", "component", "force_n", "pushes", "found", "time_above")
     ],
     "contacts": ["recording", "estimate", "kind", "load_mass", "load_mass_std"],
     "acceleration_mae": ["recording", "estimate", "component", "mae", "zero_mae"],
@@ -397,3 +401,29 @@ def test_excited_is_not_called_determined() -> None:
     assert "determine 1 of its 2 base parameters" in told[0]
     assert told[1].startswith("The others move the torque too little")
     assert "not excited" in excitation(study()).header
+
+
+@pytest.mark.parametrize(
+    ("found", "above", "holds"), [(4, 0.0, True), (3, 0.0, False), (4, 0.01, False)]
+)
+def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
+    found: int, above: float, holds: bool
+) -> None:
+    """Of its own recording and of what nothing touches; ours stands beside it."""
+    axis = {"component": "Fz", "force_n": 10.0}
+    rows = [
+        axis | {"recording": "pushed", "estimate": "F*", "pushes": 4, "found": found},
+        axis | {"recording": "pushed", "estimate": "Fmap", "pushes": 4, "found": 2},
+        axis | {"recording": "seen", "estimate": "F*", "time_above": above},
+        axis | {"recording": "seen", "estimate": "Fmap", "time_above": 0.5},
+        axis | {"recording": "fitted", "estimate": "F*", "time_above": 0.9},
+    ]
+    printed = [{"recording": "pushed", "printed_mae": 1.0}]
+    results = study(force_mae=printed, fixed_threshold=rows)
+    (finding,), (beside,) = claimed.judged(results), claimed.compared(results)
+    assert ("fails" not in finding) == holds
+    assert f"{4 - found} of 4" in finding or f"{100 * above:.0f} %" in finding
+    numbers = [f"F̂* finds {found} of", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
+    assert [number for number in numbers if number not in beside] == []
+    unprinted = study(fixed_threshold=rows)
+    assert [*claimed.judged(unprinted)] == claimed.compared(unprinted) == []

@@ -25,7 +25,7 @@ from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.load_regressor import LINK_6
 from ur5lib.pipeline.payload_estimate import judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -66,6 +66,7 @@ class Recording:
         currents = Currents(**grid, load_doubt=nothing, **torques)
         currents.write(self.currents)
         SensorWrenches(**grid).write(self.sensor)
+        PublishedForces(**grid).write(self.published)
         Kinematics(
             time=run.time,
             origin=nothing[:, :3],
@@ -431,8 +432,8 @@ def test_breakaway_is_the_friction_of_the_fit(
 
 
 def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
-    """Causal odds are no estimate of their own."""
-    paths = []
+    """Causal odds are no estimate of their own; F̂ᵘ pushes thrice, as long as the peaks."""
+    paths, published = [], []
     for period, peaks in ((0.002, [2.0, 4.0, 6.0]), (0.01, [3.0, 5.0, 7.0])):
         odds = np.full(round(60 / period), -5.0)
         odds[[round(second / period) for second in (10, 30, 50)]] = peaks
@@ -440,12 +441,16 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
         grid = {"time": period * np.arange(len(odds)), "segment": np.zeros(len(odds), np.int64)}
         paths.append(str(tmp_path / f"{len(paths)}.parquet"))
         Forces(**grid, log_odds=known, causal_log_odds={"Fmap": odds + 90}).write(paths[-1])
-    input = SimpleNamespace(forces=paths)
+        published.append(str(tmp_path / f"published_{len(paths)}.parquet"))
+        force = np.outer(odds + 5, [0, 1, 0, 9, 9, 9])  # N, Nm
+        PublishedForces(**grid, corrected={"Fu": 2 * force}).write(published[-1])
+    input = SimpleNamespace(forces=paths, published=published)
     output = SimpleNamespace(threshold=tmp_path / "threshold.json")
     params = SimpleNamespace(false_alarms_per_min=1)
     script("set_threshold").set_threshold(input, output, params)
     found = read_json(output.threshold)
-    assert found.keys() == {"Fmap", "observer"}
+    assert found.keys() == {"Fmap", "observer", "Fu"}
+    assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7
     assert 5.0 < found["observer"] < 5.01  # one minute allows one: 7
 
@@ -457,7 +462,7 @@ def detect(recording: Recording, run: Free, ur5: Robot) -> list[dict[str, Any]]:
     forces = recording.write(run, BARE).estimate()
     regressor = LoadRegressor(time=run.time, segment=forces.segment, load_regressor=per_load)
     regressor.write(recording.regressor)
-    write_json({"Fmap": 0.0}, recording.threshold)
+    write_json({"Fmap": 0.0, "F*": 15.0}, recording.threshold)
     script("detect_contacts").detect_contacts(recording, recording, SETTINGS)
     raised: list[dict[str, Any]] = read_json(recording.detection)["Fmap"]["raised"]
     return raised

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,45 +17,112 @@ from ur5lib.force.detection import (
     try_pushes,
 )
 from ur5lib.force.external_torque import MOVING
+from ur5lib.force.force_alarms import force_alarms, pushes_above
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import marked
 
 CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
 TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
+CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
 
 Kind = Callable[[Span], dict[str, Any]]
 
 
+class Alarms(NamedTuple):
+    """What one estimate raises.
+
+    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; live: those
+    raised while the recording runs, None where that is not known; wrench, std: (N, 6) [N, Nm], NaN
+    where no deviation is stated.
+    """
+
+    evidence: Array
+    raised: list[Span]
+    live: list[Span] | None
+    wrench: Array
+    std: Array
+
+
+def alarms_by_odds(forces: Forces, name: str, threshold: float) -> Alarms:
+    """Return the alarms of an estimate that states odds of contact."""
+    odds, live = forces.log_odds[name], forces.causal_log_odds.get(name)
+    return Alarms(
+        evidence=odds,
+        raised=alarms(odds, threshold),
+        live=None if live is None else raised_live(live, threshold),
+        wrench=forces.wrench[name],
+        std=forces.std[name],
+    )
+
+
+def alarms_by_size(wrench: Array, threshold: float) -> Alarms:
+    """Return the alarms of an estimate that states a force alone; threshold: [N]."""
+    size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
+    return Alarms(size, force_alarms(size, threshold), None, wrench, np.full_like(wrench, np.nan))
+
+
+def all_alarms(
+    forces: Forces, published: PublishedForces, thresholds: Mapping[str, float]
+) -> dict[str, Alarms]:
+    """Return the alarms of every estimate that the recording has and a threshold is known of."""
+    return {
+        name: alarms_by_odds(forces, name, threshold)
+        for name, threshold in thresholds.items()
+        if name in forces.log_odds
+    } | {
+        name: alarms_by_size(published.corrected[name], threshold)
+        for name, threshold in thresholds.items()
+        if name in published.corrected
+    }
+
+
 def detected(
-    forces: Forces, sensor: SensorWrenches, thresholds: Mapping[str, float], kind: Kind
+    found: Mapping[str, Alarms],
+    sensor: SensorWrenches,
+    thresholds: Mapping[str, float],
+    kind: Kind,
 ) -> dict[str, Any]:
     """Return the alarms of each estimate and their comparison with the sensor, for detection.json.
 
     kind: whether an alarm is a contact or a load.
     """
+    count, period, time = len(sensor.time), sensor.period, sensor.time
     summary: dict[str, Any] = {}
-    for name, threshold in thresholds.items():
-        if name not in forces.log_odds:
-            continue
-        odds = forces.log_odds[name]
-        raised = alarms(odds, threshold)
+    for name, own in found.items():
         summary[name] = {
-            "threshold": threshold,
-            "raised": [strongest(span, forces, name) | kind(span) for span in raised],
-            "alarms_per_min": len(raised) / (len(odds) * forces.period / 60),
-            "time_in_alarm": float(marked(raised, len(odds)).mean()),
+            "threshold": thresholds[name],
+            "raised": [strongest(span, time, own) | kind(span) for span in own.raised],
+            "alarms_per_min": len(own.raised) / (count * period / 60),
+            "time_in_alarm": float(marked(own.raised, count).mean()),
+            "axes": {axis: by_axis(own, sensor, i) for i, axis in enumerate("xyz")},
         }
         if "compensated" in sensor.wrench:
-            live = forces.causal_log_odds.get(name)
-            causal = None if live is None else raised_live(live, threshold)
-            summary[name] |= against_sensor(odds, raised, causal, sensor)
+            summary[name] |= against_sensor(own, sensor)
     return summary
+
+
+def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> dict[str, Any]:
+    """Return how an estimate does with the fixed threshold that the thesis claims, on one axis.
+
+    time_above: share of the recording; pushes: that reach the threshold at the sensor, if there is
+    one; found: of these.
+    """
+    force = own.wrench[:, axis]
+    figures: dict[str, Any] = {
+        "force": CLAIMED,
+        "time_above": float(np.mean(np.nan_to_num(np.abs(force)) >= CLAIMED)),
+    }
+    if "compensated" not in sensor.wrench:
+        return figures
+    sensed = sensor.wrench["compensated"][:, axis]
+    pushes, found = pushes_above(force, sensed, CLAIMED, sensor.period)
+    return figures | {"pushes": pushes, "found": found}
 
 
 def load_finder(
@@ -86,38 +153,33 @@ def load_finder(
     return kind
 
 
-def strongest(span: Span, forces: Forces, name: str) -> dict[str, Any]:
+def strongest(span: Span, time: Array, own: Alarms) -> dict[str, Any]:
     """Return start and end of an alarm [s], and the largest force in it, with deviations [N]."""
     part = slice(*span)
-    force, std = forces.wrench[name][part, :3], forces.std[name][part, :3]
+    force, std, seconds = own.wrench[part, :3], own.std[part, :3], time[part]
     peak = int(np.argmax(np.nan_to_num(np.linalg.norm(force, axis=1))))
-    time = forces.time[part]
     return {
-        "start": float(time[0]),
-        "end": float(time[-1]),
-        "peak": float(time[peak]),
+        "start": float(seconds[0]),
+        "end": float(seconds[-1]),
+        "peak": float(seconds[peak]),
         "force": force[peak],
         "force_std": std[peak],
     }
 
 
-def against_sensor(
-    odds: Array, raised: list[Span], causal: list[Span] | None, sensor: SensorWrenches
-) -> dict[str, Any]:
-    """Return contacts that the sensor saw, by the force they reach, and how the alarms match them.
-
-    causal: the alarms that are raised while the recording runs, None where that is not known.
-    """
+def against_sensor(own: Alarms, sensor: SensorWrenches) -> dict[str, Any]:
+    """Return contacts that the sensor saw, by the force they reach, and how the alarms match."""
     force, step = np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1), sensor.period
-    free = is_free(force, step)
-    any_contact = compare(raised, contacts(force), step)
-    wrong, right = receiver_curve(odds, force >= TOUCH)
+    free, count = is_free(force, step), len(force)
+    any_contact = compare(own.raised, contacts(force), step)
+    wrong, right = receiver_curve(own.evidence, force >= TOUCH)
+    in_alarm = marked(own.raised, count)[free]
     return {
-        "classes": [by_class(least, force, raised, causal, step) for least in CLASSES],
+        "classes": [by_class(least, force, own.raised, own.live, step) for least in CLASSES],
         "precision": any_contact.precision(),
-        "false_per_min": any_contact.false / (len(odds) * step / 60),
+        "false_per_min": any_contact.false / (count * step / 60),
         "extra": any_contact.extra,
-        "free_time_in_alarm": float(marked(raised, len(odds))[free].mean()) if free.any() else None,
+        "free_time_in_alarm": float(in_alarm.mean()) if free.any() else None,
         "roc_area": float(np.trapezoid(right, wrong)),
     }
 

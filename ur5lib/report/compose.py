@@ -39,6 +39,7 @@ from ur5lib.report.document import (
 from ur5lib.report.results import MOST_ROWS, Body, Results
 from ur5lib.report.views import (
     audit,
+    claimed,
     closed_loop,
     comparison,
     contacts,
@@ -59,6 +60,7 @@ from ur5lib.report.views import (
 
 VIEWS: dict[str, ModuleType] = {
     "audit": audit,
+    "claimed": claimed,
     "closed_loop": closed_loop,
     "comparison": comparison,
     "contacts": contacts,

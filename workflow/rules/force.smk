@@ -122,6 +122,7 @@ rule audit_sensor:
 rule set_threshold:
     input:
         forces=fitted_results("forces.parquet"),
+        published=fitted_results("published_forces.parquet"),
     output:
         threshold=parameter("threshold.json"),
     log:
@@ -136,6 +137,7 @@ rule set_threshold:
 rule detect_contacts:
     input:
         forces=result("forces.parquet"),
+        published=result("published_forces.parquet"),
         sensor=result("sensor.parquet"),
         motion=result("motion.parquet"),
         currents=result("currents.parquet"),

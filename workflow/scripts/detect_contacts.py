@@ -3,11 +3,10 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import alarms
-from ur5lib.pipeline.contacts import detected, load_finder, smallest_forces
+from ur5lib.pipeline.contacts import all_alarms, detected, load_finder, smallest_forces
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import read_json, write_json
@@ -19,12 +18,13 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     regressor, residuals = LoadRegressor.read(input.regressor), read_json(input.residuals)
     prior = ContactPrior(force=params.contact_force_n)
     kind = load_finder(currents, forces, regressor, residuals, prior)
-    summary = detected(forces, sensor, thresholds, kind)
+    found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
+    summary = detected(found, sensor, thresholds, kind)
     if params.role == "validate" and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
         problem = direct_problems(motion, currents, residuals)["Fmap"]
         threshold = thresholds["Fmap"]
-        raised = alarms(forces.log_odds["Fmap"], threshold)
+        raised = found["Fmap"].raised
         smallest = smallest_forces(problem, jacobian, prior, threshold, raised)
         summary["Fmap"]["smallest_force_95"] = smallest
     write_json(summary, output.detection)

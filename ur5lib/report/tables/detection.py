@@ -8,6 +8,7 @@ from ur5lib.report.study_results import Row, StudyResults
 COLUMNS = [
     "recording",
     "estimate",
+    "threshold",
     "force_class_n",
     "contacts",
     "found",
@@ -48,6 +49,7 @@ def detection_rows(recording: str, detection: Mapping[str, Any]) -> Iterator[Row
             yield {
                 "recording": recording,
                 "estimate": estimate,
+                "threshold": found["threshold"],
                 "force_class_n": part.get("force"),
                 **{name: part.get(name) for name in ("contacts", "found", "recall")},
                 "false_alarms_per_min": found.get("false_per_min"),

@@ -12,7 +12,7 @@ from ur5lib.report.verdicts.drawings import error_bar
 from ur5lib.report.verdicts.errors import ZERO
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views.contacts import found_without_sensor, quiet
-from ur5lib.report.views.forces import leading
+from ur5lib.report.views.forces import leading, searched
 
 TOPIC = "Force in contact"
 MEANS = ["mae", "mae_low", "mae_high", "mean_force", "coverage95"]
@@ -94,7 +94,7 @@ def _numbers(row: pd.Series, held: float) -> Iterator[Number]:
 
 def _unjudged(results: Results) -> Verdict:
     """Say what is known of the force where nothing judges its size."""
-    if results.tables["detection"].empty:
+    if searched(results).empty:
         return Verdict(TOPIC, "not determined", "No force was estimated.")
     if len(results.tables["force_mae"]):
         told = "The force sensor felt no contact on a recording that no fit has seen."

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES, NEW, PUBLISHED
+from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
 from ur5lib.report.results import NOTHING, Body, Results
@@ -20,9 +20,15 @@ PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 
 def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
-    drawn = {*results.tables["detection"]["recording"]}
+    drawn = {*searched(results)["recording"]}
     felt = [name for name in results.with_role("contact") if name in drawn]
     return results.shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
+
+
+def searched(results: Results) -> pd.DataFrame:
+    """Return the rows of detections by the study's own estimates."""
+    rows = results.tables["detection"]
+    return rows[rows["estimate"].isin(GATED)]
 
 
 def printed(results: Results) -> list[str]:
@@ -259,6 +265,7 @@ def detections(results: Results) -> Body:
             [
                 Cell(str(recording)),
                 Cell(ESTIMATES[str(estimate)]),
+                number(first["threshold"] if estimate in PUBLISHED else math.nan, 1),
                 *(_share(by_force.loc[force]) for force in classes),
                 number(first["false_alarms_per_min"], 1),
                 number(first["extra_alarms"], 0),
@@ -267,13 +274,36 @@ def detections(results: Results) -> Body:
                 number(first["causal_delay_s"], 2),
             ]
         )
-    header = ["recording", "estimate", *(f"≥ {force:.0f} N" for force in classes)]
+    header = ["recording", "estimate", "from [N]", *(f"≥ {force:.0f} N" for force in classes)]
     header += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]", "causal delay [s]"]
     return Body(header, body)
 
 
-def _share(row: pd.Series) -> Cell:
-    return Cell(f"{row['found']:.0f} of {row['contacts']:.0f}")
+def _share(row: pd.Series, total: str = "contacts") -> Cell:
+    return Cell(f"{row['found']:.0f} of {row[total]:.0f}")
+
+
+def fixed_threshold(results: Results) -> Body:
+    """Return the pushes found along z above the thesis's threshold, and the time above it."""
+    rows = results.rows("fixed_threshold", component="Fz")
+    if "F*" not in {*rows["estimate"]}:
+        return NOTHING
+    roles, known = results.roles(), _known(rows)
+    cells = rows.set_index(["recording", "estimate"])
+    body = [
+        [Cell(name), Cell(roles[name]), *(_above(cells, (name, x)) for x in known)]
+        for name in rows["recording"].unique()
+    ]
+    return Body(["recording", "role", *(ESTIMATES[x] for x in known)], body)
+
+
+def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
+    """Return found of pushes, where a sensor counted them, and the time above in percent."""
+    if key not in rows.index:
+        return Cell("–")
+    row = rows.loc[key]
+    share = f"{100 * row['time_above']:.0f} %"
+    return Cell(share if math.isnan(row["pushes"]) else f"{share}; {_share(row, 'pushes').text}")
 
 
 def contacts(results: Results, of: str) -> Body:

@@ -10,11 +10,11 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.link_model import compare, named
-from ur5lib.report.views import comparison
+from ur5lib.report.views import claimed, comparison
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.contacts import counted, quiet, undetermined_moments
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import PUSHES, pushes_found
+from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
 NOTHING = "The recordings show no contact, load, fault or difference between models."
 
@@ -30,6 +30,7 @@ def findings(results: Results) -> list[str]:
         *counted(results),
         *loads_taken_up(results),
         *_detection(results),
+        *claimed.judged(results),
         *undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
         *beside_truth(results.tables.get("truth")),
@@ -72,7 +73,7 @@ def _not_compared(results: Results) -> Iterator[str]:
     """Report estimates that have nothing to be compared with."""
     if len(results.tables["friction"]) and not results.with_role("validate"):
         yield "Prediction of currents on unseen recordings: no recording has the role `validate`."
-    if len(results.tables["detection"]) and results.tables["force_mae"].empty:
+    if len(searched(results)) and results.tables["force_mae"].empty:
         yield "Errors of the force estimates: no recording has a working force sensor."
 
 
