@@ -8,10 +8,11 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.force.current_based import friction_torque
-from ur5lib.force.torque_constants import current_on_torque, torque_on_current
+from ur5lib.force.current_torque_line import current_on_torque, torque_on_current
 from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.report.current_torque_figures import with_friction, without_friction
 from ur5lib.report.reference import read_reference
 from ur5lib.report.tables.torque_constants import constant_rows
 from ur5lib.robots.description import Robot
@@ -89,12 +90,26 @@ def test_the_printed_constants_come_back(ur5: Robot, recorded: tuple[Signals, To
     assert (found["correlation_without_friction"][:5] < 0.999).all()
 
 
+def test_the_figures_show_every_received_sample_and_the_printed_line(
+    ur5: Robot, recorded: tuple[Signals, Torques]
+) -> None:
+    samples = current_torque(ur5, *recorded)
+    rigid, total = without_friction(samples), with_friction(samples, ur5.current_to_torque)
+    assert len(rigid.data) == len(total.data) == COUNT * 9 / 10
+    for axis in total.figure.axes[:5]:
+        dots, line = (each.get_xydata() for each in axis.lines)
+        np.testing.assert_allclose(np.interp(dots[:, 0], *line.T), dots[:, 1], atol=1e-9)
+    assert all(len(axis.lines) == 1 for axis in rigid.figure.axes)
+
+
 def test_an_arm_without_printed_friction_has_no_such_constants(
     ur5: Robot, recorded: tuple[Signals, Torques]
 ) -> None:
     other = ur5.model_copy(update={"friction": None})
     assert published_constants(current_torque(other, *recorded)) == {}
     assert [*constant_rows("a", {}, None)] == []
+    assert without_friction(None).data.empty
+    assert with_friction(None, ur5.current_to_torque).data.empty
 
 
 def test_the_reference_prints_the_constants_of_the_arm(ur5: Robot) -> None:

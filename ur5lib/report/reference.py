@@ -46,16 +46,16 @@ class Reference(Strict):
     printed: Printed = Printed()
     errata: tuple[Erratum, ...] = ()
 
-    def recordings(self) -> set[str]:
-        """Return the names of the recordings with published values."""
-        return {table.recording for table in self._tables()}
+    def recordings(self, *names: str) -> set[str]:
+        """Return the recordings with published values, in some tables or, without names, in any."""
+        return {table.recording for table in self._tables(*names)}
 
     def of_older_model(self) -> set[str]:
         """Return the names of the recordings with published values of the older model."""
         return {table.recording for table in self._tables() if OLDER_MODEL in table.values}
 
-    def _tables(self) -> list[PrintedTable]:
-        tables = (getattr(self.printed, name) for name in type(self.printed).model_fields)
+    def _tables(self, *names: str) -> list[PrintedTable]:
+        tables = (getattr(self.printed, name) for name in names or type(self.printed).model_fields)
         return [table for table in tables if table is not None]
 
 

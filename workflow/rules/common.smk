@@ -17,9 +17,7 @@ from ur5lib.study.reading import parse_study, study_text
 
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
-    reference, names = read_reference(STUDY.reference), {r.name for r in STUDY.recordings}
-    PRINTED = sorted(reference.recordings() & names)
-    OLDER_MODEL = sorted(reference.of_older_model() & names)
+    PUBLISHED = read_reference(STUDY.reference)
 except InputError as error:
     raise WorkflowError(f"the study has errors\n{error}")
 
@@ -33,6 +31,9 @@ except OSError as error:
     )
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
+PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
+OLDER_MODEL = sorted(PUBLISHED.of_older_model() & RECORDINGS.keys())
+PRINTED_CURRENTS = sorted(PUBLISHED.recordings("current_torque") & RECORDINGS.keys())
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
 RESULTS = f"results/{STUDY.study}"
 TRUTHS = {name: f"{RESULTS}/truth/{name}" for name in SIMULATED} | {  # without their suffixes
@@ -330,6 +331,7 @@ def of_every_job(kind):
         "audit_sensor": WITH_WRIST_SENSOR,
         "draw_figures": illustrated(),
         "draw_older_model": OLDER_MODEL,
+        "draw_current_torque": PRINTED_CURRENTS,
         "draw_published_forces": PRINTED,
     }
     files = {step.name: getattr(step, kind) or [] for step in workflow.rules}

@@ -24,6 +24,13 @@ use rule draw_published_forces as draw_published_forces_for_paper with:
         **traces("draw_published_forces_for_paper", "{recording}"),
 
 
+use rule draw_current_torque as draw_current_torque_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{recording}}", CURRENT_FIGURES),
+    log:
+        **traces("draw_current_torque_for_paper", "{recording}"),
+
+
 use rule draw_friction as draw_friction_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{robot}}", FRICTION_FIGURES),

@@ -16,6 +16,7 @@ PUBLISHED_FIGURES = [
 ]
 OLDER_FIGURES = ["positions_older", "velocities_older", "torques_older"]
 MODEL_FIGURES = ["frames", "models"]
+CURRENT_FIGURES = ["current_torque_printed", "current_torque_friction_printed"]
 FRICTION_FIGURES = ["current_torque", "current_torque_friction", "friction", "residuals"]
 COMPARED = [
     "quality",
@@ -78,6 +79,21 @@ rule draw_published_forces:
         **traces("draw_published_forces", "{recording}"),
     params:
         code=code("draw_published_forces"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_current_torque:
+    input:
+        signals=result("signals.parquet"),
+        torques=result("torques.parquet"),
+        arm=arm_file,
+    output:
+        **drawings(f"{RESULTS}/figures/{{recording}}", CURRENT_FIGURES),
+    log:
+        **traces("draw_current_torque", "{recording}"),
+    params:
+        code=code("draw_current_torque"),
     run:
         run_step(rule, input, output, params, log)
 
