@@ -27,6 +27,7 @@ INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 KEY = re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)")
 CODE = re.compile(r"(?:import|from|def|class|>>>) ")
 WAY_POINT = re.compile(r"-?\d+\.\d+,")
+MOVE = re.compile(r"move[jl]\(")
 LISTED = re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S")
 ENTRY = {"name": "run", "robot": "ur5", "role": "fit", "folder": "raw/mine"}
 FORMATS: list[dict[str, Any]] = [
@@ -100,7 +101,7 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What an example is: shell, python, yaml, way-points, files, equations, or unknown."""
+    """What an example is: shell, python, yaml, way-points, moves, files, equations, or unknown."""
     first = block.splitlines()[0]
     if CODE.match(first):
         return "python"
@@ -113,6 +114,8 @@ def kind_of(block: str) -> str:
         return "listing"
     if WAY_POINT.match(first):
         return "way-points"
+    if MOVE.match(first):
+        return "moves"
     return "equation" if is_equation(block) else "unknown"
 
 

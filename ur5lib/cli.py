@@ -91,11 +91,17 @@ def record(
     ] = None,
     move: Annotated[
         Path | None,
-        typer.Option(help="CSV of a motion: six angles [rad], or a time [s] and six angles a line"),
+        typer.Option(
+            help="a motion: CSV of six angles [rad], or a time [s] and six angles a line; or "
+            "URScript's movej, movel and sleep"
+        ),
     ] = None,
     speed: Annotated[
         float, typer.Option(help="share of the motion's speed", min=0.01, max=1.0)
     ] = 0.25,
+    wait: Annotated[
+        float, typer.Option(help="least time [s] between the beginnings of two commands", min=0)
+    ] = 0.0,
     by_hand: Annotated[bool, typer.Option("--by-hand", help="lead the arm by hand")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="move without asking")] = False,
     add: Annotated[bool, typer.Option("--add", help="append the entry to the study")] = False,
@@ -108,7 +114,17 @@ def record(
     from ur5lib.study.record import Wish, record
 
     wish = Wish(
-        name, _role(role), seconds, tuple(without or ()), move, by_hand, speed, yes, add, emulate
+        name,
+        _role(role),
+        seconds,
+        tuple(without or ()),
+        move,
+        by_hand,
+        speed,
+        wait,
+        yes,
+        add,
+        emulate,
     )
     if record(study, wish, text_console()):
         raise SystemExit(1)

@@ -26,7 +26,9 @@ from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from ur5lib.cli import app
 from ur5lib.identification import friction
-from ur5lib.recorder.commanded_motion import read_motion
+from ur5lib.recorder.commanded_motion import read_motion, refusals
+from ur5lib.recorder.move_program import plan, read_program
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tables import write_table
 
 DOCUMENTS = [*PAGES, *sorted((PROJECT / "benchmarks").glob("*.py"))]
@@ -88,6 +90,14 @@ def test_way_points_can_be_read(example: Example, tmp_path: Path) -> None:
     path = tmp_path / "points.csv"
     path.write_text(example.text)
     assert np.ptp(read_motion(path, 1.0).q, axis=0).min() > 0.1
+
+
+@of_kind("moves")
+def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
+    path, robot = tmp_path / "moves.txt", load_robot(robot_path("ur5e"))
+    path.write_text(example.text)
+    motion = plan(read_program(path), robot, np.zeros(6), 1.0, 0.0)
+    assert [*refusals(motion, robot, motion.q[0], 0.0)] == []
 
 
 @of_kind("equation")

@@ -169,17 +169,34 @@ def test_the_page_is_followed_word_for_word(
     Path("lab.yaml").write_text(page)
     (way_points,) = (block.text for block in blocks if block.text.startswith("0.5, -1.6"))
     Path("points.csv").write_text(way_points)
+    (moves,) = (block.text for block in blocks if block.text.startswith("movej"))
+    Path("moves.txt").write_text(moves)
     lines = [line for block in blocks for line in block.text.splitlines()]
     commands = [line for line in lines if line.startswith("ur5 record lab.yaml")]
-    assert len(commands) == 3
+    assert len(commands) == 4
     for command in commands:
         done = CliRunner().invoke(app, command.split()[1:], input="yes\n")
         assert done.exit_code == 0, done.output
     assert [one.name for one in read_study(Path("lab.yaml")).recordings] == ["free", "pushed"]
-    for name in ("rest", "free", "pushed"):
+    expect_moves(pd.read_csv("raw/lab/moves/robot.csv"))
+    for name in ("rest", "free", "moves", "pushed"):
         files = {file.name for file in Path("raw/lab", name).iterdir()}
         recorded = {"robot.csv", "force_sensor.csv", "imu.csv", "manifest.json"}
         assert files == recorded | {"truth.parquet", "truth.json"}
+
+
+def expect_moves(moved: pd.DataFrame) -> None:
+    """The page's moves: from the start and back, and there a straight line of the flange."""
+    q = moved[[f"actual_q_{joint}" for joint in range(6)]].to_numpy()
+    np.testing.assert_allclose(q[[0, -1]], [HOME, HOME], atol=0.01)
+    tool = moved[[f"actual_TCP_pose_{axis}" for axis in range(3)]].to_numpy()
+    end = np.array([-0.25, -0.45, 0.6])
+    there = np.linalg.norm(tool - end, axis=1)
+    assert there.min() < 0.002
+    way = tool[there.argmin() :] - end
+    home = tool[-1] - end
+    beside = way - np.outer(way @ home, home) / (home @ home)
+    assert np.linalg.norm(beside, axis=1).max() < 0.002
 
 
 @pytest.mark.usefixtures("controller_ports")

@@ -10,6 +10,7 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.excitation.path import States
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
+from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE
 from ur5lib.timeseries.arrays import Array
 
 # Shares of the arm's limits that a trajectory may use.
@@ -18,7 +19,6 @@ USUAL_ACCELERATION = 15.0  # rad/s², limit of motors without a published one
 JERK = 200.0  # rad/s³; no description states a limit
 TURN = 2 * np.pi  # rad, to either side, of a joint that turns without end
 CLEARANCE = 0.03  # m, between capsules
-SINGULAR_VALUE = 0.03  # smallest allowed of J_g, in which a metre counts as much as a radian
 REACH = 0.1  # m, up to which distances are measured
 
 PER_JOINT = ("position", "velocity", "acceleration", "jerk", "torque")

@@ -1,6 +1,5 @@
 """Target trajectories: position, velocity and acceleration of the joints over time."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import cycle, pairwise
@@ -10,15 +9,16 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import PerJoint, Robot
+from ur5lib.robots.urscript import calls, parse, six
 from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.fourier import fourier_terms, rest_conditions
+from ur5lib.timeseries.trapezoid import duration, trapezoid
 
 REST = 1.0  # s at rest at the beginning of every recording
 SHORTEST = 0.008  # s, shortest duration of a command, even without motion
 ACCELERATION = 15.0  # rad/s², limit of motors without a published one
-COMMAND = re.compile(r"\s*movej\(\[(.*)\]\)\s*")
 
 
 @dataclass(frozen=True)
@@ -60,23 +60,23 @@ def read_way_points(path: str | Path) -> list[PerJoint]:
         raise InputError(
             f"{path} cannot be read ({error}); give a text file of way-points"
         ) from error
-    points = [_way_point(line, f"{path}, line {k}") for k, line in enumerate(lines, 1) if line]
+    points = [_way_point(line, f"{path}, line {k}") for k, line in calls(lines)]
     if len(points) < 2:
         raise InputError(f"{path}: found {len(points)} way-point(s); give at least two")
     return points
 
 
 def _way_point(line: str, place: str) -> PerJoint:
-    command = COMMAND.fullmatch(line)
     try:
-        angles = [float(word) for word in command[1].split(",")] if command else []
-    except ValueError:
-        angles = []
-    if len(angles) != 6 or not np.isfinite(angles).all():
+        command = parse(line)
+        if command.name != "movej":
+            raise ValueError
+        a, b, c, d, e, f = six(*command.arguments(q=None)).tolist()
+    except ValueError as error:
         raise InputError(
             f"{place}: {line!r} is not a way-point; write movej([six angles in radians])"
-        )
-    return (angles[0], angles[1], angles[2], angles[3], angles[4], angles[5])
+        ) from error
+    return (a, b, c, d, e, f)
 
 
 def _expect_within_limits(targets: Targets, robot: Robot) -> None:
@@ -130,32 +130,6 @@ def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array
             yield start, origin, way
         moving = duration(way, plan.speed_rad_s, plan.acceleration_rad_s2)[2]
         start += max(moving + plan.pause_s, SHORTEST)
-
-
-def duration(way: Array, speed: float, acceleration: float) -> tuple[float, float, float]:
-    """Return the duration of the acceleration, the start of the braking, and the end [s].
-
-    way: of the joints (6,) [rad]; speed [rad/s], acceleration [rad/s²]: of the longest way.
-    """
-    longest = np.abs(way).max()
-    ramp = min(speed / acceleration, (longest / acceleration) ** 0.5)
-    cruise = longest / (acceleration * ramp) - ramp if ramp else 0.0
-    return ramp, ramp + cruise, 2 * ramp + cruise
-
-
-def trapezoid(time: Array, way: Array, top: float, gain: float) -> tuple[Array, Array, Array]:
-    """Return position [rad], speed and acceleration (N,) of the joint with the longest way.
-
-    time: since the start of the move (N,) [s]; way: of the joints (6,) [rad]; top: its speed
-    [rad/s]; gain: its acceleration [rad/s²].
-    """
-    ramp, slow, end = duration(way, top, gain)
-    passed = [np.clip(time - start, 0, ramp) for start in (0.0, slow)]
-    cruise = np.clip(time - ramp, 0, slow - ramp)
-    speed = gain * (passed[0] - passed[1])
-    place = gain * (passed[0] ** 2 / 2 + ramp * cruise + ramp * passed[1] - passed[1] ** 2 / 2)
-    up, down = (time >= 0) & (time < ramp), (time >= slow) & (time < end)
-    return place, speed, gain * (up.astype(float) - down)
 
 
 # Fourier series

@@ -20,6 +20,7 @@ from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
 from ur5lib.recorder.lab import Lab
 from ur5lib.recorder.manifest import write_manifest
+from ur5lib.recorder.move_program import is_program, plan, read_program
 from ur5lib.recorder.mover import Mover, move_to_start
 from ur5lib.recorder.session import Session
 from ur5lib.robots.description import Robot
@@ -27,6 +28,7 @@ from ur5lib.study.check import read_plain
 from ur5lib.study.emulated_lab import TRUTH, emulated_lab
 from ur5lib.study.named_lab import arm_of, checked_name, lab_of
 from ur5lib.study.recorded_entry import enter, entry_of
+from ur5lib.timeseries.arrays import Array
 
 LOOK = 0.25  # s between looks at the devices
 BRAKING = 10.0  # s; an arm that does not answer for so long stops by its own watchdog
@@ -37,8 +39,9 @@ class Wish:
     """What is to be recorded.
 
     name: of the recording; seconds: for how long, None until the motion ends or Ctrl-C; without:
-    sensors of the study that are not there today; move: file of a motion, None for none; by_hand:
-    whether the arm is led by hand; yes: whether motions are confirmed beforehand.
+    sensors of the study that are not there today; move: file of a motion, None for none; wait:
+    least time [s] between the commands of such a file; by_hand: whether the arm is led by hand;
+    yes: whether motions are confirmed beforehand.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Wish:
     move: Path | None = None
     by_hand: bool = False
     speed: float = 0.25
+    wait: float = 0.0
     yes: bool = False
     add: bool = False
     emulate: bool = False
@@ -72,9 +76,9 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     with laboratory as lab:
         devices = {n: d for n, d in lab.devices().items() if n not in wish.without}
         address = lab.robot.address
-        motion = read_motion(wish.move, wish.speed) if wish.move else None
-        if motion is not None:
-            _prepare(motion, robot, address, lab.table_m, wish, console)
+        motion = None
+        if wish.move:
+            motion = _prepare(wish.move, robot, address, lab.table_m, wish, console)
         elif wish.by_hand:
             _expect_ready(address)
             _confirm("the arm gives way to your hand; hold it. Type yes: ", wish, console)
@@ -101,18 +105,22 @@ def _identity(lab: Lab) -> dict[str, str]:
 
 
 def _prepare(
-    motion: CommandedMotion,
+    path: Path,
     robot: Robot,
     address: str,
     table: float | None,
     wish: Wish,
     console: Console,
-) -> None:
-    """Check a motion, ask, and move to its start. Raises InputError where it must not be made."""
+) -> CommandedMotion:
+    """Read and check a motion, ask, and move to its start.
+
+    Raises InputError where it must not be made.
+    """
     state = _expect_ready(address)
+    motion = _planned(path, robot, state.q, wish)
     forbidden = [*refusals(motion, robot, state.q, table)]
     if forbidden:
-        raise InputError("\n".join(f"{wish.move}: {reason}" for reason in forbidden))
+        raise InputError("\n".join(f"{path}: {reason}" for reason in forbidden))
     console.print(f"the arm is at    {_angles(state.q)}")
     console.print(f"it will start at {_angles(motion.q[0])}, at {wish.speed:g} of the full speed")
     _confirm("move the arm? Type yes: ", wish, console)
@@ -121,6 +129,16 @@ def _prepare(
             move_to_start(address, motion)
         except MotionError as error:
             raise InputError(f"the arm did not reach the start: {error}") from error
+    return motion
+
+
+def _planned(path: Path, robot: Robot, present: Array, wish: Wish) -> CommandedMotion:
+    """Return the motion that a file commands; present: the arm's posture (6,) [rad]."""
+    if is_program(path):
+        return plan(read_program(path), robot, present, wish.speed, wish.wait)
+    if wish.wait:
+        raise InputError(f"--wait: {path} has no commands to wait between; leave it out")
+    return read_motion(path, wish.speed)
 
 
 def _expect_ready(address: str) -> ArmState:

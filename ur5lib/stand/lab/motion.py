@@ -6,8 +6,8 @@ from itertools import count
 import numpy as np
 
 from ur5lib.stand.rig import STEP, Target
-from ur5lib.stand.trajectories import duration, trapezoid
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.trapezoid import duration, trapezoid
 
 REST = np.zeros(6)
 

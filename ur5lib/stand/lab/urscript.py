@@ -4,35 +4,15 @@ Source: Universal Robots' script manual, module motion. Loops, conditions and va
 emulated; a program that needs them ends with a message in the robot's log.
 """
 
-import ast
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ur5lib.robots.description import Payload
+from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
 from ur5lib.stand.lab.control_box import ControlBox, Program, UnsupportedCommandError
 from ur5lib.timeseries.arrays import Array
-
-FRAME = ("def ", "sec ", "end", "global ", "#")  # lines that command nothing
-
-
-@dataclass(frozen=True)
-class Command:
-    """A call of URScript: its name, its arguments in order and by name."""
-
-    name: str
-    values: tuple[Any, ...]
-    named: dict[str, Any]
-
-    def arguments(self, **defaults: Any) -> list[Any]:
-        """Return the arguments in the order of their names, with defaults for those missing."""
-        unknown = [name for name in self.named if name not in defaults]
-        if unknown or len(self.values) > len(defaults):
-            raise UnsupportedCommandError(f"arguments of {self.name}")
-        given = dict(zip(defaults, self.values, strict=False)) | self.named
-        return [given.get(name, default) for name, default in defaults.items()]
 
 
 def program(lines: Sequence[str], box: ControlBox) -> Program:
@@ -40,38 +20,30 @@ def program(lines: Sequence[str], box: ControlBox) -> Program:
 
     Raises UnsupportedCommandError at the first line that is not emulated.
     """
-    for line in lines:
-        text = line.split("#")[0].strip()
-        if not text or text.startswith(FRAME):
-            continue
-        command = parse(text)
+    for _, text in calls(lines):
+        command = _plain(text)
         if command.name not in COMMANDS:
             raise UnsupportedCommandError(f"{command.name}() is not emulated")
         yield from COMMANDS[command.name](command, box)
 
 
-def parse(line: str) -> Command:
-    """Return the command in a line. Raises UnsupportedCommandError when it is no plain call."""
+def _plain(line: str) -> Command:
+    """Return the command in a line, if it is a plain call without poses."""
     try:
-        call = ast.parse(line, mode="eval").body
-        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
-            raise ValueError
-        values = tuple(ast.literal_eval(value) for value in call.args)
-        named = {str(word.arg): ast.literal_eval(word.value) for word in call.keywords}
-    except (SyntaxError, ValueError) as error:
+        command = parse(line)
+    except ValueError as error:
         raise UnsupportedCommandError(f"`{line[:60]}` is not emulated") from error
-    return Command(call.func.id, values, named)
+    if any(isinstance(value, ToolPose) for value in [*command.values, *command.named.values()]):
+        raise UnsupportedCommandError(f"`{line[:60]}` is not emulated")
+    return command
 
 
 def joints(values: Any) -> Array:
     """Return six joint values. Raises UnsupportedCommandError for anything else."""
     try:
-        found = np.array(values, np.float64)
-    except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (6,) or not np.isfinite(found).all():
-        raise UnsupportedCommandError(f"{values!r} instead of six joint values")
-    return found
+        return six(values)
+    except ValueError as error:
+        raise UnsupportedCommandError(f"{values!r} instead of six joint values") from error
 
 
 def wait_until_done(box: ControlBox) -> Program:

@@ -1,0 +1,79 @@
+"""URScript as far as programs are straight: one call with plain numbers in every line.
+
+Source: Universal Robots' script manual. Without loops, conditions and variables.
+"""
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ur5lib.timeseries.arrays import Array
+
+FRAME = ("def ", "sec ", "end", "global ")  # lines that command nothing
+
+
+@dataclass(frozen=True)
+class ToolPose:
+    """A pose `p[x, y, z, rx, ry, rz]` in the base frame: position [m], rotation vector [rad]."""
+
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A call of URScript: its name, its arguments in order and by name."""
+
+    name: str
+    values: tuple[Any, ...]
+    named: dict[str, Any]
+
+    def arguments(self, **defaults: Any) -> list[Any]:
+        """Return the arguments in the order of their names, with defaults for those missing.
+
+        Raises ValueError for others.
+        """
+        unknown = [name for name in self.named if name not in defaults]
+        if unknown or len(self.values) > len(defaults):
+            raise ValueError(f"arguments of {self.name}")
+        given = dict(zip(defaults, self.values, strict=False)) | self.named
+        return [given.get(name, default) for name, default in defaults.items()]
+
+
+def calls(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Yield the lines that command something, without remarks, with their numbers from 1."""
+    for number, line in enumerate(lines, start=1):
+        text = line.split("#")[0].strip()
+        if text and not text.startswith(FRAME):
+            yield number, text
+
+
+def parse(line: str) -> Command:
+    """Return the command in a line. Raises ValueError when it is no plain call."""
+    try:
+        call = ast.parse(line, mode="eval").body
+        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
+            raise ValueError(f"{line!r} is no call")
+        named = {str(word.arg): _value(word.value) for word in call.keywords}
+        return Command(call.func.id, tuple(map(_value, call.args)), named)
+    except (SyntaxError, TypeError, RecursionError, MemoryError) as error:
+        raise ValueError(f"{line!r} is no plain call") from error
+
+
+def six(values: Any) -> Array:
+    """Return six finite numbers (6,). Raises ValueError for anything else."""
+    try:
+        found = np.array(values, np.float64)
+    except (TypeError, ValueError):
+        found = np.zeros(0)
+    if found.shape != (6,) or not np.isfinite(found).all():
+        raise ValueError(f"{values!r} instead of six numbers")
+    return found
+
+
+def _value(node: ast.expr) -> Any:
+    if isinstance(node, ast.Subscript) and ast.unparse(node.value) == "p":
+        return ToolPose(tuple(six(ast.literal_eval(node.slice)).tolist()))
+    return ast.literal_eval(node)
