@@ -12,6 +12,15 @@ thesis: .venv/ready ## fetch the thesis's recordings (DATA=folder copies them), 
 	ur5 fetch thesis $(if $(DATA),--from "$(DATA)")
 	snakemake --configfile workflow/studies/thesis.yaml
 
+studies: .venv/ready ## build the default study and every other whose recordings are in raw/
+	@failed=; for study in config.yaml $$(grep -l '^study:' workflow/studies/*.yaml); do \
+		missing=$$(grep -o 'folder: *raw/[^,} ]*' $$study | sed 's/folder: *//' | sort -u \
+			| while read folder; do test -d "$$folder" || echo "$$folder"; done | head -n 1); \
+		if [ "$$missing" ]; then \
+			echo "$$study is skipped: $$missing is missing; ur5 fetch $$(echo $$missing | cut -d/ -f2)"; \
+		else snakemake --configfile $$study || failed="$$failed $$study"; fi; \
+	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
+
 test: lint ## run every check but the slow tests
 	OMP_NUM_THREADS=1 pytest -m "not slow"  # two processes share the work already
 
@@ -53,4 +62,4 @@ help: ## list these commands
 	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: all thesis test test-slow lint bench leaderboard schema lock clean help
+.PHONY: all thesis studies test test-slow lint bench leaderboard schema lock clean help

@@ -1,12 +1,14 @@
-"""What `make` says where it cannot set up."""
+"""What `make` says where it cannot set up, and which studies it builds."""
 
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.conftest import PROJECT
+from ur5lib.datasets.catalogue import catalogue
 
 OLD = "exit 1"
 NO_VENV = 'test "$1" = -c'
@@ -40,3 +42,57 @@ def test_what_is_missing_is_told(tmp_path: Path, python: str | None, sentence: s
     assert done.returncode == 2
     assert sentence in done.stdout
     assert not (tmp_path / ".venv" / "ready").exists()
+
+
+# Studies
+
+STUDIES = {
+    "config.yaml": "study: demo\n",
+    "workflow/studies/here.yaml": "study: here\nrecordings:\n  - folder: raw/here/one\n",
+    "workflow/studies/gone.yaml": "study: gone\nrecordings:\n  - {folder: raw/gone/two, file: a}\n",
+    "workflow/studies/reference.yaml": "printed: 1\n",
+}
+
+
+def make_studies(folder: Path, snakemake: str) -> tuple[int, str]:
+    """The exit status and the output of `make studies`, with another snakemake."""
+    for name, text in STUDIES.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    (folder / "raw" / "here" / "one").mkdir(parents=True)
+    for name in ("Makefile", "requirements.lock", "pyproject.toml"):
+        shutil.copy(PROJECT / name, folder)
+    program = folder / ".venv" / "bin" / "snakemake"
+    program.parent.mkdir(parents=True)
+    program.write_text(f'#!/bin/sh\necho "$@" >> built\n{snakemake}\n')
+    program.chmod(0o755)
+    (folder / ".venv" / "ready").touch()
+    make = ["make", "studies"]
+    done = subprocess.run(make, cwd=folder, text=True, capture_output=True, check=False)
+    return done.returncode, done.stdout
+
+
+def test_studies_are_built_whose_recordings_are_there(tmp_path: Path) -> None:
+    status, said = make_studies(tmp_path, "exit 0")
+    assert status == 0
+    built = (tmp_path / "built").read_text().splitlines()
+    assert built == ["--configfile config.yaml", "--configfile workflow/studies/here.yaml"]
+    (line,) = said.splitlines()
+    assert line.startswith("workflow/studies/gone.yaml is skipped: raw/gone/two is missing")
+    assert line.endswith("ur5 fetch gone")
+
+
+def test_a_study_that_fails_is_named_after_all_others_were_built(tmp_path: Path) -> None:
+    status, said = make_studies(tmp_path, 'test "$2" != config.yaml')
+    assert status == 2
+    assert len((tmp_path / "built").read_text().splitlines()) == 2
+    assert said.splitlines()[-1] == "failed: config.yaml"
+
+
+def test_recordings_of_every_study_can_be_fetched_by_their_folder() -> None:
+    for path in (PROJECT / "workflow" / "studies").glob("*.yaml"):
+        study = yaml.safe_load(path.read_text())
+        for recording in study.get("recordings", []):
+            raw, name, *_ = Path(recording["folder"]).parts
+            assert raw == "raw"
+            assert name in catalogue()
