@@ -24,7 +24,7 @@ TURN = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a
 SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
 OBLIQUE = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
 AXES = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
-AXIS_LENGTH = 0.15  # of the largest extent of what is drawn
+AXIS_LENGTH = 0.11  # of the largest extent of what is drawn
 LABEL_ASIDE = 8  # points from the tip of an axis
 PLACE, PARAMETERS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]"]
 
@@ -186,6 +186,7 @@ def _draw_links(
         parts += [rf"$\alpha_{k}$ = {np.degrees(own.alpha):.4g}°"] if own.alpha else []
         start, end = OBLIQUE @ origin[k - 1], OBLIQUE @ origin[k]
         level = abs(end - start)[0] > abs(end - start)[1]
-        aside, side = ((0, 16), "center") if level else ((8, 0), "left")
+        aside, side = ((0, 24), "center") if level else ((20, 3), "left")
         middle = (start + end) / 2
-        axis.annotate("\n".join(parts), middle, aside, textcoords="offset points", ha=side)
+        label = axis.annotate(", ".join(parts), middle, aside, textcoords="offset points")
+        label.set(ha=side, va="bottom")

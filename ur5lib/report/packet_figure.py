@@ -45,7 +45,7 @@ def _draw_speed(axis: Axes, signals: Signals) -> None:
     """Draw the speed of the fastest joint, where velocities were recorded."""
     if signals.actual_qd is not None:
         axis.plot(signals.time, np.abs(signals.actual_qd).max(axis=1), color=SPEED, linewidth=0.8)
-    axis.set_ylabel(r"max $|\dot{q}|$ [rad/s]")
+    axis.set_ylabel("speed [rad/s]")
 
 
 def _enlarge(axis: Axes, time: Array, steps: Array, lost: Array, at: float) -> None:
