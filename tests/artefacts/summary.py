@@ -249,11 +249,8 @@ def findings(study: Study) -> Iterator[list[str]]:
     if (rows := compared(study)) and len({row["model"] for row in rows}) > 1:
         _, near, differ = nearest(rows)
         yield [str(near), str(differ)] if differ else []
-    printed = [row for row in study.tables["torque_mae"] if row["printed"] and row["mae"]]
-    if looped := [row for row in printed if row["motion"] == "closed_loop"]:
-        yield [f"{max(abs(float(row['mae']) - float(row['printed'])) for row in looped):.3f}"]
-    if printed := [row for row in force if row["printed_mae"]]:
-        yield [widest(printed, figure) for figure in ("mae", "max")]
+    if printed := [row["status"] for row in study.tables["printed"]]:
+        yield [str(printed.count("equal")), str(len(printed))]
     for row in study.loads()[:4]:
         yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
     yield from contacts(study)
@@ -307,11 +304,6 @@ def claimed(study: Study) -> Iterator[list[str]]:
         pushes, found = (sum(int(row[name]) for row in pushed) for name in ("pushes", "found"))
         assert found < pushes
         yield [str(pushes - found), str(pushes)]
-
-
-def widest(rows: list[Row], figure: str) -> str:
-    gaps = [abs(float(row[figure]) / float(row[f"printed_{figure}"]) - 1) for row in rows]
-    return f"{100 * max(gaps):.1f}"
 
 
 def shown(value: float, digits: int = 3) -> str:

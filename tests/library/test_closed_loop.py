@@ -11,6 +11,7 @@ from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
 from tests.real_arms import RealRecording, RealStudy
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import (
     JointGains,
@@ -371,6 +372,22 @@ def test_table_5_6(slow: RealRecording, loop: ClosedLoop, model: str) -> None:
     assert moment is not None
     error = mean_absolute_error(loop.torque[model], moment)[:3]
     np.testing.assert_allclose(error, PRINTED_TORQUE[model], rtol=0.15)
+
+
+def test_rounded_lengths_would_raise_the_errors_of_joint_2(
+    slow: RealRecording, loop: ClosedLoop
+) -> None:
+    """Equation 5.2 beside Table 5.2: by 5 to 9 mNm."""
+    links = [link.model_dump() for link in slow.robot.denavit_hartenberg]
+    links[2]["a"], links[3]["d"], links[4]["d"] = -0.392, 0.1092, 0.0947
+    rounded = Robot.model_validate(slow.robot.model_dump() | {"denavit_hartenberg": links})
+    moment = slow.signals.target_moment
+    assert moment is not None
+    for model in "ABC":
+        states = loop.q[model], loop.qd[model], loop.qdd[model]
+        torque = LinkModel(rounded, model).inverse_dynamics(*states)
+        rise = mean_absolute_error(torque, moment) - mean_absolute_error(loop.torque[model], moment)
+        assert 0.0045 < rise[1] < 0.0095
 
 
 def test_the_slow_recording_determines_no_position_gain(estimated: list[JointGains]) -> None:

@@ -11,6 +11,7 @@ from ur5lib.timeseries.lowpass import (
     causal_lowpass,
     frequency_response,
     inner_lowpass,
+    slow_delay,
     zero_phase_lowpass,
 )
 
@@ -86,3 +87,11 @@ def test_a_high_order_at_a_low_cutoff_is_stable() -> None:
 
 def test_the_response_of_a_filter_beyond_nyquist_is_one() -> None:
     np.testing.assert_allclose(frequency_response(np.array([1.0, 60.0]), RATE, 4, 62.5), 1.0)
+
+
+@pytest.mark.parametrize("design", [THESIS_ACCELERATION, THESIS_CURRENT])
+def test_slow_signals_are_late_by_the_delay(design: Butterworth) -> None:
+    """A ramp, once the filter has forgotten its start."""
+    time = np.arange(4000) / RATE
+    passed = causal_lowpass(time[:, None], RATE, *design)[:, 0]
+    np.testing.assert_allclose(time[-1] - passed[-1], slow_delay(design), rtol=0.01)

@@ -27,7 +27,7 @@ from ur5lib.report.document import (
     Table,
 )
 from ur5lib.report.house_style import save
-from ur5lib.report.reference import PrintedTable, read_reference
+from ur5lib.report.reference import Lookup, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.tables.ablation import ablation_rows
@@ -207,7 +207,10 @@ def test_torque_errors_leave_out_invented_frames() -> None:
 
 def test_published_values_stand_at_their_recording_only() -> None:
     printed = PrintedTable(
-        source="Table", recording="run", values={"A": tuple(range(6)), "old": (9,) * 6}
+        source="Table",
+        recording="run",
+        rebuilt=Lookup(table="torque_mae", value="mae"),
+        values={"A": tuple(range(6)), "old": (9,) * 6},
     )
     rows = pd.DataFrame(torque_errors("run", *torque_tables(), printed))
     at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
@@ -303,7 +306,9 @@ def force_summary() -> dict:
 
 
 def force_results() -> Results:
-    printed = PrintedTable(source="6.1", recording="run", values={"Fu": (1.0,) * 6})
+    rebuilt = Lookup(table="force_mae", value="mae")
+    values = {"Fu": (1.0,) * 6}
+    printed = PrintedTable(source="6.1", recording="run", rebuilt=rebuilt, values=values)
     rows = force_errors("run", force_summary(), printed, None)
     return Results({}, {"force_mae": pd.DataFrame(rows)}, Path())
 

@@ -69,19 +69,26 @@ def as_published(
 
     by_stamps: the IMU's reading (N, 6), placed by its start stamp.
     """
+    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
+    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
+    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
+    angles = {
+        name: smooth(through_angles(signals, kinematics, printed))
+        for name, printed in EULER.items()
+    }
+    return smooth(felt), angles
+
+
+def through_angles(signals: Signals, kinematics: Kinematics, printed: bool) -> Array:
+    """Return the acceleration through Euler angles (N, 6), without a filter.
+
+    printed: whether by Equation 2.33 as printed.
+    """
     qd = signals.actual_qd
     if qd is None:
         qd = derivative(signals, signals.actual_q)
-    up, turning = AS_DRAWN.up(np.array(robot.gravity)), derivative(signals, by_stamps[:, 3:])
-    felt = felt_acceleration(kinematics.rotation, by_stamps[:, :3], turning, up)
-    qdd = derivative(signals, qd)
-    frames = kinematics.rotation, kinematics.jacobian
-    smooth = partial(lowpassed, signals, causal_lowpass, THESIS_ACCELERATION)
-    angles = {
-        name: euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
-        for name, printed in EULER.items()
-    }
-    return smooth(felt), {name: smooth(values) for name, values in angles.items()}
+    frames, qdd = (kinematics.rotation, kinematics.jacobian), derivative(signals, qd)
+    return euler_acceleration(*frames, qd, qdd, signals.segment, signals.period, printed)
 
 
 def compared(

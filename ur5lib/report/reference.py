@@ -4,20 +4,60 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from pydantic import ValidationError
+from pydantic import Field, ValidationError, field_validator
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.explanations import AccelerationError, LoopError
 from ur5lib.strict import Strict, read_yaml
 
 OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
 
 
+class Lookup(Strict):
+    """Where the study's tables hold the numbers that belong to a published table.
+
+    table: its name; value: column of the numbers, or that of each published row; row: column that
+    names the published rows, empty where one row of numbers belongs to all; number: column that
+    tells a row's numbers apart; where: what other columns must hold.
+    """
+
+    table: str
+    value: str | dict[str, str]
+    row: str = ""
+    number: str = "joint"
+    where: dict[str, str] = Field(default_factory=dict)
+
+    def column(self, row: str) -> str:
+        """Return the column of a published row's numbers."""
+        return self.value if isinstance(self.value, str) else self.value[row]
+
+
 class PrintedTable(Strict):
-    """A published table: by model or estimate, six values, joints or components in order."""
+    """A published table: by model or estimate, six values, joints or components in order.
+
+    One value alone is the largest of six. sources: of the rows that stand elsewhere in print;
+    quantity: what the values are; rebuilt, right: where the same stands rebuilt, and computed
+    without the errata; relative, below_one: differences that count as equal, and, of a value below
+    one, in its unit.
+    """
 
     source: str
+    sources: dict[str, str] = Field(default_factory=dict)
+    quantity: str = ""
     recording: str
-    values: dict[str, tuple[float, float, float, float, float, float]]
+    values: dict[str, tuple[float, ...]]
+    rebuilt: Lookup
+    right: Lookup | None = None
+    relative: float = 0.05
+    below_one: float = 0.0
+
+    @field_validator("values")
+    @classmethod
+    def _six_or_one(cls, values: dict[str, tuple[float, ...]]) -> dict[str, tuple[float, ...]]:
+        for row, numbers in values.items():
+            if len(numbers) not in (1, 6):
+                raise ValueError(f"{row} has {len(numbers)} values; give six, or one for all")
+        return values
 
 
 class Printed(Strict):
@@ -30,14 +70,31 @@ class Printed(Strict):
     force_mae: PrintedTable | None = None
     force_max: PrintedTable | None = None
     current_torque: PrintedTable | None = None
+    closed_loop_q_max: PrintedTable | None = None
+    closed_loop_qd_max: PrintedTable | None = None
+
+    def tables(self) -> dict[str, PrintedTable]:
+        """Return the published tables by name."""
+        found = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: table for name, table in found.items() if table is not None}
+
+
+class Explanation(Strict):
+    """How an erratum explains numbers: a published table's row, and the way to compute it."""
+
+    printed: str
+    row: str
+    closed_loop: LoopError | None = None
+    acceleration: AccelerationError | None = None
 
 
 class Erratum(Strict):
-    """An error in the published work, and its treatment here."""
+    """An error in the published work, its treatment here, and the numbers that it explains."""
 
     place: str
     error: str
     choice: str
+    explains: tuple[Explanation, ...] = ()
 
 
 class Reference(Strict):
@@ -48,15 +105,26 @@ class Reference(Strict):
 
     def recordings(self, *names: str) -> set[str]:
         """Return the recordings with published values, in some tables or, without names, in any."""
-        return {table.recording for table in self._tables(*names)}
+        tables = self.printed.tables()
+        return {tables[name].recording for name in names or tables if name in tables}
 
     def of_older_model(self) -> set[str]:
         """Return the names of the recordings with published values of the older model."""
-        return {table.recording for table in self._tables() if OLDER_MODEL in table.values}
+        tables = self.printed.tables().values()
+        return {table.recording for table in tables if OLDER_MODEL in table.values}
 
-    def _tables(self, *names: str) -> list[PrintedTable]:
-        tables = (getattr(self.printed, name) for name in names or type(self.printed).model_fields)
-        return [table for table in tables if table is not None]
+    def tables(self) -> list[str]:
+        """Return the names of the study's tables that hold rebuilt and right numbers."""
+        tables = self.printed.tables().values()
+        return sorted(
+            {found.table for one in tables for found in (one.rebuilt, one.right) if found}
+        )
+
+    def explained(self) -> set[str]:
+        """Return the names of the recordings whose published values an erratum explains."""
+        tables = self.printed.tables()
+        ways = (way for erratum in self.errata for way in erratum.explains)
+        return {tables[way.printed].recording for way in ways}
 
 
 def read_reference(path: str | Path | None) -> Reference:

@@ -58,6 +58,11 @@ def inner_lowpass(values: Array, rate: float, order: int, cutoff: float) -> Arra
     return result
 
 
+def slow_delay(design: Butterworth) -> float:
+    """Return the delay [s] of slow signals in one pass: 1/(2π f_c sin(π/2n))."""
+    return 1 / (2 * np.pi * design.cutoff * np.sin(np.pi / (2 * design.order)))
+
+
 def frequency_response(frequency: Array, rate: float, order: int, cutoff: float) -> Array:
     """Return the gain (K,) of one pass at frequencies (K,) [Hz] (Equation 5.12); two: its square.
 

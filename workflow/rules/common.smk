@@ -32,6 +32,7 @@ except OSError as error:
 
 RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
+EXPLAINED = sorted(PUBLISHED.explained() & RECORDINGS.keys())
 OLDER_MODEL = sorted(PUBLISHED.of_older_model() & RECORDINGS.keys())
 PRINTED_CURRENTS = sorted(PUBLISHED.recordings("current_torque") & RECORDINGS.keys())
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]

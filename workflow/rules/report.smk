@@ -207,6 +207,29 @@ rule draw_calibration:
         run_step(rule, input, output, params, log)
 
 
+if REFERENCE:
+
+    rule compare_with_print:
+        input:
+            **REFERENCE,
+            tables=[f"{RESULTS}/tables/{name}.csv" for name in PUBLISHED.tables()],
+            signals=results("signals.parquet", EXPLAINED),
+            kinematics=results("kinematics.parquet", EXPLAINED),
+            imu=results("imu.parquet", EXPLAINED),
+            quality=results("quality.json", EXPLAINED),
+            arm=[described(RECORDINGS[name].arm.known_as) for name in EXPLAINED],
+        output:
+            **tables(["printed"]),
+        log:
+            **traces("compare_with_print"),
+        params:
+            code=code("compare_with_print"),
+            recordings=EXPLAINED,
+            gravities=gravities(EXPLAINED),
+        run:
+            run_step(rule, input, output, params, log)
+
+
 rule compare_studies:
     input:
         own=tables_of([STUDY.study], COMPARED if STUDY.compare_with else []),

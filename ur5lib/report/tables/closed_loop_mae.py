@@ -1,4 +1,4 @@
-"""MAE of positions and velocities in closed loop, and of the targets themselves."""
+"""Errors of positions and velocities in closed loop, and of the targets themselves."""
 
 from collections.abc import Iterator
 
@@ -6,9 +6,9 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.report.reference import Printed, published
 from ur5lib.report.study_results import Row, StudyResults
-from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
 
-COLUMNS = ["recording", "model", "joint", "quantity", "mae", "printed"]
+COLUMNS = ["recording", "model", "joint", "quantity", "mae", "max", "printed"]
 
 
 def rows(results: StudyResults) -> Iterator[Row]:
@@ -22,7 +22,7 @@ def rows(results: StudyResults) -> Iterator[Row]:
 def closed_loop_errors(
     recording: str, signals: Signals, closed_loop: ClosedLoop, printed: Printed
 ) -> Iterator[Row]:
-    """Yield the MAE under each set of gains; interpolated frames are left out."""
+    """Yield the errors under each set of gains; interpolated frames are left out."""
     if not closed_loop.qd:
         return
     received = ~signals.interpolated
@@ -32,6 +32,7 @@ def closed_loop_errors(
         target = {"target": getattr(signals, f"target_{quantity}")}
         for model, states in (getattr(closed_loop, quantity) | target).items():
             mae = mean_absolute_error(states[received], reference)
+            largest = largest_error(states[received], reference)
             for joint in range(6):
                 yield {
                     "recording": recording,
@@ -39,5 +40,6 @@ def closed_loop_errors(
                     "joint": joint + 1,
                     "quantity": quantity,
                     "mae": mae[joint],
+                    "max": largest[joint],
                     "printed": values[model][joint] if model in values else None,
                 }

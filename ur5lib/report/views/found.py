@@ -10,7 +10,7 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.link_model import compare, named
-from ur5lib.report.views import claimed, comparison
+from ur5lib.report.views import claimed, comparison, printed
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.contacts import counted, quiet, undetermined_moments
 from ur5lib.report.views.currents import loaded
@@ -24,8 +24,7 @@ def findings(results: Results) -> list[str]:
     told = [
         *stop_signs(results),
         *nearest_model(results),
-        *_against_printed_torques(results.tables["torque_mae"]),
-        *_against_printed_forces(results.tables["force_mae"]),
+        *printed.found(results),
         *loads_found(results),
         *counted(results),
         *loads_taken_up(results),
@@ -93,23 +92,6 @@ def nearest_model(results: Results) -> Iterator[str]:
         f"{compared.near} of the {compared.differ} joints where the models differ, on recordings "
         f"{where}."
     )
-
-
-def _against_printed_torques(torque: pd.DataFrame) -> Iterator[str]:
-    known = torque["mae"].notna() & torque["printed"].notna()
-    rows = torque[known & (torque["motion"] == "closed_loop")]
-    if len(rows):
-        gap = (rows["mae"] - rows["printed"]).abs().max()
-        yield f"The published torque errors are reproduced within {gap:.3f} Nm."
-
-
-def _against_printed_forces(force: pd.DataFrame) -> Iterator[str]:
-    gaps = [100 * (force[f] / force[f"printed_{f}"] - 1).abs().max() for f in ("mae", "max")]
-    if not pd.isna(gaps[0]):
-        yield (
-            f"The published mean force errors are reproduced within {gaps[0]:.1f} %, the largest "
-            f"within {gaps[1]:.1f} %."
-        )
 
 
 def loads_found(results: Results) -> Iterator[str]:

@@ -1,0 +1,188 @@
+"""Published numbers beside rebuilt ones: statuses, and numbers as errata say that they arose."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.conftest import PROJECT
+from tests.real_arms import RealRecording, RealStudy
+from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
+from ur5lib.pipeline.explained_errors import loop_error
+from ur5lib.pipeline.explanations import LoopError
+from ur5lib.report.printed_numbers import COLUMNS, Explained, compared, judged
+from ur5lib.report.reference import (
+    Erratum,
+    Lookup,
+    Printed,
+    PrintedTable,
+    Reference,
+    read_reference,
+)
+from ur5lib.report.results import Results
+from ur5lib.report.views.printed import found, numbers, sources, unexplained, unexplained_heading
+from ur5lib.timeseries.metrics import mean_absolute_error
+
+THESIS = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
+RUN = "run"
+
+
+def rebuilt(values: list[float], largest: float = 3.0) -> dict[str, pd.DataFrame]:
+    """A table of one model's six numbers on two recordings, the other with wrong ones."""
+    rows = [
+        {"recording": name, "model": "A", "joint": joint, "mae": mae, "max": largest * mae}
+        for name, known in ((RUN, values), ("other", [99.0] * 6))
+        for joint, mae in enumerate(known, 1)
+    ]
+    return {"torque_mae": pd.DataFrame(rows)}
+
+
+def reference(**more: object) -> Reference:
+    place = Lookup(table="torque_mae", value="mae", row="model")
+    known = {
+        "source": "Table 1",
+        "recording": RUN,
+        "rebuilt": place,
+        "values": {"A": (2.0001, *(2.0,) * 5)},
+    }
+    table = PrintedTable.model_validate(known | more)
+    erratum = Erratum(place="Table 1", error="2 % less", choice="none")
+    return Reference(printed=Printed(torque_mae=table), errata=(erratum,))
+
+
+def statuses(own: list[float], said: list[float] | None = None, **more: object) -> list[str]:
+    ways = [Explained(1, "torque_mae", "A", np.array(said))] if said else []
+    rows = pd.DataFrame(compared(reference(**more), rebuilt(own), ways))
+    return rows["status"].tolist()
+
+
+def test_a_number_is_equal_explained_or_unexplained() -> None:
+    found = statuses([2.0, 2.09, 2.11, 1.91, 1.89, np.nan], [2.0, 3.0, 2.09, 2.0, 3.0, 2.0])
+    assert found == ["equal", "equal", "erratum 1", "equal", "unexplained", "erratum 1"]
+
+
+def test_half_of_the_last_digit_counts_as_equal() -> None:
+    """That of the most precise number, as trailing zeros are lost."""
+    coarse = {"values": {"A": (0.2, 0.1, 0.1, 0.1, 0.1, 0.1)}}
+    values = [0.249, 0.149, 0.151, 0.051, 0.049, 0.1]
+    expected = ["equal", "equal", "unexplained", "equal", "unexplained", "equal"]
+    assert statuses(values, **coarse) == expected
+    fine = {"values": {"A": (0.2, 0.1, 0.1, 0.1, 0.1, 0.10003)}}
+    assert statuses(values, **fine) == ["unexplained"] * 5 + ["equal"]
+
+
+def test_tolerances_are_the_tables_own() -> None:
+    assert statuses([2.19] * 6, relative=0.1) == ["equal"] * 6
+    small = {"values": {"A": (0.9999, 1.0001, 0.5, 0.5, 0.5, 0.5)}, "below_one": 0.1}
+    assert statuses([1.09, 1.09, 0.59, 0.61, 0.41, 0.39], **small) == [
+        *("equal", "unexplained", "equal", "unexplained", "equal", "unexplained")
+    ]
+
+
+def test_one_number_is_the_largest_of_six() -> None:
+    place = {"table": "torque_mae", "value": "max", "row": "model"}
+    rows = compared(
+        reference(values={"A": (7.5,)}, rebuilt=place),
+        rebuilt([1.0, 2.5, 0.5, 0.1, 0.2, 0.3]),
+        [Explained(1, "torque_mae", "A", np.array([7.0, 6.0, 1, 1, 1, 1]))],
+    )
+    (row,) = rows
+    assert row["number"] == "largest"
+    assert (row["rebuilt"], row["as_erratum_says"], row["status"]) == (7.5, 7.0, "equal")
+
+
+def test_the_nearest_of_several_errata_counts() -> None:
+    told = judged(1.0, 2.0, {3: 1.2, 4: 1.01}, 0.05)
+    assert (told["erratum"], told["as_erratum_says"], told["status"]) == (4, 1.01, "erratum 4")
+
+
+def test_a_study_without_the_recording_compares_nothing() -> None:
+    assert [*compared(reference(recording="elsewhere"), rebuilt([1.0] * 6), [])] == []
+
+
+def test_what_is_right_stands_beside_and_rows_may_stand_elsewhere() -> None:
+    right = {"table": "torque_mae", "value": {"A": "max"}, "where": {"model": "A"}}
+    rows = compared(
+        reference(right=right, sources={"A": "Table 2"}), rebuilt([2.0, 1, 1, 1, 1, 1]), []
+    )
+    first = next(rows)
+    assert (first["source"], first["right"]) == ("Table 2", 6.0)
+
+
+def test_a_row_has_six_numbers_or_one() -> None:
+    with pytest.raises(ValueError, match="six, or one"):
+        reference(values={"A": (1.0, 2.0)})
+
+
+def results(rows: list[dict]) -> Results:
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = table.astype({"as_erratum_says": float, "erratum": float, "right": float})
+    return Results({}, {"printed": table}, Path())
+
+
+def test_unexplained_numbers_are_findings() -> None:
+    rows = [*compared(reference(), rebuilt([2.0, 2.5, 2, 2, 2, 2]), [])]
+    shown = results(rows)
+    (counted,) = found(shown)
+    assert counted.startswith("5 of 6 ")
+    (missed,) = unexplained(shown)
+    assert missed.startswith("Table 1, torque_mae, A, joint 2: ")
+    assert "25 % more" in missed
+    assert len(unexplained_heading(shown)) == 1
+    assert sources(shown) == ["Table 1"]
+    assert len(numbers(shown, "Table 1").rows) == 6
+
+
+def test_the_nearest_explanation_tells_the_per_cent() -> None:
+    known = [Explained(1, "torque_mae", "A", np.full(6, 1.8))]
+    rows = [*compared(reference(), rebuilt([np.nan] * 6), known)]
+    assert all("erratum 1" in said and "10 % less" in said for said in unexplained(results(rows)))
+
+
+def test_nothing_is_said_without_published_numbers() -> None:
+    shown = results([])
+    assert [*found(shown), *unexplained(shown), *unexplained_heading(shown), *sources(shown)] == []
+
+
+def test_what_errata_of_the_thesis_explain_is_printed() -> None:
+    thesis = read_reference(THESIS)
+    tables = thesis.printed.tables()
+    for erratum in thesis.errata:
+        for way in erratum.explains:
+            assert way.row in dict(tables[way.printed].values)
+            assert (way.closed_loop is None) != (way.acceleration is None)
+    assert thesis.explained() <= thesis.recordings()
+
+
+@pytest.fixture(scope="module")
+def slow(real_ur5: RealStudy) -> RealRecording:
+    return real_ur5.recording("Movement_No5_Acc_slow_no_disturbance")
+
+
+@pytest.mark.parametrize("model", ["A", "C"])
+def test_without_changes_an_error_is_that_of_the_tables(slow: RealRecording, model: str) -> None:
+    """Of torques and velocities; a massless arm leaves all of the controller's torque."""
+    tracking = tracking_of(slow.signals)
+    moment, qd = slow.signals.target_moment, slow.signals.actual_qd
+    assert tracking is not None
+    assert moment is not None
+    assert qd is not None
+    loop = simulated(slow.signals, slow.robot, tracking, published_gains(slow.robot))
+
+    def error(quantity: str, **changes: object) -> np.ndarray:
+        way = LoopError.model_validate(
+            {"quantity": quantity, "gains": model, "model": model} | changes
+        )
+        return loop_error(slow.robot, slow.signals, way)
+
+    np.testing.assert_allclose(error("qd"), mean_absolute_error(loop.qd[model], qd))
+    np.testing.assert_allclose(error("torque"), mean_absolute_error(loop.torque[model], moment))
+    still = error("torque", masses=dict.fromkeys(range(1, 7), 0))
+    zero = mean_absolute_error(np.zeros_like(moment), moment)
+    np.testing.assert_allclose(still[1:4], zero[1:4], rtol=0.03)
+    later = error("qd", from_s=20.0)
+    rows = slow.signals.time >= 20
+    np.testing.assert_allclose(later, mean_absolute_error(loop.qd[model][rows], qd[rows]))
+    ends = (error("qd", places=(0.0, 1.0)), error("qd"))
+    np.testing.assert_allclose(*ends, rtol=1e-2)

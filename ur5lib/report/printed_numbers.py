@@ -1,0 +1,124 @@
+"""Every published number beside the rebuilt one, and whether an erratum explains a difference."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.report.reference import Lookup, PrintedTable, Reference, published
+from ur5lib.timeseries.arrays import Array
+
+COLUMNS = [
+    "source",
+    "quantity",
+    "recording",
+    "row",
+    "number",
+    "printed",
+    "rebuilt",
+    "ratio",
+    "as_erratum_says",
+    "erratum",
+    "right",
+    "status",
+]
+EQUAL, UNEXPLAINED = "equal", "unexplained"
+
+
+class Explained(NamedTuple):
+    """The numbers (6,) of a row of a published table, as an erratum says that they arose."""
+
+    erratum: int
+    printed: str
+    row: str
+    numbers: Array
+
+
+def compared(
+    reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
+) -> Iterator[dict[str, Any]]:
+    """Yield a row for each published number of the recordings that the tables have.
+
+    tables: of results, by name.
+    """
+    for name, table in reference.printed.tables().items():
+        for row, printed in published(table, table.recording).items():
+            ways = [way for way in explained if (way.printed, way.row) == (name, row)]
+            for number in _beside(table, tables, row, printed, ways):
+                yield {
+                    "source": table.sources.get(row, table.source),
+                    "quantity": table.quantity or name,
+                    "recording": table.recording,
+                    "row": row,
+                    **number,
+                }
+
+
+def judged(
+    printed: float, rebuilt: float, as_said: Mapping[int, float], tolerance: float
+) -> dict[str, Any]:
+    """Return a number's status, and what it follows from: an erratum counts if its number fits.
+
+    as_said: the number by erratum; the nearest to the print is shown. tolerance: largest
+    difference that counts as equal.
+    """
+    gaps = {abs(number - printed): erratum for erratum, number in as_said.items()}
+    shown: dict[str, Any] = {}
+    status = UNEXPLAINED
+    if gaps:
+        nearest = gaps[min(gaps)]
+        shown = {"as_erratum_says": as_said[nearest], "erratum": nearest}
+        if min(gaps) <= tolerance:
+            status = f"erratum {nearest}"
+    if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
+        status = EQUAL
+    ratio = rebuilt / printed
+    return {"printed": printed, "rebuilt": rebuilt, "ratio": ratio, **shown, "status": status}
+
+
+def _beside(
+    table: PrintedTable,
+    tables: Mapping[str, pd.DataFrame],
+    row: str,
+    printed: Sequence[float],
+    ways: Sequence[Explained],
+) -> Iterator[dict[str, Any]]:
+    """Yield the numbers of one published row; one alone is compared with the largest of six."""
+    rebuilt = _found(table.rebuilt, tables, table.recording, row)
+    right = _found(table.right, tables, table.recording, row)
+    as_said = {way.erratum: way.numbers for way in ways}
+    if len(printed) == 1 and len(rebuilt):
+        rebuilt = pd.Series({"largest": rebuilt.max()})
+        as_said = {erratum: np.array([each.max()]) for erratum, each in as_said.items()}
+    digits = _decimals(table)
+    for place, (number, value) in enumerate(rebuilt.items()):
+        own = {erratum: float(each[place]) for erratum, each in as_said.items()}
+        told = judged(printed[place], value, own, _tolerance(table, printed[place], digits))
+        yield {"number": number, **told, "right": right.get(number)}
+
+
+def _found(
+    lookup: Lookup | None, tables: Mapping[str, pd.DataFrame], recording: str, row: str
+) -> "pd.Series[float]":
+    """Return the numbers of a published row in the study's tables, by joint or component."""
+    if lookup is None:
+        return pd.Series(dtype=float)
+    table = tables[lookup.table]
+    known = {"recording": recording} | lookup.where | ({lookup.row: row} if lookup.row else {})
+    for column, value in known.items():
+        table = table[table[column] == value]
+    return table.set_index(lookup.number)[lookup.column(row)]
+
+
+def _tolerance(table: PrintedTable, printed: float, decimals: int) -> float:
+    """Return the difference that counts as equal: some per cent, or half of the last digit."""
+    least = table.below_one if abs(printed) < 1 else 0.0
+    return max(table.relative * abs(printed), 0.5 * 10**-decimals, least)
+
+
+def _decimals(table: PrintedTable) -> int:
+    """Return the most decimals of a table's numbers."""
+    rows = published(table, table.recording).values()
+    shown = [np.format_float_positional(number, trim="-") for row in rows for number in row]
+    return max(len(text.partition(".")[2]) for text in shown)

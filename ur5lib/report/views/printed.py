@@ -1,0 +1,85 @@
+"""Numbers of the published work beside the rebuilt ones, and what is left unexplained."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.report.cells import significant
+from ur5lib.report.document import Cell
+from ur5lib.report.printed_numbers import COLUMNS, EQUAL, UNEXPLAINED
+from ur5lib.report.results import Body, Results
+
+DIGITS = 4  # of a number that is not printed
+
+
+def sources(results: Results) -> list[str]:
+    """Return the published tables that are compared with."""
+    return sorted({*_rows(results)["source"]})
+
+
+def numbers(results: Results, of: str) -> Body:
+    """Return every number of a published table: printed, rebuilt, as an erratum says, and right."""
+    rows = results.rows("printed", source=of)
+    body = [
+        [
+            Cell(row.quantity),
+            Cell(row.row),
+            Cell(str(row.number)),
+            _number(row.printed, 6),
+            _number(row.rebuilt),
+            _number(row.ratio, 3),
+            _number(row.as_erratum_says),
+            _number(row.right),
+            Cell(row.status),
+        ]
+        for row in rows.itertuples()
+    ]
+    header = ["quantity", "row", "of", "printed", "rebuilt", "ratio", "as an erratum says", "right"]
+    return Body([*header, "status"], body)
+
+
+def found(results: Results) -> Iterator[str]:
+    """Report how many published numbers are rebuilt."""
+    rows = _rows(results)
+    if len(rows):
+        left = "others, but for those listed below" if unexplained(results) else "others"
+        yield (
+            f"{(rows['status'] == EQUAL).sum()} of {len(rows)} published numbers are rebuilt; "
+            f"errata explain the {left}."
+        )
+
+
+def unexplained_heading(results: Results) -> list[str]:
+    """Return the sentence above the list of unexplained numbers, if there are any."""
+    heading = "Published numbers that neither this study nor an erratum gives:"
+    return [heading] if unexplained(results) else []
+
+
+def unexplained(results: Results) -> list[str]:
+    """Return each unexplained number: its table and row, and by how many per cent it is missed."""
+    rows = _rows(results)
+    return [_missed(row) for row in rows[rows["status"] == UNEXPLAINED].itertuples()]
+
+
+def _missed(row: Any) -> str:
+    """Return by how much the erratum's number, or else the rebuilt one, misses a printed one."""
+    nearest, source = row.rebuilt, "rebuilt"
+    if not np.isnan(row.as_erratum_says):
+        nearest, source = row.as_erratum_says, f"as erratum {row.erratum:.0f} says"
+    gap = 100 * (nearest / row.printed - 1)
+    place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
+    return (
+        f"{row.source}, {row.quantity}, {row.row}, {place}: "
+        f"printed {significant(row.printed, 6)}, {source} {significant(nearest, DIGITS)}, "
+        f"{significant(abs(gap), 2)} % {'more' if gap > 0 else 'less'}."
+    )
+
+
+def _rows(results: Results) -> pd.DataFrame:
+    return results.tables.get("printed", pd.DataFrame(columns=COLUMNS))
+
+
+def _number(value: float, digits: int = DIGITS) -> Cell:
+    return Cell("–" if np.isnan(value) else significant(value, digits).replace("-", "−"))

@@ -1,0 +1,45 @@
+"""Every published number beside the rebuilt one, and as the errata say that it was computed."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ur5lib.pipeline.explained_errors import acceleration_error, loop_error
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
+from ur5lib.report.reference import Reference, read_reference
+from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_csv, read_json, read_table, write_csv
+
+
+def compare_with_print(input: Any, output: Any, params: Any) -> None:
+    reference = read_reference(input.get("reference"))
+    tables = {Path(path).stem: read_csv(path) for path in input.tables}
+    rows = compared(reference, tables, [*explained(reference, input, params)])
+    write_csv(pd.DataFrame(rows, columns=COLUMNS), output.printed)
+
+
+def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explained]:
+    """Yield the numbers of the errata's explanations, of the recordings of this study."""
+    published = reference.printed.tables()
+    for number, erratum in enumerate(reference.errata, 1):
+        for way in erratum.explains:
+            recording = published[way.printed].recording
+            if recording not in params.recordings:
+                continue
+            place = params.recordings.index(recording)
+            robot = load_robot(input.arm[place]).mounted(params.gravities[place])
+            signals = Signals.read(input.signals[place])
+            if way.closed_loop:
+                values = loop_error(robot, signals, way.closed_loop)
+            if way.acceleration:
+                imu = read_table(input.imu[place])
+                start = read_json(input.quality[place])["starts"]["imu"]
+                kinematics = Kinematics.read(input.kinematics[place])
+                values = acceleration_error(
+                    robot, signals, kinematics, imu, start, way.acceleration
+                )
+            yield Explained(number, way.printed, way.row, values)
