@@ -8,10 +8,14 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.real_arms import RealRecording, RealStudy
+from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.pipeline.closed_loop import published_gains, simulated, tracking_of
-from ur5lib.pipeline.explained_errors import loop_error
-from ur5lib.pipeline.explanations import LoopError
+from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
+from ur5lib.pipeline.explanations import AccelerationError, LoopError
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared, judged
+from ur5lib.report.recording_figures import filtered_first_figure
 from ur5lib.report.reference import (
     Erratum,
     Lookup,
@@ -22,6 +26,7 @@ from ur5lib.report.reference import (
 )
 from ur5lib.report.results import Results
 from ur5lib.report.views.printed import found, numbers, sources, unexplained, unexplained_heading
+from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 THESIS = PROJECT / "workflow" / "studies" / "thesis_reference.yaml"
@@ -186,3 +191,36 @@ def test_without_changes_an_error_is_that_of_the_tables(slow: RealRecording, mod
     np.testing.assert_allclose(later, mean_absolute_error(loop.qd[model][rows], qd[rows]))
     ends = (error("qd", places=(0.0, 1.0)), error("qd"))
     np.testing.assert_allclose(*ends, rtol=1e-2)
+
+
+def test_gravity_begins_with_a_step_where_the_imu_is_filtered_before_it_is_rotated() -> None:
+    """An arm at rest: its IMU reads gravity alone, which the filter from rest reaches late."""
+    robot, time = load_robot(robot_path("ur5")), 0.008 * np.arange(750)
+    q = np.tile([0.3, -1.2, 1.1, -1.3, -1.5, 0.2], (len(time), 1))
+    rotation, origin, jacobian = flange_kinematics(robot, q)
+    still = {"time": time, "segment": np.zeros(len(time), dtype=int)}
+    signals = Signals(
+        **still, interpolated=np.zeros(len(time), dtype=bool), actual_q=q, actual_qd=0 * q
+    )
+    kinematics = Kinematics(
+        time=time,
+        origin=origin,
+        rotation=rotation,
+        jacobian=jacobian,
+        smallest_singular_value=np.ones(len(time)),
+    )
+    reading = np.hstack([[0, 0, 9.81] @ rotation[0], np.zeros(3)])
+    imu = pd.DataFrame(np.tile(reading, (len(time), 1)), columns=SENSOR_COLUMNS["imu"])
+    imu.insert(0, "time", time)
+    start, way = {"seconds": 0.0, "std": 0.01}, AccelerationError(model_delay_s=0.08)
+    modelled, felt = explained_accelerations(robot, signals, kinematics, imu, start, way)
+    assert modelled == pytest.approx(np.zeros_like(modelled), abs=1e-9)
+    assert felt[0] == pytest.approx([0, 0, -9.81, 0, 0, 0], abs=1e-3)
+    assert felt[-100] == pytest.approx(np.zeros(6), abs=1e-3)
+    data = filtered_first_figure(signals, modelled, felt).data
+    assert data["IMU, az [m/s²]"].min() == pytest.approx(-9.81, abs=0.01)
+
+
+def test_the_erratum_on_accelerations_names_its_recording() -> None:
+    ways = read_reference(THESIS).explained_accelerations()
+    assert ways.keys() == {"Movement_No9_Singularity_Free_NoDist"}

@@ -1,5 +1,7 @@
 """Published errors, computed in the way in which an erratum explains them."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 
@@ -40,15 +42,15 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
     return figure(between, np.zeros_like(between))
 
 
-def acceleration_error(
+def explained_accelerations(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
     imu: pd.DataFrame,
-    start: dict[str, float],
+    start: Mapping[str, float],
     way: AccelerationError,
-) -> Array:
-    """Return the MAE (6,) [m/s², rad/s²] of the acceleration through Euler angles.
+) -> tuple[Array, Array]:
+    """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each.
 
     robot: under the recording's gravity; imu: its reading on its own clock; start: its stamp.
     """
@@ -61,7 +63,7 @@ def acceleration_error(
     felt = felt_acceleration(kinematics.rotation, *own_axes, -np.array(robot.gravity))
     modelled = through_angles(signals, kinematics, printed=True)
     late = interpolated(signals.time - way.model_delay_s, signals.time, modelled)
-    return mean_absolute_error(smooth(late), felt)
+    return smooth(late), felt
 
 
 def _gains(robot: Robot, way: LoopError) -> Gains:

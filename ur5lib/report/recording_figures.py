@@ -32,6 +32,7 @@ PUBLISHED_STYLES = {
     "F": ("without friction", "second"),
     "F*": ("with friction", "third"),
 }
+THROUGH_ANGLES = "Euler angles, Equation 2.33 as printed"
 STATES = {  # symbol, unit
     "q": ("q", "rad"),
     "qd": (r"\dot{q}", "rad/s"),
@@ -122,9 +123,17 @@ def acceleration_figure(accelerations: Accelerations) -> Drawing:
 
 def published_acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 as published."""
-    label = "Euler angles, Equation 2.33 as printed"
-    estimates = {label: (accelerations.published.get("euler"), "second")}
+    estimates = {THROUGH_ANGLES: (accelerations.published.get("euler"), "second")}
     return _felt_figure(accelerations, accelerations.published_felt, estimates)
+
+
+def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Drawing:
+    """Return Figures 5.14 and 5.15 with an IMU that was filtered before it was rotated.
+
+    modelled, felt: acceleration through Euler angles and of the IMU, (N, 6) [m/s², rad/s²].
+    """
+    table = Accelerations(time=signals.time, segment=signals.segment)
+    return _felt_figure(table, felt, {THROUGH_ANGLES: (modelled, "second")})
 
 
 def _felt_figure(

@@ -126,6 +126,12 @@ class Reference(Strict):
         ways = (way for erratum in self.errata for way in erratum.explains)
         return {tables[way.printed].recording for way in ways}
 
+    def explained_accelerations(self) -> dict[str, AccelerationError]:
+        """Return how an erratum has the acceleration of a recording computed, by recording."""
+        tables = self.printed.tables()
+        ways = (way for erratum in self.errata for way in erratum.explains)
+        return {tables[way.printed].recording: way.acceleration for way in ways if way.acceleration}
+
 
 def read_reference(path: str | Path | None) -> Reference:
     """Read a file of published values; empty without a path.

@@ -10,6 +10,13 @@ use rule draw_figures as draw_figures_for_paper with:
         **traces("draw_figures_for_paper", "{recording}"),
 
 
+use rule draw_filtered_first as draw_filtered_first_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{recording}}", ["accelerations_filtered_first"]),
+    log:
+        **traces("draw_filtered_first_for_paper", "{recording}"),
+
+
 use rule draw_older_model as draw_older_model_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{recording}}", OLDER_FIGURES),

@@ -52,6 +52,26 @@ rule draw_figures:
         run_step(rule, input, output, params, log)
 
 
+rule draw_filtered_first:
+    input:
+        **REFERENCE,
+        signals=result("signals.parquet"),
+        kinematics=result("kinematics.parquet"),
+        imu=result("imu.parquet"),
+        quality=result("quality.json"),
+        arm=arm_file,
+    output:
+        **drawings(f"{RESULTS}/figures/{{recording}}", ["accelerations_filtered_first"]),
+    log:
+        **traces("draw_filtered_first", "{recording}"),
+    params:
+        code=code("draw_filtered_first"),
+        gravity=gravity_of,
+        recording="{recording}",
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule draw_older_model:
     input:
         **REFERENCE,

@@ -6,13 +6,14 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.pipeline.explained_errors import acceleration_error, loop_error
+from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
 from ur5lib.report.reference import Reference, read_reference
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_csv, read_json, read_table, write_csv
+from ur5lib.timeseries.metrics import mean_absolute_error
 
 
 def compare_with_print(input: Any, output: Any, params: Any) -> None:
@@ -39,7 +40,9 @@ def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explain
                 imu = read_table(input.imu[place])
                 start = read_json(input.quality[place])["starts"]["imu"]
                 kinematics = Kinematics.read(input.kinematics[place])
-                values = acceleration_error(
-                    robot, signals, kinematics, imu, start, way.acceleration
+                values = mean_absolute_error(
+                    *explained_accelerations(
+                        robot, signals, kinematics, imu, start, way.acceleration
+                    )
                 )
             yield Explained(number, way.printed, way.row, values)

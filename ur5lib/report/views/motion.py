@@ -23,6 +23,12 @@ def printed(results: Results) -> list[str]:
     return results.printed("acceleration_mae")
 
 
+def filtered_first(results: Results) -> list[str]:
+    """Return the recordings drawn in the order of steps that their printed errors need."""
+    file = "accelerations_filtered_first.svg"
+    return [name for name in printed(results) if (results.figures / name / file).is_file()]
+
+
 def errors(results: Results) -> Body:
     """Return the errors with and without IMU, and of zero, for recordings with a valid IMU."""
     rows = results.tables["acceleration_mae"]
