@@ -224,6 +224,13 @@ def test_a_line_through_a_singularity_is_refused(tmp_path: Path, ur5: Robot) -> 
         )
 
 
+def test_a_line_to_another_posture_of_its_pose_is_refused(tmp_path: Path, ur5: Robot) -> None:
+    start = f"movej({HOME.tolist()})"
+    turned = HOME + np.array([0, 0, 0, 0, 0, 2 * np.pi])
+    with pytest.raises(InputError, match=r"line 2: .* another posture"):
+        planned(tmp_path, ur5, start, f"movel({turned.tolist()})")
+
+
 def test_a_pose_out_of_reach_is_refused(tmp_path: Path, ur5: Robot) -> None:
     for kind in ("movej", "movel"):
         with pytest.raises(InputError, match=r"line 2: .* reach"):

@@ -158,6 +158,22 @@ def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.usefixtures("controller_ports")
+def test_what_cannot_be_planned_is_refused_before_anything_moves(study: Path) -> None:
+    """A line through a singularity, and a wait between commands of a file that has none."""
+    np.savetxt("points.csv", np.array([HOME, HOME + 0.2]), delimiter=",")
+    here, there = (HOME + np.array([0, 0, 0, 0, turn, 0]) for turn in (-1.1, -1.9))
+    Path("moves.txt").write_text(f"movej({here.tolist()})\nmovel({there.tolist()})\n")
+    for name, wait, sentence in (
+        ("moves.txt", 0.0, "line 2: the straight line passes a singularity"),
+        ("points.csv", 3.0, "--wait: points.csv has no commands"),
+    ):
+        wish = Wish("run", "fit", move=Path(name), wait=wait, yes=True, emulate=True)
+        with pytest.raises(InputError, match=sentence):
+            record(study, wish, console())
+        assert not Path("raw").exists()
+
+
+@pytest.mark.usefixtures("controller_ports")
 def test_the_page_is_followed_word_for_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

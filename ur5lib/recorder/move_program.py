@@ -29,6 +29,7 @@ ARGUMENTS: dict[str, dict[str, Any]] = {  # with URScript's defaults
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
 }
 NO_WAY = 1e-9  # rad, m; what is shorter takes no time
+SAME = 1e-3  # rad, within which a straight line must end at the angles that it was given
 WANTED = (
     "write movej([six angles]), movej(p[pose]), movel(p[pose]), movel([six angles]) or sleep(t)"
 )
@@ -167,7 +168,14 @@ def _leg(move: Move, robot: Robot, origin: Array) -> Array:
     longest = max(np.linalg.norm(goal - start), np.linalg.norm(turn))
     progress = _progress(move, float(longest))
     rotations = Rotation.from_rotvec(np.outer(progress, turn)).as_matrix() @ begin
-    return _along(move, robot, origin, rotations, start + np.outer(progress, goal - start))
+    q = _along(move, robot, origin, rotations, start + np.outer(progress, goal - start))
+    if not isinstance(move.goal, ToolPose) and np.abs(q[-1] - move.goal).max() > SAME:
+        where = ", ".join(f"{angle:.2f}" for angle in q[-1])
+        raise InputError(
+            f"{move.place}: the straight line ends at ({where}) rad, another posture of the same "
+            "pose; give the pose, or use movej"
+        )
+    return q
 
 
 def _progress(move: Move, longest: float) -> Array:
