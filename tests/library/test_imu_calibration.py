@@ -8,7 +8,10 @@ import pytest
 from scipy import signal
 from scipy.spatial.transform import Rotation
 
+from tests.library.test_end_effector import swings
 from tests.library.test_force_sensor import MOUNTINGS
+from tests.library.test_smoothing import kinematics
+from ur5lib.robots.description import Robot
 from ur5lib.signals.imu_calibration import (
     AS_DRAWN,
     ImuRecord,
@@ -19,15 +22,21 @@ from ur5lib.signals.imu_calibration import (
     level_axes,
     specific_force,
 )
+from ur5lib.signals.imu_record import imu_record
+from ur5lib.timeseries.lowpass import Butterworth
 
 GRAVITY = np.array([0, 0, -9.81])
 MOUNTING = np.radians([-0.55, -0.08, 0.3])
 TILT = np.radians([-0.14, 0.2])
 GYROSCOPE_BIAS = np.array([-0.031, 0.024, 0.025])
+DESCRIBED = np.array([0.017, 0.006, 0.0095])
+SHIFT = np.array([-0.003, 0.004, 0.02])  # from there to where it is
 
 
-def record(seed: int, seconds: float = 30, lasting: float = 0.01) -> ImuRecord:
-    """Slow swings of an IMU that is mounted, tilted and biased as above; noise that lasts."""
+def record(
+    seed: int, seconds: float = 30, lasting: float = 0.01, shift: np.ndarray = SHIFT
+) -> ImuRecord:
+    """Slow swings of an IMU, mounted, placed, tilted and biased as above; noise that lasts."""
     random = np.random.default_rng(seed)
     time = np.arange(0, seconds, 0.02)
     phase = random.uniform(0.3, 0.9, 3) * time[:, None] + random.uniform(0, 6, 3)
@@ -39,16 +48,26 @@ def record(seed: int, seconds: float = 30, lasting: float = 0.01) -> ImuRecord:
     noise = signal.lfilter(
         [np.sqrt(1 - 0.98**2)], [1, -0.98], random.normal(size=(2, *rate.shape)), 1
     )
-    felt = np.einsum("nji,nj->ni", rotation, motion + up) @ axes + random.normal(size=3) * 0.05
+    by_place = lever_derivative(rate, np.gradient(rate, 0.02, axis=0))
+    free = np.einsum("nji,nj->ni", rotation, motion + up) + by_place @ shift
+    felt = free @ axes + random.normal(size=3) * 0.05
     return ImuRecord(
         time=time,
         rotation=rotation,
         specific_force=np.einsum("nji,nj->ni", rotation, motion - GRAVITY),
         angular_rate=rate,
+        by_place=by_place,
         accelerometer=felt + lasting * noise[0],
         gyroscope=rate @ axes + GYROSCOPE_BIAS + 0.2 * lasting * noise[1],
+        place=DESCRIBED,
         gravity=GRAVITY,
     )
+
+
+def lever_derivative(rate: np.ndarray, spin: np.ndarray) -> np.ndarray:
+    """Of α × r + ω × (ω × r) to r, (N, 3, 3)."""
+    columns = [np.cross(spin, e) + np.cross(rate, np.cross(rate, e)) for e in np.eye(3)]
+    return np.stack(columns, axis=2)
 
 
 def test_without_noise_the_truth_comes_back() -> None:
@@ -56,6 +75,35 @@ def test_without_noise_the_truth_comes_back() -> None:
     assert found.mounting == pytest.approx(MOUNTING, abs=1e-4)  # small angles, to second order
     assert found.tilt == pytest.approx(TILT, abs=1e-4)
     assert found.gyroscope_bias == pytest.approx(GYROSCOPE_BIAS, abs=1e-4)
+    assert found.place == pytest.approx(DESCRIBED + SHIFT, abs=1e-3)
+    assert found.held_out < 0.2
+    np.testing.assert_array_equal(found.shift(), found.place - DESCRIBED)
+
+
+def test_the_described_place_stands_unless_another_explains_recordings_left_out() -> None:
+    """One recording cannot be left out; what is fitted with the described place has no shift."""
+    alone = calibrate([record(1)])
+    assert alone.held_out == 1
+    as_described = [calibrate([record(s, shift=0 * SHIFT) for s in (k, k + 1)]) for k in range(10)]
+    kept = [found for found in as_described if found.held_out >= 1]
+    assert len(kept) > 1
+    for found in (alone, *kept):
+        assert not found.shift().any()
+    moved = [calibrate([record(s, lasting=0.002) for s in (k, k + 1)]) for k in range(3)]
+    assert all(found.held_out < 0.8 for found in moved)
+
+
+def test_a_record_says_how_its_force_depends_on_the_place(ur5: Robot) -> None:
+    """The specific force is linear in the place: its derivative is what a shift changes."""
+    time, (q, _, _) = swings(600)
+    R, J = kinematics(ur5, q)
+    known = time, np.zeros(600, np.int64), q, (R, J), np.zeros((600, 6))
+    design = Butterworth(4, 2.0)
+    here = imu_record(*known, (DESCRIBED, GRAVITY), design)
+    there = imu_record(*known, (DESCRIBED + SHIFT, GRAVITY), design)
+    moved = there.specific_force - here.specific_force
+    np.testing.assert_allclose(np.matvec(here.by_place, SHIFT), moved, atol=1e-10)
+    assert np.abs(moved).max() > 1e-3
 
 
 def test_the_standard_errors_hold() -> None:
@@ -67,6 +115,7 @@ def test_the_standard_errors_hold() -> None:
             (MOUNTING, found.mounting, found.mounting_std),
             (TILT, found.tilt, found.tilt_std),
             (GYROSCOPE_BIAS, found.gyroscope_bias, found.gyroscope_bias_std),
+            (DESCRIBED + SHIFT, found.place, found.place_std),
         ):
             deviations.append((value - truth) / std)
     assert 0.85 <= np.mean(np.abs(np.concatenate(deviations)) < 2) <= 0.99
@@ -125,7 +174,7 @@ def test_an_imu_as_drawn_changes_nothing() -> None:
 
 
 def equations(records: list[ImuRecord]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows (N, 6, 8 + 4 R) of θ, β, b_g and of each recording's b_a and δ; what is left of the
+    """Rows (N, 6, 11 + 4 R) of θ, β, b_g, Δr and of each recording's b_a and δ; what is left of the
     readings (N, 6); and the block of 2 s of each sample, counted over all recordings."""
     rows, left, blocks = [], [], []
     for number, own in enumerate(records):
@@ -137,15 +186,16 @@ def equations(records: list[ImuRecord]) -> tuple[np.ndarray, np.ndarray, np.ndar
             np.gradient(part, np.median(steps), axis=0) if len(part) > 1 else 0 * part
             for part in parts
         ]
-        X = np.zeros((len(own.time), 6, 8 + 4 * len(records)))
+        X = np.zeros((len(own.time), 6, 11 + 4 * len(records)))
+        X[:, :3, 8:11] = own.by_place
         for k in range(3):
             X[:, :3, k] = np.cross(own.specific_force, np.eye(3)[k])
             X[:, 3:, k] = np.cross(own.angular_rate, np.eye(3)[k])
-            X[:, k, 8 + 4 * number + k] = 1
+            X[:, k, 11 + 4 * number + k] = 1
             X[:, 3 + k, 5 + k] = 1
         for k in range(2):
             X[:, :3, 3 + k] = 9.81 * np.einsum("nji,j->ni", own.rotation, np.eye(3)[k])
-        X[:, :, 11 + 4 * number] = np.concatenate(change)
+        X[:, :, 14 + 4 * number] = np.concatenate(change)
         rows.append(X)
         left.append(np.concatenate([own.accelerometer, own.gyroscope], axis=1) - predicted)
         own_block = ((own.time - own.time[0]) // 2).astype(int)
@@ -162,8 +212,9 @@ def test_a_calibration_is_weighted_least_squares_with_a_jackknife() -> None:
         **{
             name: np.asarray(value)[kept]
             for name, value in vars(first).items()
-            if name != "gravity"
+            if name not in {"place", "gravity"}
         },
+        place=DESCRIBED,
         gravity=GRAVITY,
     )
     late = np.gradient(second.angular_rate, 0.02, axis=0)
@@ -190,8 +241,11 @@ def test_a_calibration_is_weighted_least_squares_with_a_jackknife() -> None:
         ("mounting", slice(3)),
         ("tilt", slice(3, 5)),
         ("gyroscope_bias", slice(5, 8)),
+        ("place", slice(8, 11)),
     ):
-        np.testing.assert_allclose(getattr(found, name), estimate[part], rtol=1e-6, atol=1e-9)
+        described = DESCRIBED if name == "place" else 0.0
+        value = getattr(found, name) - described
+        np.testing.assert_allclose(value, estimate[part], rtol=1e-6, atol=1e-9)
         np.testing.assert_allclose(getattr(found, f"{name}_std"), std[part], rtol=1e-4)
 
 

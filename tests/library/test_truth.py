@@ -119,12 +119,13 @@ def test_friction_is_held_against_the_interval_that_is_stated(half: float, told:
 def test_an_imu_s_mounting_is_told_in_radians() -> None:
     calibration = {
         name: np.zeros(count)
-        for part, count in (("mounting", 3), ("tilt", 2), ("gyroscope_bias", 3))
+        for part, count in (("mounting", 3), ("tilt", 2), ("gyroscope_bias", 3), ("place", 3))
         for name in (part, f"{part}_std")
     }
     imu = {"mounting_deg": [180, 0, 0], "gyroscope_bias": [1, 2, 3]}
-    rows = list(imu_rows(calibration, imu))
-    assert [row["truth"] for row in rows] == pytest.approx([np.pi, 0, 0, 0, 0, 1, 2, 3])
+    rows = list(imu_rows(calibration | {"described": np.array([4, 5, 6])}, imu))
+    truth = [np.pi, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
+    assert [row["truth"] for row in rows] == pytest.approx(truth)
 
 
 def test_accelerations_are_held_against_their_bands() -> None:

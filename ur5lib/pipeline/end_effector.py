@@ -51,7 +51,7 @@ def as_calibrated(
     axes, up = rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
     turning = derivative(signals, signals.imu[:, 3:])
     felt = felt_acceleration(axes, accelerometer, turning, up)
-    point = np.array(robot.mounting.imu)
+    point = np.array(robot.mounting.imu) + calibration.shift()
     estimates = {
         name: point_acceleration(rotation, kinematics.jacobian, motion.qd, motion.qdd, point)
         for name, motion in motions.items()

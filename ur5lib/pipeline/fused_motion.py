@@ -23,7 +23,7 @@ def imu_model(
 
     robot: under the recording's gravity; qd: (N, 6) [rad/s].
     """
-    point, axes = np.array(robot.mounting.imu), calibration.axes()
+    point, axes = np.array(robot.mounting.imu) + calibration.shift(), calibration.axes()
     up = calibration.up(np.array(robot.gravity))
 
     def at(rows: slice) -> LinearImu:

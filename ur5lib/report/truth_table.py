@@ -146,11 +146,15 @@ def rotor_rows(rotors: Mapping[str, Any], truth: Sequence[float]) -> Iterator[Ro
 
 
 def imu_rows(calibration: Mapping[str, Any], imu: Mapping[str, Any]) -> Iterator[Row]:
-    """Yield mounting, tilt of the base and gyroscope bias, from imu.json's "all" and the plan."""
+    """Yield mounting, tilt of the base, gyroscope bias and place of the IMU.
+
+    calibration: of imu.json, "all"; imu: of the plan. The simulated place is the described one.
+    """
     for name, unit, truth in (
         ("mounting", "rad", np.deg2rad(imu["mounting_deg"])),
         ("tilt", "rad", np.zeros(2)),
         ("gyroscope_bias", "rad/s", imu["gyroscope_bias"]),
+        ("place", "m", calibration["described"]),
     ):
         axes = AXES[: len(truth)]
         found, std = calibration[name], calibration[f"{name}_std"]

@@ -34,16 +34,28 @@ def imu_record(
     # not the controller's velocities, which lag the positions, R_6 and J_g by some ms
     qd = by_segment(change, q, segment)
     velocity = point_velocity(rotation, jacobian, qd, point)
-    acceleration = by_segment(change, velocity[:, :3], segment)
-    # f = R_6ᵀ (a - g0) and ω = R_6ᵀ J_w q̇ in frame 6, and both readings
+    # velocities of frame 6's unit points about its origin, ω × R_6 e, side by side (N, 9)
+    turned = np.cross(velocity[:, None, 3:], rotation.swapaxes(1, 2)).reshape(-1, 9)
+    change_of = by_segment(change, np.concatenate([velocity[:, :3], turned], axis=1), segment)
+    acceleration, turning = change_of[:, :3], change_of[:, 3:].reshape(-1, 3, 3)
+    # f = R_6ᵀ (a - g0) and ω = R_6ᵀ J_w q̇ in frame 6, both readings, and ∂f/∂r
     sides = [
         np.einsum("nji,nj->ni", rotation, acceleration - gravity),
         np.einsum("nji,nj->ni", rotation, velocity[:, 3:]),
         readings,
+        np.einsum("nji,nkj->nik", rotation, turning).reshape(-1, 9),
     ]
     smooth = by_segment(lowpass, np.concatenate(sides, axis=1), segment)
     kept = np.isfinite(smooth).all(axis=1)
-    force, rate, accelerometer, gyroscope = np.split(smooth[kept], 4, axis=1)
+    force, rate, accelerometer, gyroscope, *by_place = np.split(smooth[kept], 7, axis=1)
     return ImuRecord(
-        time[kept], rotation[kept], force, rate, accelerometer, gyroscope, gravity=gravity
+        time=time[kept],
+        rotation=rotation[kept],
+        specific_force=force,
+        angular_rate=rate,
+        by_place=np.concatenate(by_place, axis=1).reshape(-1, 3, 3),
+        accelerometer=accelerometer,
+        gyroscope=gyroscope,
+        place=point,
+        gravity=gravity,
     )

@@ -102,18 +102,36 @@ def bands(results: Results) -> Body:
 
 
 def calibration(results: Results) -> Body:
-    """Return the IMU's mounting, the base's tilt and the gyroscope's bias."""
+    """Return the IMU's mounting and place, the base's tilt and the gyroscope's bias."""
     body = [
         [
             Cell(row.robot),
             Cell(row.quantity.replace("_", " ")),
             Cell(row.axis),
             with_error(row.value, row.std_error, 5),
+            number(row.described, 5),
             Cell(row.unit),
         ]
         for row in results.tables["imu_calibration"].itertuples()
     ]
-    return Body(["arm", "quantity", "axis", "value", "unit"], body)
+    return Body(["arm", "quantity", "axis", "value", "described", "unit"], body)
+
+
+def place(results: Results) -> Iterator[str]:
+    """Report how far the IMU is from its described place, and which of both is used."""
+    table = results.tables["imu_calibration"]
+    for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
+        off = 1e3 * (rows["value"] - rows["described"])
+        parts = [
+            f"{by:+.1f} ± {1e3 * std:.1f}" for by, std in zip(off, rows["std_error"], strict=True)
+        ]
+        ratio = rows["held_out"].iloc[0]
+        effect = "estimated place is used" if ratio < 1 else "described place is used"
+        yield (
+            f"The IMU of {arm} is {', '.join(parts)} mm (x, y, z) from its described place. On "
+            f"recordings left out, the error of its specific force is {ratio:.2f} times that with "
+            f"the described place; therefore the {effect}."
+        )
 
 
 def innovations(results: Results) -> Iterator[str]:

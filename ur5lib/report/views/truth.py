@@ -18,6 +18,7 @@ QUANTITIES = {
     "imu_mounting": "IMU mounting",
     "imu_tilt": "tilt of the base",
     "imu_gyroscope_bias": "gyroscope bias",
+    "imu_place": "place of the IMU",
     "torque_constant": "torque constant",
     "offset": "torque offset",
     "coulomb": "Coulomb friction",
