@@ -50,6 +50,17 @@ def velocity(arm: Arm, q: Tensor, qd: Tensor, link: int = 6, point: Tensor | Non
     return _apply(jacobian(arm, q, link, point), qd)
 
 
+def velocity_transformation(rotation: Tensor, lever: Tensor) -> Tensor:
+    """Return what takes a body's velocity at frame i to frame j, each in its own axes (2.41).
+
+    rotation: R_i^j (N, 3, 3), from the axes of i to those of j; lever: r_ij (N, 3) [m], from i to
+    j, axes of i. Returns [R, -R S(r); 0, R], (N, 6, 6), of linear and angular velocities.
+    """
+    lever_cross = cross(lever[:, :, None], torch.eye(3).to(lever).expand_as(rotation), dim=1)
+    upper = torch.cat([rotation, -rotation @ lever_cross], dim=2)
+    return torch.cat([upper, torch.cat([torch.zeros_like(rotation), rotation], dim=2)], dim=1)
+
+
 def acceleration(
     arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor, link: int = 6, point: Tensor | None = None
 ) -> Tensor:
