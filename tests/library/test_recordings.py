@@ -25,7 +25,7 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
-from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.description import FullScale, Robot, load_robot, robot_path
 from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
 from ur5lib.stand.files import MESSAGE, messages
@@ -552,11 +552,31 @@ def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, told: bool) 
     assert [one.count for one in check_force_sensor(table)] == [count + 5]
 
 
+def test_an_imu_at_its_full_scale_is_saturated() -> None:
+    """Each sample once, whichever axis; the accelerometer's and the gyroscope's scales differ."""
+    scale = FullScale(acceleration=50.0, angular_rate_deg=300.0)
+    names = [f"imu_{quantity}{axis}" for quantity in "ag" for axis in "xyz"]
+    table = pd.DataFrame(0.0, index=range(100), columns=["time", *names])
+    table["imu_az"] = 9.81
+    table.loc[3:4, "imu_ax"], table.loc[4:6, "imu_ay"] = 50.0, -50.3
+    table.loc[10:16, "imu_gz"] = -np.deg2rad(300.0)
+    below = table.clip(-49.9, 49.9).assign(imu_gz=table["imu_gz"].clip(-5.2, 5.2))
+    assert check_imu(below, scale) == check_imu(table, None) == []
+    (one,) = check_imu(table, scale)
+    assert (one.device, one.finding, one.count) == ("imu", "saturation", 11)
+    assert one.severity == "warning"
+    for name in ("imu_ax", "imu_ay", "imu_gz"):
+        assert name in one.detail
+    assert "imu_az" not in one.detail
+    accelerometer = table.drop(columns=["imu_gx", "imu_gy", "imu_gz"])
+    assert [one.count for one in check_imu(accelerometer, scale)] == [4]
+
+
 @pytest.mark.parametrize(("size", "told"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)])
 def test_an_accelerometer_feels_gravity(size: float, told: bool) -> None:
     still = pd.DataFrame({"time": [0.0, 1.0], "imu_ax": 0.0, "imu_ay": 0.6 * size})
     still["imu_az"] = -0.8 * size
-    assert [one.finding for one in check_imu(still)] == ["no gravity"] * told
+    assert [one.finding for one in check_imu(still, None)] == ["no gravity"] * told
 
 
 # RTDE

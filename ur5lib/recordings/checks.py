@@ -1,5 +1,6 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
@@ -7,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 
 MOVES = 0.05  # rad/s; slower joints say nothing about their velocity channel
@@ -29,6 +31,7 @@ RATIOS = [
 ]
 SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
 LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
+REACHED = 0.999  # share of the full scale at which a sample counts as clipped
 STUCK = 10  # samples at exactly the same extreme value indicate saturation
 UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
 TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
@@ -83,18 +86,40 @@ def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
         yield Finding("force", "size of gravity", "warning", len(table), detail)
 
 
-def check_imu(table: pd.DataFrame) -> list[Finding]:
-    """Check that the accelerometer measures gravity. table: `time` and imu_* as read."""
+def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
+    """Check for saturation, and that the accelerometer measures gravity.
+
+    table: `time` and imu_* as read; full_scale: of the IMU, None if it is not known.
+    """
+    clipped = _clipped(table, full_scale) if full_scale else ()
+    return [*clipped, *_gravity(table)]
+
+
+def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
+    """Find samples at the full scale of accelerometer or gyroscope."""
+    rate = math.radians(full_scale.angular_rate_deg)
+    limits = {"imu_a": full_scale.acceleration, "imu_g": rate}
+    channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
+    reached = table[[*channels]].abs() >= REACHED * pd.Series(channels, dtype=float)
+    if reached.any(axis=None):
+        names = ", ".join(reached.columns[reached.any()])
+        detail = (
+            f"{names} reach the IMU's full scale ({full_scale.acceleration:g} m/s², "
+            f"{full_scale.angular_rate_deg:g} °/s); larger values are not recorded"
+        )
+        yield Finding("imu", "saturation", "warning", int(reached.any(axis=1).sum()), detail)
+
+
+def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
     if "imu_ax" not in table:
-        return []
+        return
     norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
-    if UPRIGHT[0] <= norm <= UPRIGHT[1]:
-        return []
-    detail = (
-        f"the median specific force is {norm:.3g} m/s² instead of 9.8 m/s²; check which file the "
-        "study names, its columns and its units"
-    )
-    return [Finding("imu", "no gravity", "warning", len(table), detail)]
+    if not UPRIGHT[0] <= norm <= UPRIGHT[1]:
+        detail = (
+            f"the median specific force is {norm:.3g} m/s² instead of 9.8 m/s²; check which file "
+            "the study names, its columns and its units"
+        )
+        yield Finding("imu", "no gravity", "warning", len(table), detail)
 
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:

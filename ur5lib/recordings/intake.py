@@ -24,8 +24,6 @@ warnings.filterwarnings(
     "ignore", category=pd.errors.PerformanceWarning, module=r"ur5lib\.recordings\."
 )
 
-CHECKS = {"force": check_force_sensor, "imu": check_imu}
-
 
 @dataclass(frozen=True)
 class Intake:
@@ -61,7 +59,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
-        findings += CHECKS[device](record.table)
+        findings += _check_sensor(device, record.table, arm)
     quality = {
         "rows": rows,
         "frames": len(robot),
@@ -79,6 +77,12 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
         "findings": [finding.as_row() for finding in findings],
     }
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
+
+
+def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
+    if device == "force":
+        return check_force_sensor(table)
+    return check_imu(table, arm.mounting.imu_full_scale)
 
 
 def _endless_positions(arm: Robot) -> list[str]:

@@ -146,12 +146,22 @@ class Model(Strict):
         return self
 
 
+class FullScale(Strict):
+    """Largest values that an IMU measures: acceleration [m/s²] and angular rate [°/s]."""
+
+    acceleration: Positive
+    angular_rate_deg: Positive
+
+
 class Mounting(Strict):
     """Origins of the devices' frames in frame 6 [m]; their axes are parallel to frame 6, but for a
     force sensor that is turned, by the rotation vector from frame 6 to its axes.
+
+    imu_full_scale: of the IMU, None if it is not known.
     """
 
     imu: Vector3 = (0.0, 0.0, 0.0)
+    imu_full_scale: FullScale | None = None
     force_sensor: Vector3 = (0.0, 0.0, 0.0)
     force_sensor_turn_deg: Vector3 = (0.0, 0.0, 0.0)
 
