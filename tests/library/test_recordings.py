@@ -536,7 +536,7 @@ def test_limits_are_each_joints_own() -> None:
     bounds = [6.3] * 6, [3.2] * 6
     (told,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
     assert told.count == 5
-    assert "joints 3 (up to 6.5 rad)" in told.detail
+    assert "(joint 3: up to 6.5 rad)" in told.detail
     bounds[0][2] = 6.5  # reached, not exceeded
     assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
 

@@ -217,6 +217,35 @@ def without(*names: str) -> Spoil:
     return spoil
 
 
+def joints_exchanged(one: int, other: int, *names: str) -> Spoil:
+    """Exchange the columns of two joints, 1 to 6; of every channel where none is named."""
+
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        for name in names or ("actual_q", "actual_qd", "actual_current"):
+            both = [f"{name}_{one - 1}", f"{name}_{other - 1}"]
+            table[both] = table[both[::-1]].to_numpy()
+        return table
+
+    return spoil
+
+
+def one_scaled(factor: float, joint: int) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        table[f"actual_current_{joint - 1}"] *= factor
+        return table
+
+    return spoil
+
+
+def late(seconds: float) -> Spoil:
+    def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+        rows = round(seconds / float(np.median(np.diff(table["time"]))))
+        table[six("actual_current")] = table[six("actual_current")].shift(rows)
+        return table.iloc[rows:].reset_index(drop=True)
+
+    return spoil
+
+
 def each(*spoils: Spoil) -> Spoil:
     def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
         for one in spoils:
@@ -275,6 +304,18 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
     "3 kg that the controller knows": (
         loaded("target_moment", "target_current"),
         "kg would fit",
+    ),
+    "joint 2's current x 0.6": (one_scaled(0.6, 2), "the current of joint 2 is 0."),
+    "joint 6's current turned": (one_scaled(-1.0, 6), "sign of the current of joint 6 is turned"),
+    "current 50 ms late": (late(0.05), "s later than the motion"),
+    "current 0.3 s late": (late(0.3), "s later than the motion"),
+    "currents of joints 3 and 4 exchanged": (
+        joints_exchanged(3, 4, "actual_current"),
+        "the currents of joints 3 and 4 are exchanged",
+    ),
+    "pan and elbow exchanged": (
+        each(without(*UNKNOWN), joints_exchanged(1, 3)),
+        "joints 1 and 3 are exchanged",
     ),
     "3 kg that nobody knows": (loaded(), "kg more than the study declares"),
 }

@@ -15,7 +15,9 @@ from ur5lib.timeseries.arrays import Array
 
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
-EXACT, BETTER = 0.01, 0.25  # another arm that leaves a quarter of more than this is the right one
+SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 24
+INDEPENDENT = 0.25  # share of the blocks that count as independent
+PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
 DEGREES = 180 / np.pi
@@ -49,9 +51,14 @@ def foreign_torque(
         return
     residual = min((_residual(means, torque, arm.carrying(own)) for own in payloads), key=size)
     share = size(residual) / size(torque)
-    foreign = share > MODELLED
-    most = EXPLAINED * size(torque) if foreign else BETTER * size(residual)
-    arms = [*_fitting_arms(means, torque, arm, most)] if share > EXACT else []
+    foreign, most = share > MODELLED, EXPLAINED * size(torque)
+    arms = [
+        *(
+            _fitting_arms(means, torque, arm, most)
+            if foreign
+            else _likelier_arms(means, torque, arm, payloads)
+        )
+    ]
     if foreign or arms:
         fitting = [
             *arms,
@@ -73,6 +80,27 @@ def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
 
 def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
     return size(_residual(means, torque, arm)) < EXPLAINED * size(torque)
+
+
+def _likelier_arms(
+    means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
+) -> Iterator[str]:
+    """Yield the described arm that explains the torque best, if it is likelier by far."""
+    names = [arm.name, *(name for name in robot_names() if name != arm.name)]
+    arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
+    likelihoods = [
+        max(_likelihood(_residual(means, torque, one.carrying(own))) for own in payloads)
+        for one in arms
+    ]
+    best = int(np.argmax(likelihoods))
+    if likelihoods[best] - likelihoods[0] > SURE:
+        yield f"`robot: {names[best]}`"
+
+
+def _likelihood(residual: Array) -> float:
+    """Return the log-likelihood of residuals (M, 6) [Nm], each joint with a variance of its own."""
+    variance = (residual**2).mean(axis=0) + PRECISE**2
+    return float(-INDEPENDENT * len(residual) / 2 * np.log(variance).sum())
 
 
 def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[str]:

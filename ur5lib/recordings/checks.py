@@ -218,11 +218,14 @@ def _limits(
 ) -> Iterator[Finding]:
     if f"{name}_0" not in robot:
         return
-    beyond = np.abs(channel(robot, name)) > np.asarray(bounds)
+    values = np.abs(channel(robot, name))
+    beyond = values > np.asarray(bounds)
     if beyond.any():
-        joints = ", ".join(str(joint + 1) for joint in np.flatnonzero(beyond.any(axis=0)))
-        largest = np.nanmax(np.abs(channel(robot, name)))
-        detail = f"{name} exceeds the limits of joints {joints} (up to {largest:.3g} {unit})"
+        each = ", ".join(
+            f"joint {joint + 1}: up to {np.nanmax(values[:, joint]):.3g}"
+            for joint in np.flatnonzero(beyond.any(axis=0))
+        )
+        detail = f"{name} exceeds the joints' limits ({each} {unit})"
         yield Finding("robot", "joint limits", "note", int(beyond.any(axis=1).sum()), detail)
 
 

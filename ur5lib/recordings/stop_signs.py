@@ -5,12 +5,13 @@ from itertools import islice
 
 import pandas as pd
 
-from ur5lib.recordings.arm_checks import foreign_torque, tool_off_flange
+from ur5lib.recordings.arm_checks import described, foreign_torque, tool_off_flange
 from ur5lib.recordings.block_means import block_means
 from ur5lib.recordings.checks import misread_velocities
 from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
 from ur5lib.recordings.exchanged import exchanged_channels
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.recordings.joint_currents import exchanged_joints, foreign_arm, strange_currents
+from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.tables import columns
 from ur5lib.timeseries.segments import period
 
@@ -47,5 +48,12 @@ def _contradictions(
     yield from foreign_torque(means, arm, [told, declared])
     yield from tool_off_flange(robot, arm)
     yield from foreign_currents(means, arm.carrying(declared))
+    yield from exchanged_joints(means, arm.carrying(declared))
+    if means.torque is None:
+        others = [described(name).mounted(arm.gravity) for name in robot_names()]
+        yield from foreign_arm(
+            means, arm.carrying(declared), [o.carrying(declared) for o in others]
+        )
+    yield from strange_currents(robot, means, arm.carrying(declared), step)
     if fitted:  # elsewhere, the fit finds an undeclared load
         yield from undeclared_load(means, arm.carrying(told), arm.carrying(declared))

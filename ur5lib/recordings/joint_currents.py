@@ -1,0 +1,248 @@
+"""Whether each measured current belongs to the motion of its joint: by friction and gravity.
+
+Each joint's current is explained by the dry and viscous friction of its own motion, by gravity or
+the controller's target, and by inertia. Friction brakes, so that its coefficients have a sign. How
+much of the current is left tells exchanged columns, delayed or turned ones from right ones.
+"""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import nnls
+
+from ur5lib.recordings.block_means import BLOCK, TINY, BlockMeans, size
+from ur5lib.recordings.current_checks import CONSTANTS
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Mask
+
+CURRENT = "actual_current"
+MOVES = 0.05  # rad/s, root mean square; slower joints show no friction
+INDEPENDENT = 0.4  # s between errors that count as independent
+SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 16
+NOISE = 0.02  # A; nothing is explained better
+SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 24
+SLOPES = (1 / CONSTANTS[1], 1 / CONSTANTS[0])  # A/Nm
+SPREAD = 0.2  # of torque constants around those of the joints' sizes
+TELLS = 0.5  # Nm, root mean square; less gravity says nothing about a torque constant
+RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
+BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
+STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
+DELAYED = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
+WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
+BEARS = 1.0  # A, root mean square of the target of a joint that bears something
+
+
+def strange_currents(
+    robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float
+) -> Iterator[str]:
+    """Find currents that are delayed, exchanged, turned or scaled.
+
+    robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
+    """
+    if CURRENT not in means.currents:
+        return
+    yield from delayed(robot, arm, step)
+    exchanged = [*exchanged_currents(means, arm)]
+    yield from exchanged or turned(means, arm)
+    yield from scaled(means)
+
+
+def moving(means: BlockMeans) -> Mask:
+    """Return which joints (6,) move."""
+    return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MOVES)
+
+
+def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
+    """Find two joints, each of which explains the current of the other better by far."""
+    left = np.log(_left(means, arm) + NOISE**2)
+    gains = {
+        (j, k): _worth(means) * (left[j, j] + left[k, k] - left[j, k] - left[k, j])
+        for j, k in combinations(np.flatnonzero(moving(means)).tolist(), 2)
+    }
+    j, k = max(gains, key=gains.__getitem__, default=(0, 0))
+    if gains.get((j, k), 0.0) > SURE:
+        yield (
+            f"the currents of joints {j + 1} and {k + 1} are exchanged: each follows the motion of "
+            "the other joint; correct the columns of actual_current"
+        )
+
+
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[str]:
+    """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
+    if CURRENT not in means.currents:
+        return
+    own = likelihood(means, arm)
+    for j, k in combinations(range(3), 2):
+        order = [{j: k, k: j}.get(joint, joint) for joint in range(6)]
+        if likelihood(means, arm, order) - own > SURE:
+            yield (
+                f"joints {j + 1} and {k + 1} are exchanged: gravity explains the currents better "
+                "by far if their columns change places; correct the columns"
+            )
+
+
+def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[str]:
+    """Find another arm whose gravity explains the currents better by far; all under their load."""
+    if CURRENT not in means.currents:
+        return
+    found = {other.name: likelihood(means, other) for other in others}
+    best = max(found, key=found.__getitem__)
+    if found[best] - likelihood(means, arm) > SURE_ARM:
+        yield (
+            f"the currents are not those of {arm.name}: the gravity of `robot: {best}` explains "
+            "them better by far; correct `robot`, or columns and units"
+        )
+
+
+def likelihood(means: BlockMeans, arm: Robot, order: Sequence[int] = range(6)) -> float:
+    """Return how well gravity explains the currents, as a log-likelihood.
+
+    order: the column of joints 1 to 6, from 0. Torque constants are those of the joints' sizes,
+    within their spread.
+    """
+    gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
+    known = np.array(arm.maker_torque_constants())
+    total = 0.0
+    for joint, column in enumerate(order):
+        both = np.column_stack([gravity[:, joint], means.currents[CURRENT][:, column]])
+        own, current = _beside(np.column_stack([means.friction(column), means.qdd]), both).T
+        slope = np.clip(own @ current / (own @ own + TINY), *SLOPES)
+        total -= _worth(means) * np.log(((current - slope * own) ** 2).mean() + NOISE**2)
+        if np.isfinite(known[joint]) and size(own) > TELLS * np.sqrt(len(own)):
+            total -= (np.log(slope * known[joint]) / SPREAD) ** 2 / 2
+    return float(total)
+
+
+def turned(means: BlockMeans, arm: Robot) -> Iterator[str]:
+    """Find currents whose friction drives the motion instead of braking it."""
+    gravity = means.gravity(arm)
+    for joint in np.flatnonzero(moving(means)).tolist():
+        if _friction_drives(means, gravity[:, joint], joint):
+            yield (
+                f"the sign of the current of joint {joint + 1} is turned: friction would drive its "
+                "motion; correct the column"
+            )
+
+
+def scaled(means: BlockMeans) -> Iterator[str]:
+    """Find currents that are a fraction or a multiple of their targets, in joints that bear."""
+    if "target_current" not in means.currents:
+        return
+    target, moves = means.currents["target_current"], moving(means)
+    bears = np.sqrt((target**2).mean(axis=0)) > BEARS
+    for joint in np.flatnonzero((moves & bears)[:3]).tolist():  # wrists hardly bear anything
+        own, friction = target[:, joint], means.friction(joint)
+        load = np.abs(own) * friction[:, 0]
+        columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
+        slope, error = _slope(columns, means.currents[CURRENT][:, joint])
+        if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
+            yield (
+                f"the current of joint {joint + 1} is {slope:.2f} times its target; correct its "
+                "unit or column, or declare the load as `payload`"
+            )
+
+
+def delayed(robot: pd.DataFrame, arm: Robot, step: float) -> Iterator[str]:
+    """Find currents that come later or earlier than the motion that they drive."""
+    delay, gain = current_delay(robot, arm, step)
+    if abs(delay) >= DELAYED and gain > SURE:
+        side = "later" if delay > 0 else "earlier"
+        yield (
+            f"actual_current comes {abs(delay):.2f} s {side} than the motion; record both with one "
+            "clock, or correct the time of one"
+        )
+
+
+def current_delay(robot: pd.DataFrame, arm: Robot, step: float) -> tuple[float, float]:
+    """Return by how much the currents are late [s], and its gain of log-likelihood over none.
+
+    robot: a repaired table with a period `step` [s]. Zero where no joint moves.
+    """
+    # means over blocks, from positions and currents alone
+    count = max(1, round(STEP / step))
+    q, current = (_means(channel(robot, name), count) for name in ("actual_q", CURRENT))
+    received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
+    step *= count
+    qd = np.gradient(q, step, axis=0)
+    gravity, qdd = gravity_torque(arm, arm.chosen_model, q), np.gradient(qd, step, axis=0)
+    # blocks whose current is known at every delay
+    most = round(LONGEST / step)
+    lags, rows = np.arange(-most, most + 1), np.arange(most, len(q) - most)
+    later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
+    rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
+    rows = rows[received[rows] >= RECEIVED]
+    # the log-likelihood of each delay
+    scores = np.zeros(len(lags))
+    for joint in np.flatnonzero((qd[rows] ** 2).sum(axis=0) > MOVES**2 * max(len(rows), most)):
+        friction = np.tanh(qd[:, joint] / MOVES)
+        own = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
+        left = _beside(np.column_stack(own)[rows], later[rows - most, joint])
+        scores -= len(rows) * step / INDEPENDENT / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
+    best = int(np.argmax(scores))
+    return float(lags[best] * step), float(scores[best] - scores[most])
+
+
+def _beside(columns: Array, values: Array) -> Array:
+    """Return what columns (n, m) do not explain of values (n, ...)."""
+    basis, _ = np.linalg.qr(columns)
+    return np.asarray(values - basis @ (basis.T @ values))
+
+
+def _worth(means: BlockMeans) -> float:
+    """Return half the number of independent blocks."""
+    return len(means.q) * BLOCK / INDEPENDENT / 2
+
+
+def _left(means: BlockMeans, arm: Robot) -> Array:
+    """Return the mean squares (6, 6) that the motion of each joint leaves of each current.
+
+    Row j: the current of joint j; column k: the motion and the target of joint k.
+    """
+    targets = means.currents.get("target_current")
+    expected = means.gravity(arm) if targets is None else targets
+    current = means.currents[CURRENT]
+    columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in range(6)]
+    return np.array([[_rest(own, current[:, j]) for own in columns] for j in range(6)])
+
+
+def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
+    """Return what a current contains (M, n), each with a coefficient that is not negative."""
+    free = np.column_stack([means.qdd[:, joint]] * inertia + [np.ones(len(expected))])
+    return np.column_stack([means.friction(joint), expected, free, -free])
+
+
+def _rest(columns: Array, current: Array) -> float:
+    """Return the mean square that columns with positive coefficients leave of a current."""
+    return float(nnls(columns, current)[1] ** 2 / len(current))
+
+
+def _friction_drives(means: BlockMeans, gravity: Array, joint: int) -> bool:
+    """Return whether friction at a joint's usual speed is negative by BRAKES standard errors."""
+    current = means.currents[CURRENT][:, joint]
+    columns = np.column_stack([means.friction(joint), gravity, means.qdd, np.ones(len(current))])
+    speed = np.sqrt((means.qd[:, joint] ** 2).mean())
+    at_speed = np.zeros(columns.shape[1])
+    at_speed[:2] = 1.0, speed
+    inverse = np.linalg.pinv(columns)
+    solution = inverse @ current
+    noise = np.std(current - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
+    error = noise * np.linalg.norm(at_speed @ inverse)
+    return bool(at_speed @ solution < -BRAKES * error)
+
+
+def _slope(columns: Array, current: Array) -> tuple[float, float]:
+    """Return the coefficient of the first column, and its standard error."""
+    inverse = np.linalg.pinv(columns)
+    solution = inverse @ current
+    noise = np.std(current - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
+    return float(solution[0]), float(noise * np.linalg.norm(inverse[0]))
+
+
+def _means(values: Array, count: int) -> Array:
+    """Return the means of each `count` rows (N // count, n)."""
+    whole = len(values) // count * count
+    return np.asarray(values[:whole].reshape(-1, count, values.shape[1]).mean(axis=1))
