@@ -24,7 +24,8 @@ FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
 FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
 EACH_RECORDING = ["repair_frames", *FROM_KINEMATICS]
 MODELS = {"fit_rotor_inertia": 1, "identify_model": 1, "draw_models": 1}  # of the only arm
-RESIDUALS = {"fit_residuals": 1, "set_threshold": 1}
+OBSERVABILITY = {"measure_observability": 1, "draw_observability": 1}
+RESIDUALS = {"fit_residuals": 1, "set_threshold": 1} | OBSERVABILITY
 INDEX = {"index_free_runs": 1}
 HEALTH = {"track_health": 1, "draw_health": 1}
 FRICTION = {"fit_friction": 1, "draw_friction": 1} | HEALTH | RESIDUALS | INDEX
@@ -38,6 +39,7 @@ DRAWINGS = {
     "draw_friction": 1,
     "draw_health": 1,
     "draw_models": 1,
+    "draw_observability": 1,
     "draw_calibration": 1,
 }
 DESCRIBED = {"describe_arm": 1}
@@ -166,7 +168,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
         ("ur5lib/force/contact_prior.py",
-         jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | REPORT),
+         jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | OBSERVABILITY | REPORT),
         ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/identification/payload.py",
@@ -240,7 +242,7 @@ def test_a_new_contact_free_recording_serves_the_others(workflow: Workflow) -> N
     again = jobs(*others, recordings=RECORDINGS + 1)
     alone = jobs(*EACH_RECORDING, recordings=1)
     shared = {"set_threshold": 1, "calibrate_imu_without_each": 1} | INDEX | DRIFTS | HEALTH
-    assert workflow.plan() == alone | again | shared | REPORT
+    assert workflow.plan() == alone | again | shared | OBSERVABILITY | REPORT
 
 
 def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) -> None:

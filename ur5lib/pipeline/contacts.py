@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -216,15 +217,10 @@ def smallest_forces(
 
     jacobian: (N, 6, 6); raised: the alarms without any push.
     """
-    one, used = problem.input, jacobian[problem.rows]
-
-    def log_odds_of(pushed: Array) -> Array:
-        own = one.with_torque(one.torque + pushed, one.states)
-        return Problem(own, problem.model).solve(used, prior).log_odds
-
+    log_odds_of = partial(problem.odds_under, jacobian=jacobian[problem.rows], prior=prior)
     tried = np.random.default_rng(0).permutation(np.geomspace(LEAST, MOST, TRIALS))
     found = {}
     for axis, direction in zip("xyz", np.eye(6)[:3], strict=True):
-        pushes = jacobian, direction, tried, one.period, threshold, raised
+        pushes = jacobian, direction, tried, problem.input.period, threshold, raised
         found[axis] = asdict(smallest_force(tried, try_pushes(log_odds_of, *pushes)))
     return found

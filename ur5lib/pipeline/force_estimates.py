@@ -40,6 +40,11 @@ class Problem(NamedTuple):
         samples = one.torque, jacobian, one.states, one.segment, one.period
         return estimate_wrench(*samples, self.model, prior, one.doubt, ablation)
 
+    def odds_under(self, pushed: Array, jacobian: Array, prior: ContactPrior) -> Array:
+        """Return the log-odds (N,) of contact with an additional external torque (N, 6) [Nm]."""
+        own = self.input.with_torque(self.input.torque + pushed, self.input.states)
+        return self._replace(input=own).solve(jacobian, prior).log_odds
+
 
 def direct_problems(
     motion: Motion, currents: Currents, residuals: Mapping[str, Any]

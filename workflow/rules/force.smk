@@ -157,6 +157,28 @@ rule detect_contacts:
         run_step(rule, input, output, params, log)
 
 
+rule measure_observability:
+    input:
+        motion=free_results("motion.parquet"),
+        currents=free_results("currents.parquet"),
+        kinematics=free_results("kinematics.parquet"),
+        forces=free_results("forces.parquet"),
+        loads=free_results("currents.json"),
+        friction=parameter("friction.json"),
+        residuals=parameter("residuals.json"),
+        threshold=parameter("threshold.json"),
+    output:
+        observability=parameter("observability.json"),
+    log:
+        **traces("measure_observability", "{robot}"),
+    params:
+        code=code("measure_observability"),
+        recordings=contact_free,
+        contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule ablate_forces:
     input:
         sensor=result("sensor.parquet"),

@@ -52,6 +52,13 @@ use rule draw_health as draw_health_for_paper with:
         **traces("draw_health_for_paper", "{robot}"),
 
 
+use rule draw_observability as draw_observability_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{robot}}", ["observability"]),
+    log:
+        **traces("draw_observability_for_paper", "{robot}"),
+
+
 use rule draw_models as draw_models_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{robot}}", MODEL_FIGURES),

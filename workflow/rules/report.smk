@@ -143,6 +143,7 @@ rule make_tables:
         currents=results("currents.json"),
         detection=results("detection.json"),
         ablation=results("ablation.json", TOUCHED),
+        observability=parameters("observability.json"),
         audit=results("audit.json", WITH_WRIST_SENSOR),
         modules=[f"ur5lib/report/tables/{name}.py" for name in TABLES],
     output:
@@ -183,6 +184,19 @@ rule draw_health:
         **traces("draw_health", "{robot}"),
     params:
         code=code("draw_health"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_observability:
+    input:
+        observability=parameter("observability.json"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["observability"]),
+    log:
+        **traces("draw_observability", "{robot}"),
+    params:
+        code=code("draw_observability"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -1,0 +1,98 @@
+"""The smallest push by speed, and the speeds at which friction is predicted."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ur5lib.force.detection import smallest_force
+from ur5lib.force.trial_pushes import LEAST, MOST, Trials, try_each_place
+from ur5lib.identification.predictability import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
+from ur5lib.pipeline.observability import Judged, observability
+from ur5lib.report.observability_figure import observability_figure
+from ur5lib.report.tables.observability import observability_rows
+from ur5lib.timeseries.arrays import Array
+
+PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
+EYE = np.broadcast_to(np.eye(6), (COUNT, 6, 6))
+
+
+def detected_above(limit: Array) -> Trials:
+    """Return trials of a detector whose odds turn where a torque exceeds a limit (N,) [Nm]."""
+
+    def log_odds_of(torque: Array) -> Array:
+        return 10 * (np.abs(torque).max(axis=1) - limit)
+
+    speed = np.where(np.arange(COUNT) < COUNT / 2, 0.0, 0.6)
+    known = EYE, speed, PERIOD, 0.0, [(0, 3000)], np.random.default_rng(0)
+    return try_each_place(log_odds_of, *known)
+
+
+def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
+    """At rest from 40 N on, in motion from 10 N on; none is tried during the recording's alarm."""
+    trials = detected_above(np.where(np.arange(COUNT) < COUNT / 2, 40.0, 10.0))
+    assert (len(trials.force), trials.force.min(), trials.force.max()) == (
+        89,
+        pytest.approx(LEAST),
+        pytest.approx(MOST),
+    )
+    for low, high, limit in ((0.0, 0.1, 40.0), (0.5, 1.0, 10.0)):
+        part = trials.within(low, high)
+        assert len(part.force) > 30
+        np.testing.assert_array_equal(part.found, part.force > limit)
+        assert smallest_force(part.force, part.found).force == pytest.approx(limit, rel=0.4)
+
+
+def test_without_a_place_nothing_is_tried() -> None:
+    known = EYE[:50], np.zeros(50), PERIOD, 0.0, [], np.random.default_rng(0)
+    trials = try_each_place(lambda torque: -np.ones(len(torque)), *known)
+    assert len(trials.force) == len(trials.found) == 0
+
+
+def test_shares_of_each_range_of_speeds() -> None:
+    speed = np.repeat([0.03, 0.3], 100)
+    inside = np.arange(200) % 4 > 0
+    found = share_by_speed(speed, inside)
+    assert found.samples.sum() == 200
+    np.testing.assert_allclose(found.share[np.isfinite(found.share)], [0.75, 0.75])
+    assert share_by_speed(np.full(FEWEST - 1, 0.3), np.ones(FEWEST - 1, bool)).suffices() is None
+
+
+@pytest.mark.parametrize(
+    ("share", "expected"),
+    [
+        ([0.2, 0.5, 0.6, 0.7, 0.95, 0.99, 0.98, 0.97, 0.96], (0.05, np.inf)),
+        ([0.2, 0.5, 0.6, 0.7, 0.95, 0.99, 0.98, 0.97, 0.80], (0.05, 1.0)),
+        ([0.2, np.nan, 0.6, 0.7, 0.95, np.nan, 0.98, np.nan, np.nan], (0.05, np.inf)),
+        ([0.95, 0.2, 0.2, 0.2, 0.2, 0.95, 0.95, 0.95, 0.2], (0.1, 1.0)),
+        ([0.1] * 9, None),
+        ([np.nan] * 9, None),
+    ],
+)
+def test_the_range_that_suffices(share: list[float], expected: tuple[float, float] | None) -> None:
+    assert ShareBySpeed(np.array(share), np.full(9, 100.0)).suffices() == expected
+
+
+def test_the_table_has_each_joint_and_push() -> None:
+    """Joint 3 is predicted from 0.2 rad/s on, the others at every speed."""
+    trials = detected_above(np.full(COUNT, 10.0))
+    speed = np.tile(np.repeat(SPEEDS[:-1] + 1e-4, 50)[:, None], 6)
+    inside = np.ones_like(speed)
+    inside[speed[:, 2] < 0.2, 2] = 0.0
+    summary = observability([trials], [Judged(speed, inside)])
+    table = pd.DataFrame(observability_rows(summary))
+    least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
+    assert least.to_dict() == {1: 0.0, 2: 0.0, 3: 0.2, 4: 0.0, 5: 0.0, 6: 0.0}
+    assert (table["quantity"] == "friction_in_band").sum() == 6 * 9
+    pushes = table[table["quantity"] == "smallest_push_95"]
+    assert [*pushes["speed_low"]] == [0.0, 0.5]
+    assert pushes["value"].to_numpy() == pytest.approx(10.0, rel=0.4)
+    drawing = observability_figure(summary["pushes"], summary["shares"], 0.9, MOST)
+    assert len(drawing.data) == 2 + 6 * 9
+
+
+def test_nothing_is_drawn_of_recordings_that_tell_nothing() -> None:
+    summary = observability([], [])
+    assert json.loads(json.dumps(summary)) == {"pushes": [], "shares": [], "predicted": []}
+    assert observability_figure([], [], 0.9, MOST).data.empty

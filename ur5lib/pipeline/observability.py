@@ -1,0 +1,91 @@
+"""What an arm's contact-free recordings let one observe, as observability.json.
+
+The smallest push that F̂ᵐᵃᵖ detects, by the flange's speed; and the velocities of each joint at
+which its friction is predicted within its band.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import alarms, smallest_force
+from ur5lib.force.external_torque import finite_rows
+from ur5lib.force.trial_pushes import Trials, try_each_place
+from ur5lib.identification.currents import CurrentFit, torque_constants
+from ur5lib.identification.predictability import share_by_speed
+from ur5lib.identification.samples import STEP
+from ur5lib.pipeline.force_estimates import Problem
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.timeseries.arrays import Array
+
+FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests
+ROUNDS = 2  # of trial pushes
+FEWEST_TRIALS = 10  # of which some are detected and some are not
+
+
+class Judged(NamedTuple):
+    """Speeds of the joints (n, 6) [rad/s], and which errors are within their band (n, 6)."""
+
+    speed: Array
+    inside: Array
+
+
+def pushed(
+    problem: Problem, jacobian: Array, prior: ContactPrior, threshold: float, odds: Array
+) -> Trials:
+    """Return trial pushes on a contact-free recording; odds: without any (N,)."""
+    one, random = problem.input, np.random.default_rng(0)
+    speed = np.linalg.norm(np.matvec(jacobian[:, :3], one.qd), axis=1)
+    log_odds_of = partial(problem.odds_under, jacobian=jacobian[problem.rows], prior=prior)
+    known = speed, one.period, threshold, alarms(odds, threshold), random
+    return Trials.joined([try_each_place(log_odds_of, jacobian, *known) for _ in range(ROUNDS)])
+
+
+def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
+    """Return where the current of a contact-free recording is within the band of motion.
+
+    fit: has not seen the recording's path. The external torque is k times the error of the current.
+    """
+    every = max(1, round(STEP / motion.period))
+    torque = currents.external_torque
+    assert torque is not None
+    torque, qd = torque[::every], motion.motor_qd[::every]
+    known = finite_rows(torque) & finite_rows(qd)
+    half = np.array([joint.band_moving for joint in fit.joints])
+    error = np.abs(torque[known] / torque_constants(fit))
+    return Judged(np.abs(qd[known]), np.where(np.isnan(half), np.nan, error <= half))
+
+
+def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> dict[str, Any]:
+    """Return smallest pushes by speed, and by joint the shares by speed and where they suffice."""
+    summary: dict[str, Any] = {"pushes": [], "shares": [], "predicted": []}
+    if trials:
+        summary["pushes"] = [*by_flange_speed(Trials.joined([*trials]))]
+    if errors:
+        speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
+        for joint in range(6):
+            known = np.isfinite(inside[:, joint])
+            found = share_by_speed(speed[known, joint], inside[known, joint] > 0)
+            summary["shares"] += [{"joint": joint + 1} | row for row in found.rows()]
+            if (reach := found.suffices()) is not None:
+                low, high = reach
+                summary["predicted"].append(
+                    {"joint": joint + 1, "speed_low": low, "speed_high": high}
+                )
+    return summary
+
+
+def by_flange_speed(trials: Trials) -> Iterator[Mapping[str, Any]]:
+    """Yield the smallest push that is detected in 95 of 100 cases, by speed of the flange."""
+    for low, high in pairwise(FLANGE_SPEEDS):
+        part = trials.within(low, high)
+        tried, found = len(part.found), int(part.found.sum())
+        if tried >= FEWEST_TRIALS:
+            smallest = asdict(smallest_force(part.force, part.found))
+            yield {"speed_low": low, "speed_high": high, "tried": tried, "found": found} | smallest

@@ -1,0 +1,83 @@
+"""What can be observed: the smallest push by speed, and where friction is predicted."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pandas as pd
+
+from ur5lib.force.trial_pushes import MOST
+from ur5lib.report.cells import fixed, with_error
+from ur5lib.report.document import Cell
+from ur5lib.report.observability_figure import flange_speeds
+from ur5lib.report.results import Body, Results
+
+
+def arms(results: Results) -> list[str]:
+    """Return the arms whose recordings were judged."""
+    return [*results.tables["observability"]["robot"].unique()]
+
+
+def told(results: Results) -> Iterator[str]:
+    """Say at which speeds an arm's pushes are detected best and worst."""
+    for robot in arms(results):
+        rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
+        if len(rows) > 1:
+            best, worst = (
+                rows.loc[place] for place in (rows["value"].idxmin(), rows["value"].idxmax())
+            )
+            yield (
+                f"On {robot}, F̂ᵐᵃᵖ detects the smallest pushes {_during(best)} ({_force(best)}), "
+                f"and needs the largest {_during(worst)} ({_force(worst)})."
+            )
+
+
+def pushes(results: Results) -> Body:
+    """Return the smallest push that is detected, by speed of the flange."""
+    rows = results.rows("observability", quantity="smallest_push_95")
+    body = [
+        [Cell(row.robot), Cell(flange_speeds(row)), Cell(f"{row.samples:.0f}"), _push(row)]
+        for row in rows.itertuples()
+    ]
+    return Body(["arm", "speed of the flange [m/s]", "trial pushes", "smallest push [N]"], body)
+
+
+def velocities(results: Results) -> Body:
+    """Return the speeds of each joint at which its friction is predicted within its band."""
+    rows = results.rows("observability", quantity="least_velocity")
+    shares = results.rows("observability", quantity="friction_in_band")
+    body = []
+    for row in rows.itertuples():
+        own = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
+        known = own.dropna(subset="value")
+        slower = known[known["speed_low"] < row.speed_low]
+        faster = known[known["speed_low"] >= row.speed_high]
+        end = "–" if math.isnan(row.speed_high) else f"{row.speed_high:g}"
+        shown = [
+            _share(part) for part in (slower, known.drop([*slower.index, *faster.index]), faster)
+        ]
+        body.append(
+            [Cell(row.robot), Cell(f"{row.joint:.0f}"), Cell(f"{row.value:g}"), Cell(end), *shown]
+        )
+    header = ["arm", "joint", "from [rad/s]", "up to [rad/s]"]
+    return Body([*header, "slower: in band [%]", "between [%]", "faster [%]"], body)
+
+
+def _share(rows: pd.DataFrame) -> Cell:
+    """Return the share [%] of the samples of some bins that is within the band."""
+    if rows.empty:
+        return Cell("–")
+    return Cell(fixed(100 * (rows["value"] * rows["samples"]).sum() / rows["samples"].sum(), 0))
+
+
+def _push(row: Any) -> Cell:
+    return Cell(f"> {MOST:.0f}") if row.value > MOST else with_error(row.value, row.std_error, 0)
+
+
+def _force(row: Any) -> str:
+    return f"more than {MOST:.0f} N" if row.value > MOST else f"{fixed(row.value, 0)} N"
+
+
+def _during(row: Any) -> str:
+    speeds = flange_speeds(row)
+    return speeds if speeds == "at rest" else f"at {speeds} m/s"

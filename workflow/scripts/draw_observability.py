@@ -1,0 +1,15 @@
+"""The smallest push by speed of the flange, and how well friction is predicted by joint speed."""
+
+from typing import Any
+
+from ur5lib.force.trial_pushes import MOST
+from ur5lib.identification.predictability import WANTED
+from ur5lib.report.house_style import save
+from ur5lib.report.observability_figure import observability_figure
+from ur5lib.tables import read_json
+
+
+def draw_observability(input: Any, output: Any, params: Any) -> None:
+    known = read_json(input.observability)
+    figure = observability_figure(known["pushes"], known["shares"], WANTED, MOST)
+    save(figure, output.observability)

@@ -1,0 +1,32 @@
+"""The smallest push that is detected, and the speeds at which friction is predicted, of an arm."""
+
+from typing import Any
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.identification.currents import fit_for
+from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.observability import judged, observability, pushed
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.tables import read_json, write_json
+
+
+def measure_observability(input: Any, output: Any, params: Any) -> None:
+    friction, residuals, thresholds = map(
+        read_json, (input.friction, input.residuals, input.threshold)
+    )
+    prior, trials, errors = ContactPrior(force=params.contact_force_n), [], []
+    files = input.motion, input.currents, input.kinematics, input.forces, input.loads
+    for name, *paths in zip(params.recordings, *files, strict=True):
+        load, currents = read_json(paths[4]).get("load"), Currents.read(paths[1])
+        if currents.external_torque is None or (load and load["taken"]):
+            continue
+        motion = Motion.read(paths[0])
+        errors.append(judged(motion, currents, fit_for(name, friction)))
+        if "Fmap" in thresholds and (found := direct_problems(motion, currents, residuals)):
+            jacobian = Kinematics.read(paths[2]).jacobian
+            odds = Forces.read(paths[3]).log_odds["Fmap"]
+            trials.append(pushed(found["Fmap"], jacobian, prior, thresholds["Fmap"], odds))
+    write_json(observability(trials, errors), output.observability)
