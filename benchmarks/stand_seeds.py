@@ -50,7 +50,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.host_drifts import read_clock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
-from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.signals.smoothing import SmoothedJoints, smooth_encoders
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Settings
@@ -130,11 +130,14 @@ class Taken:
         return clock
 
     @cached_property
+    def smoothed(self) -> SmoothedJoints:
+        """Return what the smoother makes of the encoders."""
+        return smooth_encoders(self.signals.time, self.signals.segment, *measured(self.signals))
+
+    @cached_property
     def motion(self) -> Motion:
         """Return the motion by the smoother."""
-        signals = self.signals
-        motion = smooth_encoders(signals.time, signals.segment, *measured(signals))
-        return motion_record(signals, motion)
+        return motion_record(self.signals, self.smoothed)
 
     @cached_property
     def torques(self) -> Torques:

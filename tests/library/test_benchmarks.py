@@ -17,6 +17,7 @@ PRINTED = {  # what each prints at least
     "rtde_csv": ["10000 rows", "pyarrow", "ratio"],
     "long_recording": ["1 min", "processor time", "wall s"],
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
+    "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
     "contact_link": ["1 seeds", "| all | 3 |"],
     "simulated_contacts": ["| least squares | no |", "RMSE at the elbow [N]"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
@@ -65,6 +66,7 @@ def test_what_make_bench_runs_is_there() -> None:
     makefile = (PROJECT / "Makefile").read_text()
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
     slow = {
+        "accelerometer",
         "contact_link",
         "simulated_contacts",
         "motion",

@@ -53,8 +53,8 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
 def flange_speeds(row: Any) -> str:
     """Return a range of the flange's speeds in words; the slowest counts as rest."""
     if pd.isna(row.speed_high):
-        return f"{row.speed_low:g} and more"
-    return f"{row.speed_low:g} to {row.speed_high:g}" if row.speed_low > 0 else "at rest"
+        return f"≥ {row.speed_low:g}"
+    return f"{row.speed_low:g}–{row.speed_high:g}" if row.speed_low > 0 else "at rest"
 
 
 def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
