@@ -30,11 +30,11 @@ class ShareBySpeed:
         ):
             yield {"speed_low": low, "speed_high": high, "share": share, "samples": samples}
 
-    def suffices(self) -> tuple[float, float] | None:
+    def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin holds the wanted share.
 
         Infinite where the fastest known bin does, too. Of several such ranges, the one with most
-        samples; None without any.
+        samples; NaN without any.
         """
         known = np.flatnonzero(np.isfinite(self.share))
         runs = [
@@ -43,7 +43,7 @@ class ShareBySpeed:
             if enough
         ]
         if not runs:
-            return None
+            return np.nan, np.nan
         best = max(runs, key=lambda run: self.samples[run].sum())
         high = np.inf if best[-1] == known[-1] else float(SPEEDS[best[-1] + 1])
         return float(SPEEDS[best[0]]), high

@@ -73,11 +73,8 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> dict[st
             known = np.isfinite(inside[:, joint])
             found = share_by_speed(speed[known, joint], inside[known, joint] > 0)
             summary["shares"] += [{"joint": joint + 1} | row for row in found.rows()]
-            if (reach := found.suffices()) is not None:
-                low, high = reach
-                summary["predicted"].append(
-                    {"joint": joint + 1, "speed_low": low, "speed_high": high}
-                )
+            low, high = found.suffices()
+            summary["predicted"].append({"joint": joint + 1, "speed_low": low, "speed_high": high})
     return summary
 
 

@@ -50,17 +50,19 @@ def velocities(results: Results) -> Body:
     for row in rows.itertuples():
         own = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
         known = own.dropna(subset="value")
-        slower = known[known["speed_low"] < row.speed_low]
+        slower = known[~(known["speed_low"] >= row.speed_low)]  # all, where no range suffices
         faster = known[known["speed_low"] >= row.speed_high]
-        end = "–" if math.isnan(row.speed_high) else f"{row.speed_high:g}"
         shown = [
             _share(part) for part in (slower, known.drop([*slower.index, *faster.index]), faster)
         ]
-        body.append(
-            [Cell(row.robot), Cell(f"{row.joint:.0f}"), Cell(f"{row.value:g}"), Cell(end), *shown]
-        )
+        place = [Cell(row.robot), Cell(f"{row.joint:.0f}")]
+        body.append([*place, _speed(row.value), _speed(row.speed_high), *shown])
     header = ["arm", "joint", "from [rad/s]", "up to [rad/s]"]
     return Body([*header, "slower: in band [%]", "between [%]", "faster [%]"], body)
+
+
+def _speed(speed: float) -> Cell:
+    return Cell("–" if math.isnan(speed) else f"{speed:g}")
 
 
 def _share(rows: pd.DataFrame) -> Cell:
