@@ -42,6 +42,7 @@ from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
     FAMILY,
+    KARNOPP,
     MOVING,
     JointMotion,
     Term,
@@ -50,12 +51,14 @@ from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import (
     STEP,
     Record,
+    Samples,
+    design,
     joint_samples,
     record_paths,
     smoothed_moving,
 )
 from ur5lib.identification.selection import (
-    choose_presliding,
+    choose_reversal,
     choose_terms,
     is_better,
     left_out_residuals,
@@ -67,6 +70,7 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
+from ur5lib.report.tables.friction_reversal import reversal_rows
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
 
@@ -108,14 +112,44 @@ def test_the_terms_that_made_the_current_are_chosen(fitted: CurrentFit) -> None:
     assert [joint.presliding for joint in fitted.joints] == WAYS
 
 
+def reversals(records: list[Record]) -> list[Samples]:
+    """Samples of the first joint by Dahl's friction over three distances, and by Karnopp's."""
+    ways = (1e-3, PRESLIDING, 1e-4, KARNOPP)
+    return [joint_samples(records, smooth, (), [way] * 6)[0] for way in ways]
+
+
 def test_the_distance_that_made_the_current_is_chosen() -> None:
     """Of three, wherever it stands among them; the first, where nothing can be left out."""
-    records = [make_record(seed) for seed in range(2)]
-    tried = [joint_samples(records, smooth, (), [way] * 6)[0] for way in (1e-3, PRESLIDING, 1e-4)]
-    for own in (tried, tried[::-1], tried[1:] + tried[:1]):
-        assert choose_presliding(own, prior().of_joint(0)).presliding == PRESLIDING
-    alone = [one.where(one.record == 0) for one in tried]
-    assert choose_presliding(alone, prior().of_joint(0)) is alone[0]
+    *dahl, karnopp = reversals([make_record(seed) for seed in range(2)])
+    for own in (dahl, dahl[::-1], dahl[1:] + dahl[:1]):
+        chosen, errors = choose_reversal(own, karnopp, prior().of_joint(0))
+        assert chosen.presliding == PRESLIDING
+        assert own[int(np.argmin(errors))] is chosen
+        assert len(errors) == 4
+    alone = [one.where(one.record == 0) for one in (*dahl, karnopp)]
+    assert choose_reversal(alone[:3], alone[3], prior().of_joint(0)) == (alone[0], ())
+
+
+def test_the_table_names_how_friction_reverses() -> None:
+    joint = {"presliding": 1e-3, "reversal_errors": [0.3, 0.2, 0.4, 0.5]}
+    alone = {"presliding": 3e-4, "reversal_errors": []}
+    rows = [*reversal_rows("ur5", {"fit": {"joints": [joint, alone]}})]
+    assert [row["rmse"] for row in rows] == joint["reversal_errors"]
+    assert [row["chosen"] for row in rows] == ["no", "yes", "no", "no"]
+    assert rows[-1]["model"] == "karnopp"
+    assert {row["joint"] for row in rows} == {1}
+
+
+def test_karnopp_is_chosen_only_where_it_made_the_current() -> None:
+    """On six paths; its gain on too few proves nothing."""
+    records = [make_record(seed) for seed in range(6)]
+    for record in records:
+        columns, _ = design(record, 0, TERMS[0], KARNOPP)
+        record.current[:, 0] = columns @ coefficients(0)
+    *dahl, karnopp = reversals(records)
+    chosen, errors = choose_reversal(dahl, karnopp, prior().of_joint(0))
+    assert chosen is karnopp
+    assert errors[3] < min(errors[:3]) / 2
 
 
 def test_draws_are_of_whole_units_or_of_blocks_within_them() -> None:

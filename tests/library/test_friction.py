@@ -12,6 +12,7 @@ from ur5lib.identification.friction import (
     Term,
     friction_direction,
     is_dissipative,
+    karnopp_direction,
     resting,
 )
 
@@ -65,6 +66,13 @@ def test_friction_turns_over_a_distance_however_finely_it_is_sampled() -> None:
     coarse, fine = creep([1e-3, -5e-5]), creep([1e-3, *[-5e-7] * 100])
     assert coarse[-1] == pytest.approx(2 * np.exp(-0.5) - 1, abs=1e-4)
     assert fine[-1] == pytest.approx(coarse[-1])
+
+
+def test_karnopp_sticks_in_the_dead_zone_and_reverses_at_once() -> None:
+    qd = MOVING * np.array([0.5, 2, 0.5, -0.9, -1.1, -0.1, 0.1, 3, 0.2])
+    segment = np.array([0, 0, 0, 0, 0, 0, 0, 1, 2])
+    direction = karnopp_direction(qd, segment)
+    np.testing.assert_array_equal(direction, [0, 1, 1, 1, -1, -1, -1, 1, 0])
 
 
 def test_nothing_is_known_of_friction_where_a_segment_begins() -> None:

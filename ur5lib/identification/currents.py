@@ -18,7 +18,7 @@ from ur5lib.identification.estimation import (
     estimate_together,
     physical,
 )
-from ur5lib.identification.friction import CONSIDERED, FAMILY, PRESLIDING, Term
+from ur5lib.identification.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.samples import (
     FEW,
@@ -31,7 +31,7 @@ from ur5lib.identification.samples import (
 )
 from ur5lib.identification.selection import (
     FEWEST,
-    choose_presliding,
+    choose_reversal,
     choose_terms,
     held_current,
     left_out_residuals,
@@ -56,9 +56,11 @@ ONE_PATH = (
 class JointFit:
     """One joint's map from motion to current.
 
-    presliding: [rad], over which friction reverses; held: [A], friction at rest beyond that in
-    motion, may be negative; band_moving, band_rest: half of the 95 % band [A] around the low-passed
-    current of a recording that was left out; remarks: doubts about the fit, one sentence each;
+    presliding: [rad], over which friction reverses, or KARNOPP; reversal_errors: [A],
+    cross-validated, with each distance of PRESLIDING and with Karnopp's friction, empty with one
+    path; held: [A], friction at rest beyond that in motion, may be negative; band_moving,
+    band_rest: half of the 95 % band [A] around the low-passed current of a recording that was left
+    out; remarks: doubts about the fit, one sentence each;
     contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
     contradicts the known one, which the fit then keeps.
     """
@@ -66,6 +68,7 @@ class JointFit:
     terms: tuple[Term, ...]
     estimate: Estimate
     presliding: float
+    reversal_errors: tuple[float, ...]
     held: float
     band_moving: float
     band_rest: float
@@ -174,10 +177,12 @@ def _fit_with(
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
     alone = [prior.of_joint(joint) for joint in range(6)]
-    # presliding distance of each joint, with the least error on paths left out
-    tried = [joint_samples(records, smooth, family, [way] * 6) for way in PRESLIDING]
-    by_joint = zip(*tried, strict=True)
-    samples = [choose_presliding(*pair) for pair in zip(by_joint, alone, strict=True)]
+    # how the friction of each joint reverses, with the least error on paths left out
+    ways = (*PRESLIDING, KARNOPP)
+    tried = [joint_samples(records, smooth, family, [way] * 6) for way in ways]
+    by_joint = zip(zip(*tried, strict=True), alone, strict=True)
+    chosen = [choose_reversal(dahl, karnopp, own) for (*dahl, karnopp), own in by_joint]
+    samples, errors = zip(*chosen, strict=True)
     # friction terms of each joint, then the coefficients of all joints
     terms = [choose_terms(*pair) for pair in zip(samples, alone, strict=True)]
     estimates, units = estimate_together(samples, terms, prior, seed)
@@ -185,7 +190,7 @@ def _fit_with(
     fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
     fuller_estimates, _ = estimate_together(samples, fuller, prior, seed)
     estimates = [*map(beside_fuller, estimates, fuller_estimates)]
-    joints = zip(samples, terms, alone, estimates, strict=True)
+    joints = zip(samples, terms, alone, estimates, errors, strict=True)
     return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
 
 
@@ -285,6 +290,7 @@ def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
         terms=tuple(Term(**term) for term in data["terms"]),
         estimate=Estimate(**numbers),
         presliding=data["presliding"],
+        reversal_errors=tuple(data["reversal_errors"]),
         held=data["held"],
         remarks=tuple(data["remarks"]),
         contradicted=data["contradicted"],
@@ -293,7 +299,11 @@ def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
 
 
 def _joint_fit(
-    samples: Samples, terms: tuple[Term, ...], prior: JointPrior, estimate: Estimate
+    samples: Samples,
+    terms: tuple[Term, ...],
+    prior: JointPrior,
+    estimate: Estimate,
+    reversal_errors: tuple[float, ...],
 ) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
@@ -306,6 +316,7 @@ def _joint_fit(
         terms,
         estimate,
         samples.presliding,
+        reversal_errors,
         held_current(samples, terms, coefficients),
         _band(residual[samples.moving], samples.record[samples.moving]),
         np.fmax(_band(residual[~samples.moving], samples.record[~samples.moving]), sticking),

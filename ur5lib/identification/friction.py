@@ -18,6 +18,7 @@ MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is sti
 # shorter ones are below the encoder's resolution. The first is used if cross-validation is
 # impossible.
 PRESLIDING = (3e-4, 1e-3, 1e-4)
+KARNOPP = 0.0  # the distance that stands for Karnopp's friction, which reverses at once
 USUAL = 30.0  # °C, of a joint in motion: at which friction has the coefficients of its other terms
 
 
@@ -49,6 +50,20 @@ def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
     # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
     bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
     direction: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
+    return direction
+
+
+def karnopp_direction(qd: Array, segment: Labels) -> Array:
+    """Return the direction (N,) of a joint's dry friction, -1, 0 or 1, by Karnopp (1985).
+
+    The sign of qd (N,) [rad/s] outside the dead zone MOVING. Inside, the joint sticks, and friction
+    is whatever holds it: the direction before is kept, and its size is fitted (`resting`). Zero, as
+    unknown, until a segment's first motion.
+    """
+    moves = np.abs(qd) > MOVING
+    rows = np.arange(len(qd))
+    last = np.maximum.accumulate(np.where(moves | starts(segment), rows, 0))
+    direction: Array = np.where(moves, np.sign(qd), 0.0)[last]
     return direction
 
 

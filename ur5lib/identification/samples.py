@@ -14,11 +14,13 @@ import numpy as np
 from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
+    KARNOPP,
     MOVING,
     USUAL,
     JointMotion,
     Term,
     friction_direction,
+    karnopp_direction,
     resting,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
@@ -58,9 +60,16 @@ class Record:
         return self._thinned[key]
 
     def joint(self, joint: int, presliding: float) -> JointMotion:
-        """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad]."""
+        """Return the motion of joint 0 to 5, whose friction reverses over a distance [rad].
+
+        By Karnopp's model where the distance is KARNOPP, by Dahl's otherwise.
+        """
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction = friction_direction(q, self.segment, presliding)
+        direction = (
+            karnopp_direction(qd, self.segment)
+            if presliding == KARNOPP
+            else friction_direction(q, self.segment, presliding)
+        )
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL
         return JointMotion(q, qd, torque, direction, warmth)
 

@@ -19,17 +19,22 @@ LOOSE = 10.0  # factor on the prior's width, so that no term compensates a wrong
 FEWEST = 20  # samples (2 s) of a unit that counts
 
 
-def choose_presliding(candidates: Sequence[Samples], prior: JointPrior) -> Samples:
-    """Return a joint's samples with the presliding distance of the least cross-validated error.
+def choose_reversal(
+    dahl: Sequence[Samples], karnopp: Samples, prior: JointPrior
+) -> tuple[Samples, tuple[float, ...]]:
+    """Return a joint's samples with the model of friction's reversal that predicts others best.
 
-    Without a second path, the first are returned.
+    That is Dahl's with the presliding distance of the least cross-validated error, or Karnopp's if
+    it is significantly better, like a term. Beside them are the errors [A] of all, in their order:
+    geometric means over units, empty without a second path, where the first samples are returned.
     """
-
-    def error(samples: Samples) -> float:
-        errors = left_out_errors(samples, BASE, prior)
-        return float(np.log(errors).mean()) if len(errors) else 0.0
-
-    return min(candidates, key=error)
+    errors = [left_out_errors(samples, BASE, prior) for samples in (*dahl, karnopp)]
+    if not all(map(len, errors)):
+        return dahl[0], ()
+    means = [float(np.exp(np.log(each).mean())) for each in errors]
+    best = int(np.argmin(means[:-1]))
+    better = len(errors[-1]) > 1 and is_better(errors[-1], errors[best])
+    return karnopp if better else dahl[best], tuple(means)
 
 
 def choose_terms(samples: Samples, prior: JointPrior) -> tuple[Term, ...]:

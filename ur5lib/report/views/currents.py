@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
+from ur5lib.identification.friction import MOVING
 from ur5lib.report.cells import extremes, interval, joints, number, rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
@@ -92,6 +93,19 @@ def remarks(results: Results) -> Iterator[str]:
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
         yield f"{robot}, {joints(group['joint'])}: {remark}."
+
+
+def reversals(results: Results) -> Iterator[str]:
+    """Report what Karnopp's friction gains or loses against Dahl's on each arm."""
+    for robot, rows in results.tables["friction_reversal"].groupby("robot", sort=False):
+        least = rows.groupby(["model", "joint"])["rmse"].min()
+        ratio = ", ".join(f"{value:.2f}" for value in least["karnopp"] / least["dahl"])
+        chosen = rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]
+        yield (
+            f"On {robot}, Karnopp’s friction, which reverses at once and sticks below "
+            f"{MOVING:g} rad/s, predicts paths left out with {ratio} times the error of Dahl’s on "
+            f"joints 1 to 6; it is used on {joints(chosen) if len(chosen) else 'none'}."
+        )
 
 
 def next_recordings(results: Results) -> Iterator[str]:
