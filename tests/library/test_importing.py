@@ -31,6 +31,7 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.study.reading import parse_study
+from ur5lib.timeseries.arrays import Array
 
 ORDER = np.array([2, 1, 0, 3, 4, 5])  # elbow, lift, pan, as a lab records them
 
@@ -116,11 +117,11 @@ def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> Non
     assert "ambiguous: run/effort" in said
 
 
-@pytest.mark.parametrize("frame", ["base", "flange"])
-def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
-    tmp_path: Path, made: Made, ur5: Robot, frame: str
-) -> None:
-    """The base's frame: the arm on its surroundings; the flange's: these on the arm."""
+def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]]:
+    """Time and channels of a pushed arm, with the wrench as a study can name it in a frame.
+
+    The base's: the arm on its surroundings; the flange's: these on the arm.
+    """
     time, channels = made
     rotation, origin = link_frames(ur5, channels["actual_q"])
     axes, lever = rotation[:, :6, :, 2], origin[:, 6:] - origin[:, :6]
@@ -128,8 +129,14 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     torque = np.einsum("nji,ni->nj", np.cross(axes, lever), force)  # by the arm, base frame
     pushed = channels | {"actual_current": channels["actual_current"] + torque / 10}
     sensed = force if frame == "base" else -np.einsum("nji,nj->ni", rotation[:, 6], force)
-    wrench = {"force": sensed, "torque": 0 * sensed + 1e-6}
-    write_hdf5(tmp_path / "run.h5", time, pushed | wrench)
+    return time, pushed | {"force": sensed, "torque": 0 * sensed + 1e-6}
+
+
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
+    tmp_path: Path, made: Made, ur5: Robot, frame: str
+) -> None:
+    write_hdf5(tmp_path / "run.h5", *touched(made, ur5, frame))
     entry, said = entry_and_comments(tmp_path / "run.h5")
     assert entry["role"] == "contact"
     assert f"in the {frame}'s frame: only so" in said
@@ -138,6 +145,19 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     else:
         its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
         assert entry["force_sensor"]["channels"] == its
+
+
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_a_wrench_of_the_other_sign_proves_no_frame(
+    tmp_path: Path, made: Made, ur5: Robot, frame: str
+) -> None:
+    """Such as ROS drivers publish: flange axes, the arm on its surroundings."""
+    time, channels = touched(made, ur5, frame)
+    write_hdf5(tmp_path / "run.h5", time, channels | {"force": -channels["force"]})
+    entry, said = entry_and_comments(tmp_path / "run.h5")
+    assert "actual_TCP_force" not in entry["channels"]
+    assert "force_sensor" not in entry
+    assert "ambiguous: run/force and run/torque" in said
 
 
 def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:

@@ -144,8 +144,10 @@ def _frame(
         frame, apart = wrench_frame(means, efforts[0], values, arm, reading.order)
     if frame is None:
         account.ambiguous.append(
-            f"{title}: in the base's frame or the flange's (log-likelihoods {apart:.1f} apart, "
-            f"changes up to {_change(wrench):.0f} N); left out: record a push in several postures"
+            f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
+            f"log-likelihoods are {apart:.1f} apart, changes up to {_change(wrench):.0f} N); left "
+            "out: record a push in several postures, as the arm's force in the base's frame or as "
+            "the force on the arm in the flange's"
         )
         return None
     account.proven.append(f"{title} in the {frame}'s frame: only so it explains the efforts")

@@ -14,10 +14,11 @@ from ur5lib.timeseries.arrays import Array
 def wrench_frame(
     means: BlockMeans, effort: str, wrench: Array, arm: Robot, order: Order
 ) -> tuple[str | None, float]:
-    """Return base or flange, None where neither is proven, and the difference of likelihoods.
+    """Return base or flange, None where neither is proven, and the difference to the next best.
 
-    wrench: force and torque (M, 6) at the blocks. It must take from the effort in the base frame,
-    as the arm acting on its surroundings, or add to it in the flange's, as they act on the arm.
+    wrench: force and torque (M, 6) at the blocks. Both axes are tried with both signs. A wrench in
+    the base's axes must be that of the arm on its surroundings, which takes from the efforts, and
+    one in the flange's that of these on the arm: only so can a study name them.
     """
     q = means.q[:, order]
     rotation, origin = link_frames(arm, q)
@@ -28,14 +29,14 @@ def wrench_frame(
         [np.einsum("nij,nj->ni", rotation[:, 6], part) for part in (wrench[:, :3], wrench[:, 3:])],
         axis=1,
     )
-    flange = -np.einsum("nji,ni->nj", jacobian, turned)
-    gains = {
-        name: _gain(means, effort, torque, arm, order)
-        for name, torque in (("base", base), ("flange", flange))
-    }
-    best = max(gains, key=lambda name: gains[name])
-    apart = gains[best] - min(gains.values())
-    return (best if apart > SURE else None), apart
+    flange = np.einsum("nji,ni->nj", jacobian, turned)
+    torques = {("base", "arm"): base, ("base", "world"): -base}
+    torques |= {("flange", "arm"): flange, ("flange", "world"): -flange}
+    gains = {name: _gain(means, effort, torque, arm, order) for name, torque in torques.items()}
+    best, second = sorted(gains, key=lambda name: gains[name], reverse=True)[:2]
+    apart = gains[best] - gains[second]
+    usable = best in (("base", "arm"), ("flange", "world"))
+    return (best[0] if usable and apart > SURE else None), apart
 
 
 def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:

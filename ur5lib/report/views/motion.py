@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.report.cells import listed, number, signed, with_error
+from ur5lib.report.cells import fixed, listed, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
 
@@ -123,7 +123,8 @@ def place(results: Results) -> Iterator[str]:
     for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
         off = 1e3 * (rows["value"] - rows["described"])
         parts = [
-            f"{by:+.1f} ± {1e3 * std:.1f}" for by, std in zip(off, rows["std_error"], strict=True)
+            f"{fixed(by, 1)} ± {fixed(1e3 * std, 1)}"
+            for by, std in zip(off, rows["std_error"], strict=True)
         ]
         ratio = rows["held_out"].iloc[0]
         effect = "estimated place is used" if ratio < 1 else "described place is used"
