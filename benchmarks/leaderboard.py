@@ -7,7 +7,8 @@ benchmarks/estimators learns its constants and its noise from the contact-free r
 role `fit`, predicted by fits without their own path. It is then scored against the force sensor,
 or, without one, by the force that it shows on recordings of the role `validate`. Prints the tables
 and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with the tables of
-`simulated_contacts`, `contact_link` and `current_prediction` as these left them in results/.
+`simulated_contacts`, `contact_link` and `current_prediction` as these left them in results/, or as
+the page already has them.
 `--quick` takes four estimators: it only shows that it runs.
 """
 
@@ -60,7 +61,9 @@ def main() -> None:
     write_csv(table, RESULTS / "leaderboard.csv")
     print(page.tables(table))
     if given.page:
-        write_text(page.page(table, arms, sections(RESULTS)), PAGE)
+        further = sections(RESULTS)
+        text, names = page.page(table, arms, further), [*table["estimator"].unique()]
+        write_text(page.with_kept(text, PAGE.read_text(), further, names), PAGE)
 
 
 def arm_rows(arm: Arm, chosen: list[Estimator]) -> Iterator[dict[str, Any]]:

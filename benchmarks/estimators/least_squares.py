@@ -31,9 +31,13 @@ class LowPassed:
 
     def torque(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm]; it begins at zero in each stretch."""
+        return self.filtered(run.torque, run)
+
+    def filtered(self, torque: Array, run: Run) -> Array:
+        """Return a torque (N, 6) [Nm] of a run through the low-pass."""
         kept = np.exp(-run.period / self.time_constant)
         return by_segment(
-            lambda values: lfilter([1 - kept], [1, -kept], values, axis=0), run.torque, run.segment
+            lambda values: lfilter([1 - kept], [1, -kept], values, axis=0), torque, run.segment
         )
 
 

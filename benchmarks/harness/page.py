@@ -1,5 +1,6 @@
 """docs/benchmark.md: its tables and its sentences, all from the table of scores."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +15,8 @@ from ur5lib.force import contact_figures, contact_link, sensed_contacts
 
 TEMPLATE = "page.md.jinja"
 SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
-          "slope x, y, z", "in band", "interval score [N]", "free MAE x, y, z [N]"]  # fmt: skip
+          "slope x, y, z", "in band in contact", "interval score in contact [N]",
+          "free MAE x, y, z [N]"]  # fmt: skip
 FREE = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
 COMPARED = ["recording", "figure", f"{OURS} [N]", "better beyond chance", "lower within chance",
             "worse beyond chance"]  # fmt: skip
@@ -23,8 +25,16 @@ FIGURES = {  # what the sentences are about: component and figure, and how it is
     ("Fx", "mae"): "MAE along x",
     ("Fy", "mae"): "MAE along y",
     ("Fz", "mae"): "MAE along z",
-    ("norm", "score"): "interval score",
+    ("norm", "score"): "interval score in contact",
 }
+
+
+MEASURED = {  # sections by the name of what other benchmarks measure
+    "simulated": "Simulated arms",
+    "links": "Which link was touched",
+    "currents": "Currents along paths that no fit has seen",
+}
+ABSENT = "Estimators of the tables above that did not run on these seeds:"
 
 
 class Comparison(NamedTuple):
@@ -66,6 +76,29 @@ def page(table: pd.DataFrame, arms: Sequence[Arm], further: Mapping[str, Any]) -
         methods=methods(table),
         **further,
     )
+
+
+def with_kept(new: str, old: str, further: Mapping[str, Any], estimators: Sequence[str]) -> str:
+    """Return the new page with the old page's text of each section that was not measured again.
+
+    further: as in `page`; estimators: of the tables. Those that the section on simulated arms does
+    not show are named below it.
+    """
+    for name, title in MEASURED.items():
+        if further.get(name) is None and section(old, title):
+            new = new.replace(section(new, title), section(old, title))
+    simulated = section(new, MEASURED["simulated"])
+    shown = "\n".join(line for line in simulated.splitlines() if not line.startswith(ABSENT))
+    missing = [own for own in estimators if f"| {own} |" not in simulated]
+    if missing and "|" in simulated:
+        shown = f"{shown.rstrip()}\n\n{ABSENT} {'; '.join(missing)}."
+    return new.replace(simulated, f"{shown.rstrip()}\n\n")
+
+
+def section(text: str, title: str) -> str:
+    """Return a section of a page with its heading, up to the next one; empty if there is none."""
+    found = re.search(rf"^## {re.escape(title)}\n.*?(?=^## |\Z)", text, re.DOTALL | re.MULTILINE)
+    return found.group() if found else ""
 
 
 def rule() -> dict[str, str]:

@@ -22,12 +22,14 @@ class Run:
     """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
 
     path: label of the trajectory; period: [s]; segment: (N,) labels of unbroken stretches; states:
-    of motion, by joint; q, qd: [rad, rad/s]; model: torque of the rigid-body model [Nm]; jacobian:
-    J_g (N, 6, 6), base frame; torque: external, k (i_predicted - i), unfiltered [Nm]; smoothed: the
-    same through the study's zero-phase low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm
-    without contact, tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry
-    friction holds a joint; ready: estimates that the study already holds; sensor: the force
-    sensor's wrench less bias and tool weight, as in `Estimate`.
+    of motion, by joint; q, qd: [rad, rad/s]; model: torque of the rigid-body model [Nm]; friction:
+    predicted, without contact [Nm]; jacobian: J_g (N, 6, 6), base frame; torque: external,
+    k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's zero-phase
+    low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
+    tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
+    position_error: target less actual angles [rad], None where the target was not recorded; ready:
+    estimates that the study already holds; sensor: the force sensor's wrench less bias and tool
+    weight, as in `Estimate`.
     """
 
     name: str
@@ -38,19 +40,23 @@ class Run:
     q: Array
     qd: Array
     model: Array
+    friction: Array
     jacobian: Array
     torque: Array
     smoothed: Array
     momentum: Array
     rate: Array
     breakaway: Array
+    position_error: Array | None = None
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
 
     def part(self, rows: slice) -> Self:
         """Return some samples, without sensor and ready estimates."""
-        sampled = ("segment", "states", "q", "qd", "model", "jacobian", "torque", "smoothed")
-        taken = {name: getattr(self, name)[rows] for name in (*sampled, "momentum", "rate")}
+        names = ("segment", "states", "q", "qd", "model", "friction", "jacobian", "torque")
+        names = (*names, "smoothed", "momentum", "rate", "position_error")
+        sampled = {name: getattr(self, name) for name in names}
+        taken = {name: own[rows] for name, own in sampled.items() if own is not None}
         return replace(self, **taken, ready={}, sensor=None)
 
     def pushed(self, torque: Array) -> Self:
@@ -67,5 +73,9 @@ class Run:
 
     def known(self) -> list[slice]:
         """Return the stretches without a gap in which momentum and its rate are known."""
-        finite = finite_rows(self.momentum + self.rate)
+        return self.stretches(self.momentum + self.rate)
+
+    def stretches(self, values: Array) -> list[slice]:
+        """Return the stretches without a gap in which values (N, 6) are known."""
+        finite = finite_rows(values)
         return [rows for rows in unbroken(self.segment, finite) if finite[rows.start]]

@@ -80,6 +80,7 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
     fit = fit_for(folder.name, friction)
     constant = torque_constants(fit)
     assert currents.predicted_current is not None
+    friction = constant * currents.predicted_current - record.torque
     return Run(
         name=folder.name,
         path=0,
@@ -89,17 +90,19 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
         q=motion.q,
         qd=motion.qd,
         model=record.torque,
+        friction=friction,
         jacobian=Kinematics.read(folder / "kinematics.parquet").jacobian,
         torque=constant * (currents.predicted_current - record.current),
         smoothed=currents.external_torque,
         momentum=torques.momentum,
         rate=momentum_rate(
             motor=constant * record.current,
-            friction=constant * currents.predicted_current - record.torque,
+            friction=friction,
             coriolis=torques.coriolis_torque,
             gravity=torques.gravity_torque,
         ),
         breakaway=breakaway_torque(fit),
+        position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
         ready=ready_estimates(folder),
         sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),
     )

@@ -7,6 +7,7 @@ from ur5lib.force.external_torque import joint_states
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.008, 2500  # s, samples
+STIFFNESS = 5000.0  # Nm/rad, of the position loops
 INERTIA = np.array([4.0, 4.0, 2.0, 0.5, 0.5, 0.3])  # kg m²
 
 
@@ -28,6 +29,7 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
     qdd = -(speed**2) * q
     error = noise * random.normal(size=(COUNT, 6))
     torque = np.broadcast_to(push, (COUNT, 6)) + error
+    friction = 4.0 * np.tanh(qd / 0.1)
     segment = np.zeros(COUNT, int)
     return Run(
         name=f"run_{seed}",
@@ -38,10 +40,12 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
         q=q,
         qd=qd,
         model=INERTIA * qdd,
+        friction=friction,
         jacobian=np.broadcast_to(jacobian(0), (COUNT, 6, 6)).copy(),
         torque=torque,
         smoothed=torque,
         momentum=INERTIA * qd,
         rate=INERTIA * qdd - torque,
         breakaway=np.ones(6),
+        position_error=(friction - torque) / STIFFNESS,
     )

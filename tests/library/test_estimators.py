@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.estimators import all_estimators
+from benchmarks.estimators import all_estimators, position_error
+from benchmarks.estimators.adaptive_extended_kalman_filter import AdaptiveExtendedKalman
 from benchmarks.estimators.adaptive_kalman_filter import AdaptiveKalman
 from benchmarks.estimators.disturbance_kalman_filter import DisturbanceKalman
 from benchmarks.estimators.extended_state_observer import ExtendedState
@@ -16,13 +17,15 @@ from benchmarks.estimators.least_squares import LowPassed
 from benchmarks.estimators.momentum_observer import FirstOrder
 from benchmarks.estimators.ours import OURS
 from benchmarks.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
+from benchmarks.estimators.position_error import PositionError, fitted_loops
+from benchmarks.estimators.recursive_least_squares import ForgettingLeastSquares, forgotten
 from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import free_rows, sensed_rows
 from tests.conftest import PROJECT
-from tests.library.synthetic_run import COUNT, PERIOD, synthetic_run
+from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import STATES
@@ -38,12 +41,15 @@ CAUSAL = {
     "sliding mode": SlidingMode(1.0, 40.0, np.ones(6)).torque,
     "disturbance Kalman": DisturbanceKalman(3.0, 1.0).torque,
     "adaptive Kalman": AdaptiveKalman(3.0, 5.0, np.full(6, 0.1)).torque,
+    "adaptive EKF": AdaptiveExtendedKalman(20.0, 0.003, np.ones(6)).torque,
+    "position error": PositionError(np.full(6, STIFFNESS), np.zeros(6)).torque,
 }
 TORQUES = CAUSAL | {"smoothed Kalman": DisturbanceKalman(3.0, 1.0).smoothed}
 LATER = COUNT // 2  # sample from which on something is changed
 LEARNT = [own for own in all_estimators() if own.source not in ("ours", "baseline")]
 NAMES = [own.name for own in LEARNT if not own.name.startswith(("controller", "thesis"))]
 NAMES.remove("least squares behind our gate")
+NAMES.remove("position error")  # no trial push moves the arm
 
 each_torque = pytest.mark.parametrize("torque", TORQUES.values(), ids=TORQUES)
 
@@ -79,10 +85,58 @@ def test_an_observer_starts_anew_after_a_gap(torque: Callable[[Run], Array]) -> 
 @each_torque
 def test_what_is_unknown_stays_unknown(torque: Callable[[Run], Array]) -> None:
     run = synthetic_run()
-    for values in (run.torque, run.momentum):
+    assert run.position_error is not None
+    for values in (run.torque, run.momentum, run.position_error):
         values[100:110] = np.nan
     unknown = np.isnan(torque(run)).any(axis=1)
     assert np.flatnonzero(unknown).tolist() == [*range(100, 110)]
+
+
+def test_friction_and_torque_constant_that_are_off_are_learnt() -> None:
+    """With friction a fifth higher than predicted and the constant a tenth lower, less and less of
+    it is taken for an external torque; the filter that does not adapt keeps its error.
+    """
+    run = synthetic_run()
+    motor = (run.model + 1.2 * run.friction) / 0.9
+    run = replace(run, torque=run.model + run.friction - motor)
+    adaptive = AdaptiveExtendedKalman(1.0, 0.01, np.ones(6))
+    fixed = AdaptiveExtendedKalman(1.0, 0.0, np.ones(6))
+    late = slice(LATER, None)
+    left, kept = (np.abs(own.torque(run)[late]).mean() for own in (adaptive, fixed))
+    assert left < 0.5 * kept
+    states = adaptive.follow(motor, run.model, run.friction, run.period)[-1]
+    assert np.exp(states[:, 1]) == pytest.approx(1.2, rel=0.1)
+    assert np.exp(states[:, 2]) == pytest.approx(0.9, rel=0.1)
+
+
+def test_a_recursion_that_forgets_is_a_weighted_mean() -> None:
+    values = np.random.default_rng(0).normal(size=(50, 2, 3))
+    weights = 0.9 ** np.arange(50)[::-1]
+    found = forgotten(values, 0.9)
+    assert found[0] == pytest.approx(values[0])
+    assert found[-1] == pytest.approx(np.average(values, axis=0, weights=weights))
+
+
+def test_a_lasting_force_is_that_of_least_squares() -> None:
+    """What is forgotten does not matter, then."""
+    push = np.array([10.0, -20.0, 5.0, 0, 0, 0])
+    run = synthetic_run()
+    run = run.pushed(run.jacobian.mT @ push)
+    found = ForgettingLeastSquares(60.0, 0.02, unsure(1.0)).estimate(run).wrench[-1]
+    assert found == pytest.approx(push, abs=0.05)
+
+
+def test_the_gains_of_a_position_loop_are_found() -> None:
+    found = fitted_loops([synthetic_run(seed, noise=0.3) for seed in (1, 2)])
+    assert found.gain == pytest.approx(np.full(6, STIFFNESS), rel=0.01)
+    assert np.abs(found.constant).max() < 0.1
+
+
+def test_without_target_angles_no_position_error_is_used(learned: dict[str, Learned]) -> None:
+    blind = replace(synthetic_run(1), position_error=None)
+    assert learned["position error"].method(blind) is None
+    with pytest.raises(InputError, match="target_q"):
+        position_error.learn([blind])
 
 
 def test_a_first_order_lag_has_its_time_constant_as_latency() -> None:
@@ -201,6 +255,35 @@ def test_the_page_says_who_is_better() -> None:
     sentence = page.findings(table)[0]
     assert sentence.endswith("(RMSE): better by −1.7 (−1.7 to −1.7) N.")
     assert "| none | 1 of 2 |" in page.compared_table(table)
+
+
+PAGE = """# Page
+
+## Simulated arms
+
+{simulated}
+
+## Currents along paths that no fit has seen
+
+{currents}
+
+## Add
+
+end
+"""
+
+
+def test_what_was_not_measured_again_stays_on_the_page() -> None:
+    """And of the estimators, the section names those that did not run on the seeds."""
+    old = PAGE.format(simulated="| old | 1 |\n| ours | 2 |", currents="old currents")
+    new = PAGE.format(simulated="Not measured yet.", currents="new currents")
+    kept = page.with_kept(new, old, {"simulated": None, "currents": {}}, ["ours", "rival"])
+    shown = f"| old | 1 |\n| ours | 2 |\n\n{page.ABSENT} rival."
+    assert kept == PAGE.format(simulated=shown, currents="new currents")
+    again = page.with_kept(new, kept, {"simulated": None, "currents": {}}, ["ours", "rival"])
+    assert again == kept
+    measured = page.with_kept(old, new, {"simulated": {}, "currents": {}}, ["ours"])
+    assert measured == old
 
 
 def test_the_committed_page_states_the_rule_of_the_code() -> None:
