@@ -29,6 +29,7 @@ from ur5lib.identification.currents import (
     fit_currents,
     fit_for,
     fit_without_each_path,
+    friction_current,
     parameters,
     predict,
 )
@@ -55,7 +56,6 @@ from ur5lib.identification.samples import (
     design,
     joint_samples,
     record_paths,
-    smoothed_moving,
 )
 from ur5lib.identification.selection import (
     choose_reversal,
@@ -501,13 +501,24 @@ def test_least_squares_finds_constants(study: list[Record]) -> None:
 
 def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: CurrentFit) -> None:
     other = with_noise(make_record(99), 99)
-    moving = smoothed_moving(other, smooth)
-    scores = score(other, predict(fitted, other), smooth, band(fitted, moving))
+    scores = score(other, predict(fitted, other), smooth, band(fitted, other, smooth))
     assert (scores.coverage > 0.9).all()
     assert (scores.rmse_lowpassed < scores.rmse).all()
     assert (scores.r2 > 0.9).all()
     baseline = baseline_current(other, least_squares_coefficients(study))
-    assert scores.rmse_lowpassed[2] < score(other, baseline, smooth, moving).rmse_lowpassed[2]
+    none = np.zeros_like(baseline)
+    assert scores.rmse_lowpassed[2] < score(other, baseline, smooth, none).rmse_lowpassed[2]
+
+
+def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
+    """Friction 10 % higher than in all recordings of a fit that leaves hardly anything."""
+    narrow = [replace(joint, band_moving=0.01, band_rest=0.01) for joint in fitted.joints]
+    fit, other = replace(fitted, joints=tuple(narrow)), make_record(99)
+    friction = friction_current(fit, other)
+    warm = replace(other, current=predict(fit, other) + 0.1 * friction)
+    assert score(warm, predict(fit, warm), smooth, band(fit, warm, smooth)).coverage.min() == 1.0
+    within = np.full_like(friction, 0.01)
+    assert score(warm, predict(fit, warm), smooth, within).coverage.max() < 0.5
 
 
 def test_one_short_recording_is_as_certain_as_its_blocks() -> None:

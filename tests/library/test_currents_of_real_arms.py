@@ -38,7 +38,7 @@ WEIGHED = 2.805  # kg; what the authors of these logs state in estimate_drive_ga
 
 
 def scores(fit: CurrentFit, record: Record, smooth: Smooth) -> Scores:
-    return score(record, predict(fit, record), smooth, band(fit, smoothed_moving(record, smooth)))
+    return score(record, predict(fit, record), smooth, band(fit, record, smooth))
 
 
 def by_least_squares(fitted: Fitted, record: Record, smooth: Smooth) -> Array:

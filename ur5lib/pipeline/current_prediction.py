@@ -10,7 +10,7 @@ from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
 from ur5lib.identification.currents import CurrentFit, band, predict, torque_constants
 from ur5lib.identification.payload import LEFT, joint_gains
-from ur5lib.identification.samples import Record, Smooth, blocks, smoothed_moving
+from ur5lib.identification.samples import Record, Smooth, blocks
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
 from ur5lib.pipeline.external_torque import edge, smoothed_external_torque
 from ur5lib.pipeline.records.currents import Currents
@@ -40,7 +40,7 @@ def predicted_currents(
         time=signals.time,
         segment=signals.segment,
         predicted_current=predicted,
-        current_band=band(fit, smoothed_moving(record, smooth)),
+        current_band=band(fit, record, smooth),
         external_torque=external,
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
         observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
