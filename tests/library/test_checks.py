@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tests.library.test_recordings import PERIOD, contradictions, moving_robot
-from ur5lib.recordings.checks import check_force_sensor, check_robot
+from ur5lib.recordings.checks import check_force_sensor, check_robot, touched
 
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
 
@@ -99,3 +99,17 @@ def test_gravity_turns_by_three_newtons_in_an_imu(size: float, told: bool) -> No
     table = pd.DataFrame(force, columns=["ft_fx", "ft_fy", "ft_fz"]).assign(time=angle)
     found = [one.finding for one in check_force_sensor(table)]
     assert ("size of gravity" in found) == told
+
+
+@pytest.mark.parametrize(
+    ("newton", "seconds", "mass", "found"),
+    [(29.0, 1.0, 0.0, 1), (14.0, 1.0, 0.0, 0), (29.0, 0.4, 0.0, 0), (29.0, 1.0, 1.0, 0)],
+)
+def test_a_contact_in_a_free_recording_is_found(
+    newton: float, seconds: float, mass: float, found: int
+) -> None:
+    """29 N for a second; less, shorter, or the weight of a tool that turns is none."""
+    time = np.arange(0, 10, 0.01)
+    force = np.where(time < seconds, newton, 0.0) + 3.0  # and a bias
+    table = pd.DataFrame({"time": time, "ft_fx": force, "ft_fy": 0.0, "ft_fz": -4.0})
+    assert len(touched(table, mass)) == found

@@ -32,6 +32,9 @@ RATIOS = [
 SWAPPED = 0.3  # two joints count as swapped if swapping them cuts their deviation to this share
 LEVEL = 0.5  # A, Nm; below it, a channel holds only friction and noise
 REACHED = 0.999  # share of the full scale at which a sample counts as clipped
+TOUCH = 15.0  # N; a sensor's drift and the weight of its own half stay below
+TOUCHED = 0.5  # s
+GRAVITY = 9.81  # m/s²
 STUCK = 10  # samples at exactly the same extreme value indicate saturation
 UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
 TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
@@ -57,6 +60,26 @@ def check_robot(
 def check_force_sensor(table: pd.DataFrame) -> list[Finding]:
     """Check for saturation and for an IMU file read by mistake. table: `time` and ft_* as read."""
     return [*_saturation(table), *_looks_like_imu(table)]
+
+
+def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
+    """Find contacts at the force sensor of a recording that should be free of them.
+
+    table: `time` and ft_* as read; mass: [kg], behind the sensor, whose weight turns with it.
+    """
+    if "ft_fx" not in table:
+        return []
+    force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy(float)
+    size = np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)
+    time = table["time"].to_numpy()
+    beyond = size > TOUCH + 2 * GRAVITY * mass
+    if not beyond.sum() * np.median(np.diff(time)) > TOUCHED:
+        return []
+    detail = (
+        f"the force differs from its median by up to {np.nanmax(size):.0f} N, but the recording's "
+        "role means that nothing touches the arm; give it the role contact, or declare `payload`"
+    )
+    return [Finding("force", "contact", "warning", int(beyond.sum()), detail)]
 
 
 def _saturation(table: pd.DataFrame) -> Iterator[Finding]:

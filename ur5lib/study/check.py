@@ -14,6 +14,7 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stop_signs import stop_signs
@@ -119,8 +120,16 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     stops = [*quality_table.stop_rows(recording.name, signs)]
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality["period_s"])
+    if recording.role != "contact" and (sensor := _force_of(intake)) is not None:
+        mass = load.payload.mass if load.payload else 0.0
+        doubts += touched(sensor, mass)
     findings = [*stops, *intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
     return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
+
+
+def _force_of(intake: Intake) -> pd.DataFrame | None:
+    """Return the force sensor's table, or the robot's where it holds the sensor's channels."""
+    return intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
 
 
 def unfiltered(study: Study, period: float) -> list[Finding]:
