@@ -41,7 +41,7 @@ LINKS = {place: link for place, (link, _) in PLACES.items()}
 FORCES = 5.0, 80.0  # N, their range
 PAUSE, LASTS = 4.0, 2.0  # s
 PRIOR = ContactPrior()
-SIZES = [size * PRIOR.force for size in PRIOR.sizes]  # N
+SIZES = [*PRIOR.sizes]  # N
 
 
 def main() -> None:

@@ -1,8 +1,9 @@
 """F̂ᵐᵃᵖ without its gate, from past samples only.
 
-    F̂ = Σ p(P | τ) P J (Jᵀ P J + S)⁻¹ τ / η,   p(P | τ) ∝ N(τ; 0, Jᵀ P J + S)
+    F̂ = Σ p(P | τ) P J (Jᵀ P J + S)⁻¹ τ,   p(P | τ) ∝ N(τ; 0, Jᵀ P J + S)
 
-The torque is that of a causal momentum observer; noise S, losses and η are those of F̂ᵐᵃᵖ. A
+The torque is that of a causal momentum observer, less the load friction that the contact adds;
+this and the noise S are those of F̂ᵐᵃᵖ. A
 contact is assumed at all times, as with the other causal estimators, because a gate needs evidence:
 filtered forwards, ours shows less than 63 % of a step of 15 N even after a second. Offline, F̂ᵐᵃᵖ
 learns how large a contact is from all of its samples; here, each sample chooses among the typical
@@ -31,7 +32,7 @@ OURS_CAUSAL = "F̂ᵐᵃᵖ, causal"
 GAINS = (20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0)  # of the observer [1/s]
 PRIOR = ContactPrior()
 SIZES = [  # P: the typical contact, and larger ones
-    wrench_covariance(size * PRIOR.force, PRIOR.lever) for size in PRIOR.sizes if size >= 1
+    wrench_covariance(size, PRIOR.lever) for size in PRIOR.sizes if size >= PRIOR.force
 ]
 
 
@@ -48,7 +49,9 @@ class CausalMap:
         known = finite_rows(torque) & finite_rows(run.jacobian.reshape(-1, 36))
         wrench, std = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
         noise = Noise.of(run.states[known], self.model, PRIOR, np.zeros_like(torque[known]))
-        own = mixed_wrench(torque[known], run.jacobian[known], noise)
+        gears = run.gears.at(known).where_moving(run.states[known])
+        carried, _ = gears.contact_torque(torque[known])
+        own = mixed_wrench(carried, run.jacobian[known], noise)
         wrench[known], std[known] = own.mean, np.sqrt(own.variance)
         return Estimate(wrench, std)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
 from ur5lib.force.external_torque import States, finite_rows
+from ur5lib.force.gears import Gears
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
@@ -27,9 +28,9 @@ class Run:
     k (i_predicted - i), unfiltered [Nm]; smoothed: the same through the study's zero-phase
     low-pass; momentum: p = D q̇ [Nm s]; rate: dp/dt of an arm without contact,
     tau_m - tau_f + Cᵀ q̇ - g [Nm]; breakaway: (6,) [Nm], up to which dry friction holds a joint;
-    position_error: target less actual angles [rad], None where the target was not recorded; ready:
-    estimates that the study already holds; sensor: the force sensor's wrench less bias and tool
-    weight, as in `Estimate`.
+    gears: unfiltered; position_error: target less actual angles [rad], None where the target was
+    not recorded; ready: estimates that the study already holds; sensor: the force sensor's wrench
+    less bias and tool weight, as in `Estimate`.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Run:
     momentum: Array
     rate: Array
     breakaway: Array
+    gears: Gears
     position_error: Array | None = None
     ready: dict[str, Estimate] = field(default_factory=dict)
     sensor: Array | None = None
@@ -57,7 +59,7 @@ class Run:
         names = (*names, "smoothed", "momentum", "rate", "position_error")
         sampled = {name: getattr(self, name) for name in names}
         taken = {name: own[rows] for name, own in sampled.items() if own is not None}
-        return replace(self, **taken, ready={}, sensor=None)
+        return replace(self, **taken, gears=self.gears.at(rows), ready={}, sensor=None)
 
     def pushed(self, torque: Array) -> Self:
         """Return the same motion under an additional external torque (N, 6) [Nm].

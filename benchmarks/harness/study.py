@@ -9,8 +9,15 @@ import numpy as np
 import yaml
 
 from benchmarks.harness.run import Estimate, Run
+from ur5lib.force.gears import Gears
 from ur5lib.force.observer import momentum_rate
-from ur5lib.identification.currents import breakaway_torque, fit_for, torque_constants
+from ur5lib.identification.currents import (
+    breakaway_torque,
+    fit_for,
+    friction_current,
+    load_loss,
+    torque_constants,
+)
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -67,7 +74,7 @@ def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
     return Arm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
 
 
-def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | None:
+def read_run(folder: Path, robot: Robot, fitted: Mapping[str, Any]) -> Run | None:
     """Return a recording, None where its external torque is unknown or it carries a load."""
     signals = Signals.read(folder / "signals.parquet")
     motion = Motion.read(folder / "motion.parquet")
@@ -77,7 +84,7 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
     record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
     if record is None or currents.external_torque is None or (load and load["taken"]):
         return None
-    fit = fit_for(folder.name, friction)
+    fit = fit_for(folder.name, fitted)
     constant = torque_constants(fit)
     assert currents.predicted_current is not None
     friction = constant * currents.predicted_current - record.torque
@@ -102,6 +109,9 @@ def read_run(folder: Path, robot: Robot, friction: Mapping[str, Any]) -> Run | N
             gravity=torques.gravity_torque,
         ),
         breakaway=breakaway_torque(fit),
+        gears=Gears(
+            record.torque, load_loss(fit, record), constant * friction_current(fit, record)
+        ),
         position_error=None if signals.target_q is None else signals.target_q - signals.actual_q,
         ready=ready_estimates(folder),
         sensor=SensorWrenches.read(folder / "sensor.parquet").wrench.get("compensated"),

@@ -10,6 +10,7 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, joint_states
+from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.robots.description import Robot
@@ -75,15 +76,20 @@ class Free:
         """(N, 6), of a force (N, 3) at a point of frame 6 [m]."""
         return np.concatenate([force, np.cross(self.rotation @ off, force)], axis=1)
 
-    def pushed(self, wrench: Array, efficiency: float = PRIOR.efficiency) -> Self:
-        """With a wrench (N, 6), of which gears pass on so much."""
-        carried = efficiency * torque_of(self.jacobian, wrench)
-        return replace(self, torque=self.torque + carried)
+    def pushed(self, wrench: Array) -> Self:
+        """With a wrench (N, 6), all of which the gears pass on."""
+        return replace(self, torque=self.torque + torque_of(self.jacobian, wrench))
 
-    def estimate(self, prior: ContactPrior = PRIOR, model: ResidualModel = MODEL) -> WrenchEstimate:
+    def estimate(
+        self,
+        prior: ContactPrior = PRIOR,
+        model: ResidualModel = MODEL,
+        gears: Gears | None = None,
+    ) -> WrenchEstimate:
         segment, step = np.zeros(len(self.time), int), self.time[1] - self.time[0]
         jacobian = self.jacobian[used_rows(segment, step)]
-        return estimate_wrench(self.torque, jacobian, self.states, segment, step, model, prior)
+        given = self.torque, jacobian, self.states, segment, step, model, prior
+        return estimate_wrench(*given, gears=gears)
 
 
 def free_run(

@@ -4,6 +4,7 @@ import numpy as np
 
 from benchmarks.harness.run import Run
 from ur5lib.force.external_torque import joint_states
+from ur5lib.force.gears import Gears
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.008, 2500  # s, samples
@@ -47,5 +48,6 @@ def synthetic_run(seed: int = 0, push: Array | float = 0.0, noise: float = 0.0) 
         momentum=INERTIA * qd,
         rate=INERTIA * qdd - torque,
         breakaway=np.ones(6),
+        gears=Gears.without_friction(torque),
         position_error=(friction - torque) / STIFFNESS,
     )

@@ -1,4 +1,4 @@
-"""The wrench of one contact: its limits, what its size is learnt from, and what gears lose."""
+"""The wrench of one contact: its limits, and what its size is learnt from."""
 
 from dataclasses import replace
 
@@ -12,7 +12,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import coverage
 
 COUNT, PERIOD, WORTH = 100, 0.032, 0.032 / 0.25
-LOSSLESS = replace(PRIOR, efficiency=1.0, efficiency_std=0.0, load_friction=0.0)
+LOSSLESS = replace(PRIOR, load_friction=0.0)
 NOISE = np.array([1.2, 1.5, 1.0, 0.4, 0.3, 0.3])  # Nm
 
 
@@ -53,16 +53,6 @@ def test_least_squares_are_the_normal_equations(ur5: Robot) -> None:
         covariance = np.linalg.inv(columns.T @ columns)
         np.testing.assert_allclose(plain.variance[t, :3], np.diag(covariance))
     assert (plain.mean[:, 3:] == 0).all()
-
-
-def test_what_gears_lose_is_given_back(ur5: Robot) -> None:
-    """An efficiency of a half doubles the force, and its spread is a share of the force."""
-    own = contact(ur5, np.array([0.0, 60, 0, 0, 0, 0]), seed=3)
-    whole = contact_wrench(*own, WORTH, PERIOD, LOSSLESS)
-    half = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, efficiency=0.5))
-    np.testing.assert_allclose(half.mean, 2 * whole.mean)
-    unsure = contact_wrench(*own, WORTH, PERIOD, replace(LOSSLESS, efficiency_std=0.1))
-    np.testing.assert_allclose(unsure.variance - whole.variance, (0.1 * whole.mean) ** 2)
 
 
 def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:
@@ -122,6 +112,18 @@ def test_a_size_has_the_direction_of_the_force(ur5: Robot) -> None:
     expected = (count * 100**2 + PRIOR.force**2) / (count + 1)
     assert learned[0, 0] == pytest.approx(expected, rel=0.05)
     assert learned[0, 0] > 50 * learned[1, 1]
+
+
+@pytest.mark.parametrize("lever", [0.0, 0.3])
+def test_a_short_contact_has_the_usual_lever(ur5: Robot, lever: float) -> None:
+    """Whatever its moment seems to be; in a long one, that is what counts."""
+    wrench = np.array([0.0, 200, 0, 200 * lever, 0, 0])
+    short, long = (
+        learned_size(*contact(ur5, wrench, seed=6, noise=0.1), worth, PRIOR) for worth in (1e-3, 10)
+    )
+    levers = [np.sqrt(own[3, 3] / (np.trace(own[:3, :3]) / 3)) for own in (short, long)]
+    assert levers[0] == pytest.approx(PRIOR.lever, rel=0.5)
+    assert abs(levers[1] - lever) < 0.02
 
 
 def test_what_tells_nothing_keeps_the_usual_size(ur5: Robot) -> None:

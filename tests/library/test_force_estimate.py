@@ -102,18 +102,20 @@ def test_a_prior_says_how_large_a_force_and_its_moment_are() -> None:
 
 
 def test_the_smoother_is_the_normal_distribution_it_stands_for() -> None:
-    """Mean and covariance given all measurements, by one large linear system."""
+    """Mean and covariance given all measurements, by one large linear system for each joint."""
     count, decay = 12, RANDOM.uniform(0.5, 0.99, (12, 6))
     spread = np.tile(np.diag(RANDOM.uniform(1, 4, 6)), (count, 1, 1))
     noise = np.tile(np.diag(RANDOM.uniform(0.5, 2, 6)), (count, 1, 1))
     measured = RANDOM.normal(size=(count, 6))
     measured[4:6] = np.nan
-    smoothed = smooth(measured, noise, spread, decay)
+    friction, scale_std = RANDOM.normal(size=(count, 6)), 0.4
+    smoothed = smooth(measured, noise, spread, decay, friction, scale_std)
     for joint in range(6):
         between = np.eye(count)
         for s, t in np.ndindex(count, count):
             between[s, t] = decay[min(s, t) + 1 : max(s, t) + 1, joint].prod()
-        prior = spread[0, joint, joint] * between
+        own = friction[:, joint]
+        prior = spread[0, joint, joint] * between + scale_std**2 * np.outer(own, own)
         known = np.isfinite(measured[:, joint])
         total = prior[np.ix_(known, known)] + noise[0, joint, joint] * np.eye(known.sum())
         gain = prior[:, known] @ np.linalg.inv(total)

@@ -139,8 +139,12 @@ def test_in_contact_the_estimate_tells_more_than_nothing(
 
 
 def test_in_motion_a_force_is_told_as_large_as_it_is(judged: dict[str, Figures]) -> None:
+    """But along x, which joint 1 shows: its torque constant is fitted as 8.6 Nm/A, that of the same
+    motor in joints 2 and 3 as 10.9 and 10.4, because nothing weighs on it.
+    """
     slope = judged[PUSHED]["contact"]["slope"]
-    assert (np.abs(slope[[0, 2]] - 1) < 0.15).all()
+    assert np.abs(slope[2] - 1) < 0.05
+    assert 0.8 < slope[0] < 1.15
 
 
 @pytest.mark.parametrize("name", SENSED)
@@ -208,16 +212,18 @@ def test_the_answer_is_not_the_priors(
 def test_a_sustained_push_is_told_at_any_size(
     thesis: dict[str, RealRecording], known: Fitted, name: str
 ) -> None:
-    """From 5 s on for 15 s, along x, y, z; what the gears lose is as the prior says."""
+    """From 5 s on for 15 s, along x, y, z; what the gears lose is as the fit says."""
     taken = thesis[name]
+    gears = known.problem(taken).input.gears
+    assert gears is not None
     time = taken.motion.period * np.arange(len(taken.kinematics.jacobian))
     on = (time >= 5) & (time < 20)
     sizes, told, held = np.array([5.0, 30.0, 80.0]), np.zeros((3, 3)), np.zeros((3, 3, 3))
     for i, size in enumerate(sizes):
         for axis in range(3):
             wrench = np.where(on[:, None], size * np.eye(6)[axis], 0.0)
-            lost = PRIOR.efficiency * (taken.kinematics.jacobian.mT @ wrench[..., None])[..., 0]
-            estimate = known.estimate(taken, extra=lost)
+            felt = gears.felt((taken.kinematics.jacobian.mT @ wrench[..., None])[..., 0])
+            estimate = known.estimate(taken, extra=felt)
             told[i, axis] = estimate.wrench[on, axis].mean()
             inside = np.abs(estimate.wrench - wrench) <= 1.96 * estimate.std
             held[i, axis] = inside[on, :3].mean(axis=0)

@@ -13,7 +13,6 @@ from ur5lib.force.grasp import grasped_load
 from ur5lib.robots.description import Payload, Robot
 
 PERIOD = 0.016
-EFFICIENCY = 0.97
 DEVIATION = MODEL.spread[MOVING]
 LINK_6 = slice(50, 54)
 Motion = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -56,8 +55,8 @@ def noise(count: int, seed: int, scale: float = 0.3) -> np.ndarray:
 def test_a_weight_is_named_within_a_tenth(ur5: Robot, mass: float, seed: int) -> None:
     states = motion(8.0, seed)
     payload = Payload(mass=mass, center_of_mass=(0.02, -0.01, 0.08))
-    torque = EFFICIENCY * weight(ur5, states, payload) + noise(len(states[0]), seed, scale=0.1)
-    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY)
+    torque = weight(ur5, states, payload) + noise(len(states[0]), seed, scale=0.1)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD)
     assert load is not None
     assert load.mass == pytest.approx(mass, rel=0.1)
     assert abs(load.mass - mass) < 3 * load.std_error
@@ -71,7 +70,7 @@ def test_a_load_has_no_unit_and_no_axes(ur5: Robot) -> None:
     torque = weight(ur5, states, payload) + noise(len(states[0]), 1, scale=0.1)
     Y = per_load(ur5, states)
     load, twice, turned = (
-        grasped_load(*given, PERIOD, 1.0)
+        grasped_load(*given, PERIOD)
         for given in (
             (torque, Y, DEVIATION),
             (2 * torque, Y, 2 * DEVIATION),
@@ -88,19 +87,10 @@ def test_a_load_has_no_unit_and_no_axes(ur5: Robot) -> None:
 def test_a_weight_held_still_is_one_too(ur5: Robot) -> None:
     states = motion(4.0, 0, swing=0.0)
     payload = Payload(mass=3.0, center_of_mass=(0.0, 0.0, 0.05))
-    torque = EFFICIENCY * weight(ur5, states, payload)
-    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY)
+    torque = weight(ur5, states, payload)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD)
     assert load is not None
     assert load.mass == pytest.approx(3.0, rel=0.1)
-
-
-@pytest.mark.parametrize("efficiency", [0.7, 0.9])
-def test_what_gears_lose_of_a_weight_is_given_back(ur5: Robot, efficiency: float) -> None:
-    states = motion(8.0, 2)
-    torque = efficiency * weight(ur5, states, Payload(mass=2.0, center_of_mass=(0, 0, 0.05)))
-    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, efficiency)
-    assert load is not None
-    assert load.mass == pytest.approx(2.0, rel=0.03)
 
 
 SIDEWAYS = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1]]
@@ -118,14 +108,14 @@ def test_a_push_that_is_not_downwards_is_no_load(
     states = motion(8.0, 5, swing)
     force = 30.0 * np.tile([*direction, 0, 0, 0], (len(states[0]), 1))
     torque = torque_of(jacobians(ur5, states[0]), force)
-    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD) is None
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_what_strays_is_no_load(ur5: Robot, seed: int) -> None:
     states = motion(8.0, seed)
     torque = noise(len(states[0]), seed, scale=1.0)
-    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY) is None
+    assert grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD) is None
 
 
 @pytest.mark.parametrize(("seconds", "told"), [(1.9, False), (2.0, True), (2.1, True)])
@@ -134,7 +124,7 @@ def test_a_contact_of_two_seconds_tells_a_load(ur5: Robot, seconds: float, told:
     count = round(64 * seconds)
     states = tuple(state[:count] for state in motion(4.0, 0))
     torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
-    load = grasped_load(torque, per_load(ur5, states), DEVIATION, 1 / 64, EFFICIENCY)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, 1 / 64)
     assert (load is not None) == told
 
 
@@ -142,7 +132,7 @@ def test_half_a_second_at_both_ends_does_not_count(ur5: Robot) -> None:
     """While a load is taken up or put down."""
     states = motion(4.0, 3)
     torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0, 0, 0.05)))
-    given = per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY
+    given = per_load(ur5, states), DEVIATION, PERIOD
     edge = round(0.5 / PERIOD)
     for end, inside in ((slice(edge), edge), (slice(-edge, None), -edge - 1)):
         lifted = torque.copy()
@@ -161,7 +151,7 @@ def test_a_weight_explains_all_but_a_twentieth(ur5: Robot, share: float, told: b
     edge = round(0.5 / PERIOD)
     power = (torque[edge:-edge] ** 2).sum() / len(torque[edge:-edge])
     torque[:, 5] += np.sqrt(share / (1 - share) * power) * (-1.0) ** np.arange(len(torque))
-    load = grasped_load(torque, per_load(ur5, states), deviation, PERIOD, 1.0)
+    load = grasped_load(torque, per_load(ur5, states), deviation, PERIOD)
     assert (load is not None) == told
 
 
@@ -171,7 +161,7 @@ def test_a_load_is_by_least_squares_with_a_prior_of_its_lever(ur5: Robot) -> Non
     states = motion(8.0, 6)
     torque = weight(ur5, states, Payload(mass=3.0, center_of_mass=(0.3, 0.2, 0.4)))
     torque += noise(len(torque), 6, scale=0.1)
-    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD, 1.0)
+    load = grasped_load(torque, per_load(ur5, states), DEVIATION, PERIOD)
     assert load is not None
     edge = round(0.5 / PERIOD)
     columns = (-per_load(ur5, states) / DEVIATION[:, None])[edge:-edge]
@@ -194,7 +184,7 @@ def test_a_load_is_three_times_its_error(ur5: Robot) -> None:
     torque = weight(ur5, states, Payload(mass=1.0, center_of_mass=(0, 0, 0.05)))
     scales = np.geomspace(0.1, 100, 60)
     given = torque, per_load(ur5, states)
-    loads = [grasped_load(*given, scale * DEVIATION, PERIOD, 1.0) for scale in scales]
+    loads = [grasped_load(*given, scale * DEVIATION, PERIOD) for scale in scales]
     ratios = [load.mass / load.std_error for load in loads if load]
     assert 0 < len(ratios) < len(scales)
     assert 3 < min(ratios) < 3.4
@@ -202,8 +192,8 @@ def test_a_load_is_three_times_its_error(ur5: Robot) -> None:
 
 def test_missing_samples_are_left_out(ur5: Robot) -> None:
     states = motion(8.0, 1)
-    torque = EFFICIENCY * weight(ur5, states, Payload(mass=2.0, center_of_mass=(0, 0, 0.05)))
-    given = per_load(ur5, states), DEVIATION, PERIOD, EFFICIENCY
+    torque = weight(ur5, states, Payload(mass=2.0, center_of_mass=(0, 0, 0.05)))
+    given = per_load(ur5, states), DEVIATION, PERIOD
     holes = torque.copy()
     holes[100:150] = np.nan
     load, again = grasped_load(torque, *given), grasped_load(holes, *given)

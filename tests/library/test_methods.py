@@ -8,8 +8,10 @@ import pytest
 from tests.conftest import PROJECT
 from ur5lib.force import (
     contact_figures,
+    contact_wrench,
     detection,
     external_torque,
+    gears,
     grasp,
     mounting,
     residual_model,
@@ -77,11 +79,12 @@ def statements() -> Iterator[str]:
     yield (f"| {percent(payload.GEARS)}, {percent(payload.JOINTS)}, {percent(payload.LEFT)} |")
     # contacts
     yield (
-        f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; 1/{1 / PRIOR.sizes[0]:g}, "
-        f"{listed(PRIOR.sizes[1:])} times; {listed(tuple(100 * own for own in PRIOR.levers))} cm |"
+        f"| {PRIOR.force:g} N, {100 * PRIOR.lever:g} cm; {listed(PRIOR.sizes)} N; "
+        f"{listed(tuple(100 * own for own in PRIOR.levers))} cm |"
     )
     yield f"| {PRIOR.duration:g} s, {PRIOR.pause:g} s |"
-    yield (f"| {PRIOR.efficiency:g} ± {PRIOR.efficiency_std:g}; {percent(PRIOR.load_friction)} |")
+    yield f"| {percent(PRIOR.load_friction)}; {percent(PRIOR.friction_std)} |"
+    yield f"| {contact_wrench.LEVERS:g} samples; 1/{1 / gears.MEAN:g} |"
     yield f"| {PRIOR.stiction:g}, {PRIOR.rubbing:g} |"
     yield f"| {listed(PRIOR.hunting)}; {PRIOR.settling:g} s |"
     yield (
@@ -93,6 +96,8 @@ def statements() -> Iterator[str]:
         f"{external_torque.RELAXING:g} s |"
     )
     yield f"contain a lever of {100 * PRIOR.levers[1]:g} cm"
+    yield f"counts as {contact_wrench.LEVERS:g} independent samples"
+    yield f"the prior standard deviation is {percent(PRIOR.friction_std)}"
     yield (
         "changes within half a second"
         if residual_model.SHORT == 0.5

@@ -12,15 +12,15 @@ class ContactPrior:
     """Magnitudes and durations of contacts, and losses between the contact and the motors.
 
     Contacts: force [N] and lever [m], magnitude of a typical contact and its distance from the
-    origin of frame 6, both refined by each contact's own data; sizes, levers: the magnitudes, as
-    multiples of `force`, and levers [m] among which the gate chooses; quiet [N]: forces that do
+    origin of frame 6, both refined by each contact's own data; sizes, levers: the magnitudes [N]
+    and levers [m] among which the gate chooses, whatever is typical; quiet [N]: forces that do
     not count as contact, such as a hose's; duration, pause: mean duration of contacts and of the
     pauses between them [s].
 
-    Gears: efficiency, efficiency_std: share of a contact's torque that reaches the motors, constant
-    during a contact; load_friction: relative deviation of each joint from that share; stiction,
-    rubbing: part of a contact that dry friction may absorb at rest and in motion, as shares of the
-    breakaway torque.
+    Gears: load_friction: relative deviation of each joint's torque from what the fit says that the
+    gears pass on of a contact; friction_std: relative deviation of each joint's friction in one run
+    from that of the fit; stiction, rubbing: part of a contact that dry friction may absorb at rest
+    and in motion, as shares of the breakaway torque.
 
     Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
     breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that
@@ -33,14 +33,13 @@ class ContactPrior:
 
     force: float = 15.0
     lever: float = 0.03
-    sizes: tuple[float, ...] = (1 / 3, 1.0, 3.0, 9.0)
+    sizes: tuple[float, ...] = (5.0, 15.0, 45.0, 135.0)
     levers: tuple[float, ...] = (0.0, 0.05, 0.15)
     quiet: float = 1.0
     duration: float = 1.0
     pause: float = 10.0
-    efficiency: float = 0.94
-    efficiency_std: float = 0.04
-    load_friction: float = 0.15
+    load_friction: float = 0.1
+    friction_std: float = 0.2
     stiction: float = 0.45
     rubbing: float = 0.2
     hunting: tuple[float, ...] = (0.1, 0.3, 0.9)
@@ -63,11 +62,7 @@ class ContactPrior:
 
     def bank(self) -> list[Array]:
         """Return the covariances (6, 6) of all kinds of contacts among which the gate chooses."""
-        return [
-            wrench_covariance(size * self.force, lever)
-            for size in self.sizes
-            for lever in self.levers
-        ]
+        return [wrench_covariance(size, lever) for size in self.sizes for lever in self.levers]
 
 
 def wrench_covariance(force: float, lever: float) -> Array:

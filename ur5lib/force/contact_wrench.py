@@ -11,6 +11,7 @@ from ur5lib.force.map_estimate import Posterior, regularised_wrench
 from ur5lib.timeseries.arrays import Array, Mask
 
 ROUNDS = 30  # of expectation-maximisation; most contacts converge in ten
+LEVERS = 20.0  # of the typical lever, likewise
 WEIGHT = 1.0  # of the typical contact, in independent samples
 
 
@@ -32,19 +33,19 @@ def contact_wrench(
 ) -> Wrench:
     """Estimate F̂ᵐᵃᵖ of one contact and its variance.
 
-    torque: external, without its background, (n, 6) [Nm], rows of NaN where unknown: there the
-    wrench is zero with the prior's variance; jacobian: (n, 6, 6); noise: S (n, 6, 6) [Nm²]; worth:
+    torque: Jᵀ F, of the contact alone, (n, 6) [Nm], rows of NaN where unknown: there the wrench is
+    zero with the prior's variance; jacobian: (n, 6, 6); noise: S (n, 6, 6) [Nm²]; worth:
     independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior covariance of
     the wrench, None to learn it.
     """
     if size is None:
         size = learned_size(torque, jacobian, noise, worth, prior)
-    # F = P J (Jᵀ P J + S)⁻¹ τ / η, with η the efficiency of the gears
+    # F = P J (Jᵀ P J + S)⁻¹ τ
     estimate = regularised_wrench(torque, jacobian, noise, size)
-    wrench = estimate.mean / prior.efficiency  # (n, 6)
-    # torque noise and load friction, then efficiency
+    wrench = estimate.mean  # (n, 6)
+    # torque noise, load friction, and a moment that is taken for a force
     variance = _diagonal(estimate.covariance) + _lost(estimate, jacobian, prior)  # (n, 6)
-    variance = variance / prior.efficiency**2 + (prior.efficiency_std * wrench) ** 2
+    variance = variance + _turned(estimate, jacobian, prior)
     # a change of the force is known in time to within the resolution only
     change = _change(wrench, finite_rows(torque), period)
     variance = variance + (prior.resolution * change) ** 2
@@ -61,7 +62,9 @@ def learned_size(
 
     P maximises the evidence by expectation-maximisation, a typical contact counting as one
     independent sample: P = (Σ w E[F Fᵀ] + P_usual) / (w n + 1). The force part is a full matrix;
-    the moment part is isotropic and explains what a force at the origin of frame 6 cannot.
+    the moment part is isotropic and tied to the force: its lever is the typical one, which counts
+    as 20 independent samples. Otherwise a moment explains what friction took of a short contact,
+    and a small change of the prior gives another force.
     """
     known = finite_rows(torque)
     torque, jacobian, noise = torque[known], jacobian[known], noise[known]
@@ -74,7 +77,9 @@ def learned_size(
         square = (worth * square + WEIGHT * prior.usual()) / (count + WEIGHT)
         size = np.zeros((6, 6))
         size[:3, :3] = square[:3, :3]
-        size[3:, 3:] = np.eye(3) * np.trace(square[3:, 3:]) / 3
+        usual_moment, moment = prior.lever**2 * np.trace(square[:3, :3]), np.trace(square[3:, 3:])
+        moment = (LEVERS * usual_moment + count * moment) / (LEVERS + count)
+        size[3:, 3:] = np.eye(3) * moment / 3
     return size
 
 
@@ -102,6 +107,14 @@ def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, 6)
     lost = diagonal((prior.load_friction * carried) ** 2)
     return _diagonal(estimate.gain @ lost @ estimate.gain.mT)
+
+
+def _turned(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
+    """Return the variance (n, 6) from a moment of this force by the typical lever."""
+    # K J_wᵀ cov n J_w Kᵀ, cov n = (lever |F|)² I
+    moment = prior.lever * np.linalg.norm(estimate.mean[:, :3], axis=1)
+    spread = estimate.gain @ jacobian[:, 3:].mT * moment[:, None, None]  # (n, 6, 3)
+    return np.asarray((spread**2).sum(axis=2))
 
 
 def _change(wrench: Array, known: Mask, period: float) -> Array:

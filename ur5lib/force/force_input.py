@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from ur5lib.force.external_torque import States, finite_rows, is_still
+from ur5lib.force.gears import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.trajectories import SAME, place
 
@@ -16,7 +17,7 @@ class ForceInput:
 
     q, qd, torque, states: positions, velocities, external torques and joint states, (N, 6) each,
     NaN where unknown; segment: (N,); period: [s]; doubt: (N, 6) [Nm], standard deviation of an
-    estimated load's torque, None without a load.
+    estimated load's torque, None without a load; gears: None if their friction is unknown.
     """
 
     q: Array
@@ -26,6 +27,7 @@ class ForceInput:
     segment: Labels
     period: float
     doubt: Array | None = None
+    gears: Gears | None = None
 
     def moves(self) -> Mask:
         """Return the samples (N,) in which the arm moves and its motion is known."""

@@ -15,6 +15,7 @@ from ur5lib.force import hidden_markov
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
+from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.rts import Gaussians
@@ -72,11 +73,13 @@ def find_contacts(
     noise: Noise,
     model: ResidualModel,
     prior: ContactPrior,
+    gears: Gears,
     told: Mask | None = None,
 ) -> Gate:
     """Estimate when a stretch without a gap is in contact; arguments as of `estimate_wrench`.
 
-    told: (N,), contacts according to a sensor: then only the background is estimated.
+    gears: without friction where joints rest; told: (N,), contacts according to a sensor: then only
+    the background is estimated.
     """
     known, worth = finite_rows(torque), min(1.0, period / model.independent)
     filled = np.where(known[:, None], torque, 0.0)
@@ -98,11 +101,13 @@ def find_contacts(
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
         rate = model.rate[states]
-        slow = smooth(torque, measured, noise.spread, np.exp(-period * (rate + renewed)))
+        given = torque, measured, noise.spread
+        scaled = -gears.friction, prior.friction_std
+        slow = smooth(*given, np.exp(-period * (rate + renewed)), *scaled)
         # without a push it stays: the background of the free states
         held = slow
         if noise.still.any():
-            held = smooth(torque, measured, noise.spread, np.exp(-period * rate))
+            held = smooth(*given, np.exp(-period * rate), *scaled)
     past = hidden_markov.filtered(evidence, chain.transitions, chain.start)
     return Gate(contact, past[:, len(free) :].sum(axis=1), slow)
 

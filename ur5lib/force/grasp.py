@@ -10,7 +10,7 @@ from ur5lib.timeseries.arrays import Array
 SHORTEST = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
 EDGE = 0.5  # s at both ends, while it is taken up or put down
 EXPLAINED = 0.95  # share of the contact's squared torque that a weight must explain
-GEARS = 0.03  # relative error of the mass by the gears' efficiency
+GEARS = 0.03  # relative error of the mass by the gears' load friction
 LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
 
 
@@ -23,13 +23,13 @@ class Grasped:
 
 
 def grasped_load(
-    torque: Array, regressor: Array, deviation: Array, period: float, efficiency: float
+    torque: Array, regressor: Array, deviation: Array, period: float
 ) -> Grasped | None:
     """Estimate the load that explains a contact; None if a weight does not explain it.
 
-    torque: external, without its background, (n, 6) [Nm], in the contact; regressor: (n, 6, 4), the
+    torque: of the contact alone, (n, 6) [Nm]; regressor: (n, 6, 4), the
     joint torque per mass [kg] and first moment [kg m]; deviation: (6,) [Nm], standard deviation of
-    the background, constant over the contact; period: [s]; efficiency: of the gears.
+    the background, constant over the contact; period: [s].
 
     Least squares of τ = −Y θ, with a prior on the first moments of LEVER times the mass.
     """
@@ -46,7 +46,7 @@ def grasped_load(
         return None
     # change of θ per standard deviation of each joint's background
     common = np.linalg.solve(information, terms.sum(axis=0).T)  # (4, 6)
-    mass = float(parameters[0]) / efficiency
+    mass = float(parameters[0])
     error = float(np.hypot(np.linalg.norm(common[0]), GEARS * mass))
     return Grasped(mass, error) if mass > 3 * error else None
 

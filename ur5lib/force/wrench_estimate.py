@@ -1,7 +1,8 @@
 """The contact wrench over a recording, its band, and the odds of contact.
 
-tau_ext = J^T F + b + e, with the background b and the fast error e of `ResidualModel`. The gate
-estimates the times of contact and b; the magnitude of each contact follows from its own samples.
+tau_ext = J^T F + b + e, with the background b and the fast error e of `ResidualModel`, but for what
+gears and dry friction take of J^T F. The gate estimates the times of contact and b; the magnitude
+of each contact follows from its own samples.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wr
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.gate import Noise, find_contacts
+from ur5lib.force.gears import MEAN, Gears, held
 from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
@@ -130,15 +132,18 @@ def estimate_wrench(
     prior: ContactPrior,
     doubt: Array | None = None,
     ablation: Ablation = NOTHING_LEFT_OUT,
+    gears: Gears | None = None,
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
     torque: external, low-passed, (N, 6) [Nm], rows of NaN where unknown; jacobian: (M, 6, 6), at
     `used_rows`, NaN where the arm's pose is unknown; states: (N, 6), of `model`; segment: (N,);
-    period: [s]; doubt: (N, 6) [Nm], standard deviation of an estimated load's torque.
+    period: [s]; doubt: (N, 6) [Nm], standard deviation of an estimated load's torque; gears: None
+    if their friction is unknown, which then counts as none.
     """
     # every stretch on its own, thinned to STEP
     every, found, start = _every(period), [], 0
+    gears = Gears.without_friction(torque) if gears is None else gears
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
         own_states = states[thin]
@@ -151,8 +156,9 @@ def estimate_wrench(
         known = np.where(posed[:, None], torque[thin], np.nan)
         lever = np.where(posed[:, None, None], own_jacobian, 0.0)
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
+        rubbing = gears.at(thin).where_moving(own_states)
         problem = known, lever, own_states, every * period, noise
-        own = _estimate(*problem, model, prior, replace(ablation, contacts=sensed))
+        own = _estimate(*problem, model, prior, rubbing, replace(ablation, contacts=sensed))
         for quantity in own:
             quantity[~posed] = np.nan
         found.append((rows, own))
@@ -180,24 +186,30 @@ def _estimate(
     noise: Noise,
     model: ResidualModel,
     prior: ContactPrior,
+    gears: Gears,
     ablation: Ablation,
 ) -> StretchEstimate:
     """Estimate the wrench of one stretch, at the thinned samples."""
     # p(contact), the background b, and the spans of contacts
-    gate = find_contacts(torque, jacobian, states, period, noise, model, prior, ablation.contacts)
+    given = torque, jacobian, states, period, noise, model, prior
+    gate = find_contacts(*given, gears, ablation.contacts)
     contacts = contact_spans(gate.probability, period)
     inside = marked(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)  # (n,)
-    # τ - b, and its covariance S; joints count as independent, because correlations that were
-    # learnt without contact mislead in contact
-    residual = torque - ablation.background * gate.background.mean
-    covariance = (noise.quick + gate.background.covariance + noise.hidden) * np.eye(6)
+    # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its covariance S; joints
+    # count as independent, because correlations that were learnt without contact mislead in contact
+    left = torque - ablation.background * gate.background.mean
+    carried, share = gears.contact_torque(left)
+    carried += noise.still * held(carried, model.breakaway, prior.stiction)
+    hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
+    covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(6)
+    covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     worth = min(1.0, period / model.independent)
     chosen, plain = _nothing(torque), _nothing(torque)
     for span in contacts:
         part = slice(*span)
-        own = residual[part], jacobian[part], covariance[part]
+        own = carried[part], jacobian[part], covariance[part]
         typical = None if ablation.learning else prior.usual()
         _put(chosen, part, contact_wrench(*own, worth, period, prior, typical))
         _put(plain, part, least_squares_wrench(*own))

@@ -263,6 +263,15 @@ def friction_current(fit: CurrentFit, record: Record) -> Array:
     return np.stack(currents, axis=1)
 
 
+def load_loss(fit: CurrentFit, record: Record) -> Array:
+    """Return load-dependent friction per Nm that the gears transmit (N, 6), with its sign."""
+    loss = np.empty_like(record.q)
+    for joint, (model, constant) in enumerate(zip(fit.joints, torque_constants(fit), strict=True)):
+        coefficient = constant * model.estimate.coefficients[model.names().index("load")]
+        loss[:, joint] = coefficient * record.joint(joint, model.presliding).direction
+    return loss
+
+
 def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
     """Return half the 95 % band (N, 6) [A] of low-passed predictions on a day of its own.
 

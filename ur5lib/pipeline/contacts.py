@@ -23,6 +23,7 @@ from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.pipeline.force_estimates import Problem
+from ur5lib.pipeline.force_input import gears
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.timeseries.arrays import Array
@@ -131,7 +132,6 @@ def load_finder(
     forces: Forces,
     regressor: LoadRegressor,
     residuals: Mapping[str, Any],
-    prior: ContactPrior,
 ) -> Kind:
     """Return a function that decides whether a contact is a grasped load, and estimates its mass.
 
@@ -141,12 +141,14 @@ def load_finder(
     if currents.external_torque is None or forces.background is None or per_load is None:
         return lambda _: {"kind": "contact"}
     torque = currents.external_torque - forces.background
+    if (known_gears := gears(currents)) is not None:
+        torque, _ = known_gears.contact_torque(torque)
     spread = ResidualModel.from_dict(residuals["tau_ext"]).spread[MOVING]
 
     def kind(span: Span) -> dict[str, Any]:
         part = slice(*span)
         known = torque[part], per_load[part], spread
-        load = grasped_load(*known, forces.period, prior.efficiency)
+        load = grasped_load(*known, forces.period)
         if load is None:
             return {"kind": "contact"}
         return {"kind": "load", "load_mass": load.mass, "load_mass_std": load.std_error}

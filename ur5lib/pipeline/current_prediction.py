@@ -8,7 +8,14 @@ import numpy as np
 
 from ur5lib.force.external_torque import without_edges
 from ur5lib.force.observer import momentum_rate, observe
-from ur5lib.identification.currents import CurrentFit, band, predict, torque_constants
+from ur5lib.identification.currents import (
+    CurrentFit,
+    band,
+    friction_current,
+    load_loss,
+    predict,
+    torque_constants,
+)
 from ur5lib.identification.payload import LEFT, joint_gains
 from ur5lib.identification.samples import Record, Smooth, blocks
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
@@ -29,7 +36,7 @@ def predicted_currents(
     smooth: Smooth,
     cutoff: float,
 ) -> Currents:
-    """Return prediction, band and external torques of a recording.
+    """Return prediction, band, external torques and friction of a recording.
 
     record: with `load_torque` in its torque, (N, 6) [Nm], of a load that was estimated; cutoff: of
     `smooth` [Hz].
@@ -44,6 +51,9 @@ def predicted_currents(
         external_torque=external,
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
         observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
+        gear_torque=smooth(record.torque, record),
+        friction_torque=smooth(constant * friction_current(fit, record), record),
+        load_loss=smooth(load_loss(fit, record), record),
     )
 
 

@@ -26,9 +26,16 @@ def variants(
         "contacts by the sensor": (prior, Ablation(contacts=touched)),
         "no background": (prior, Ablation(background=False)),
         "usual contact": (prior, Ablation(learning=False)),
-        "efficiency of 1": (replace(prior, efficiency=1.0), Ablation()),
     }
     estimates = {name: problem.solve(jacobian, *own) for name, own in settings.items()}
+    if (gears := problem.input.gears) is not None:
+        other = {
+            "no load friction": replace(gears, loss=0 * gears.loss),
+            "friction of the fit": replace(gears, friction=0 * gears.friction),
+        }
+        estimates |= {
+            name: problem.with_gears(own).solve(jacobian, prior) for name, own in other.items()
+        }
     return {name: (own.wrench, own.std) for name, own in estimates.items()}
 
 

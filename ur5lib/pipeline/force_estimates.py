@@ -8,6 +8,7 @@ import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.force_input import ForceInput, may_repeat
+from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
@@ -32,13 +33,17 @@ class Problem(NamedTuple):
         """Return the rows (M,) of the samples that the estimate uses."""
         return used_rows(self.input.segment, self.input.period)
 
+    def with_gears(self, gears: Gears) -> "Problem":
+        """Return the problem with other gears."""
+        return self._replace(input=replace(self.input, gears=gears))
+
     def solve(
         self, jacobian: Array, prior: ContactPrior, ablation: Ablation = WHOLE
     ) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
         one = self.input
         samples = one.torque, jacobian, one.states, one.segment, one.period
-        return estimate_wrench(*samples, self.model, prior, one.doubt, ablation)
+        return estimate_wrench(*samples, self.model, prior, one.doubt, ablation, one.gears)
 
     def odds_under(self, pushed: Array, jacobian: Array, prior: ContactPrior) -> Array:
         """Return the log-odds (N,) of contact with an additional external torque (N, 6) [Nm]."""

@@ -2,6 +2,7 @@
 
 from ur5lib.force.external_torque import joint_states
 from ur5lib.force.force_input import ForceInput, extent
+from ur5lib.force.gears import Gears
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array
@@ -18,7 +19,16 @@ def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput
         motion.segment,
         motion.period,
         currents.load_doubt,
+        gears(currents),
     )
+
+
+def gears(currents: Currents) -> Gears | None:
+    """Return what the fit says of the gears in a motion, None where that is unknown."""
+    load, loss, friction = currents.gear_torque, currents.load_loss, currents.friction_torque
+    if load is None or loss is None or friction is None:
+        return None
+    return Gears(load, loss, friction)
 
 
 def passed(motion: Motion, currents: Currents) -> Array | None:

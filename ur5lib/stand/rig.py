@@ -63,9 +63,10 @@ class Rig:
         mujoco.mj_step1(self.plant, self.data)
         q, qd = self.data.qpos.copy(), self.data.qvel.copy()
         motor = self._motor_torques(q, qd, target)
-        load = link_torques(self.plant, self.data, target[2])
-        rubbing = self.rubbing.torque(q, qd, load, STEP, warmth)
         contact, wrench = self.contacts.apply(self.plant, self.data, STEP)
+        # what the gears transmit: a contact loads them, too
+        load = link_torques(self.plant, self.data, target[2]) - contact
+        rubbing = self.rubbing.torque(q, qd, load, STEP, warmth)
         self.data.qfrc_applied = motor - rubbing
         mujoco.mj_step2(self.plant, self.data)
         flange, held, imu = self.data.body(FLANGE), *np.split(self.data.sensordata, 2)

@@ -17,7 +17,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     currents, thresholds = Currents.read(input.currents), read_json(input.threshold)
     regressor, residuals = LoadRegressor.read(input.regressor), read_json(input.residuals)
     prior = ContactPrior(force=params.contact_force_n)
-    kind = load_finder(currents, forces, regressor, residuals, prior)
+    kind = load_finder(currents, forces, regressor, residuals)
     found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
     summary = detected(found, sensor, thresholds, kind)
     if params.role == "validate" and "Fmap" in summary:

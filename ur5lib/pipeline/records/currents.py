@@ -14,8 +14,10 @@ class Currents(SegmentedTable):
 
     predicted_current and current_band, half its 95 % band [A]; external_torque: from the inverse
     dynamics, observed_torque: by the momentum observer, the environment acting on the arm [Nm];
-    load_doubt: standard deviation that an estimated load leaves [Nm]. All None where no currents
-    were recorded, or no recording could be fitted.
+    load_doubt: standard deviation that an estimated load leaves [Nm]; gear_torque, friction_torque:
+    what the gears transmit, and their friction, in that motion without contact [Nm]; load_loss:
+    friction per torque transmitted, with its sign [Nm/Nm]; all three low-passed as the external
+    torque. All None where no currents were recorded, or no recording could be fitted.
     """
 
     predicted_current: Array | None = channel("predicted_current", "A", JOINTS, optional=True)
@@ -23,6 +25,9 @@ class Currents(SegmentedTable):
     external_torque: Array | None = channel("tau_ext", "Nm", JOINTS, optional=True)
     load_doubt: Array | None = channel("load_doubt", "Nm", JOINTS, optional=True)
     observed_torque: Array | None = channel("tau_observer", "Nm", JOINTS, optional=True)
+    gear_torque: Array | None = channel("tau_gears", "Nm", JOINTS, optional=True)
+    friction_torque: Array | None = channel("tau_friction", "Nm", JOINTS, optional=True)
+    load_loss: Array | None = channel("load_loss", "Nm/Nm", JOINTS, optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)

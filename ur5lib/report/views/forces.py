@@ -77,7 +77,8 @@ VARIANTS = {  # the variants of the ablation, and their names in the report
     "contacts by the sensor": "contacts from the sensor instead of the gate",
     "no background": "background not subtracted",
     "usual contact": "prior force of a typical contact, not estimated for each",
-    "efficiency of 1": "gears without losses",
+    "no load friction": "gears without losses",
+    "friction of the fit": "friction as strong as in the fit",
     "least_squares": "no prior (least squares)",
     "repeat": "residual of other runs subtracted (repeat-aware)",
 }
