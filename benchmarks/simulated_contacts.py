@@ -24,10 +24,10 @@ import pandas as pd
 import torch
 import yaml
 
-from benchmarks.contact_link import EACH, PAUSE, PLACES, pushes
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
 from benchmarks.harness.options import asked
+from benchmarks.harness.pushes import EACH, PAUSE, PLACES, pushes
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import known_to_all, masked, score_by_sample
 from benchmarks.harness.simulated import simulated_table

@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from benchmarks.contact_link import EACH, FORCES, PLACES, SEEN
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import prediction_findings, prediction_table
+from benchmarks.harness.pushes import EACH, FORCES, PLACES
 from benchmarks.harness.simulated import simulated_table
 from ur5lib.tables import read_csv
 
@@ -45,7 +45,7 @@ def links(table: pd.DataFrame) -> Section:
     title = (
         f"{len(table)} contacts with a simulated UR5 in motion, {table['seed'].nunique()} seeds."
     )
-    return {"title": title, "seen": SEEN, "table": link_table(table)}
+    return {"title": title, "table": link_table(table)}
 
 
 def currents(table: pd.DataFrame) -> Section:

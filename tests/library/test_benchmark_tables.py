@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.contact_link import PLACES
 from benchmarks.current_prediction import Known, Own, pair_rows
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
+from benchmarks.harness.pushes import PLACES
 from benchmarks.harness.simulated import simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
@@ -52,14 +52,14 @@ def test_a_push_acts_at_its_place_and_time() -> None:
     assert not force_at("flange", time, [push]).any()
 
 
-def test_contacts_are_counted_by_force_and_place() -> None:
-    rows = [
-        {"place": "tool", "force": 7.0, "stated": 0.6, "right": False, "named": False},
-        {"place": "tool", "force": 30.0, "stated": 1.0, "right": True, "named": True},
-    ]
+def test_contacts_are_counted_by_force_and_link() -> None:
+    unsure = {"stated": 0.6, "right": False, "named": False, "likely": 4, "held": True}
+    sure = {"stated": 1.0, "right": True, "named": True, "likely": 1, "held": True}
+    rows = [{"link": 6, "force": 7.0} | unsure, {"link": 6, "force": 30.0} | sure]
     lines = link_table(pd.DataFrame(rows)).splitlines()
-    assert lines[2] == "| 5 to 10 N | 1 | 0 | 0 | 1 | 60% | 0% |"
-    assert lines[-1] == "| all | 2 | 1 | 0 | 1 | 80% | 50% |"
+    assert lines[2] == "| 5 to 10 N | 1 | 0 | 0 | 1 | 60% | 0% | 4.0 | 100% |"
+    assert lines[-2] == "| on link 6 | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
+    assert lines[-1] == "| all | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
 
 
 def predictions() -> pd.DataFrame:

@@ -1,5 +1,6 @@
 """The report: one content, two documents, safe from what stands in the data."""
 
+import math
 import re
 from html.parser import HTMLParser
 from pathlib import Path
@@ -32,7 +33,7 @@ from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import MOST_ROWS, Results
 from ur5lib.report.tables.ablation import ablation_rows
 from ur5lib.report.tables.contacts import COLUMNS as CONTACTS
-from ur5lib.report.tables.contacts import contact_rows
+from ur5lib.report.tables.contacts import LINKS, contact_rows
 from ur5lib.report.tables.detection import detection_rows
 from ur5lib.report.tables.fixed_threshold import fixed_threshold_rows
 from ur5lib.report.tables.force_mae import force_errors
@@ -43,6 +44,7 @@ from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.contacts import (
     counted,
+    elsewhere,
     in_contact,
     largest_contacts,
     undetermined_moments,
@@ -57,6 +59,7 @@ from ur5lib.report.views.forces import (
     detections,
     fixed_threshold,
     headline,
+    likely,
     smallest_pushes,
     summary,
 )
@@ -252,7 +255,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
         {"start": 1.0, "end": 2.0, "peak": 1.5, "force": [3.0, 0.0, -4.04], "force_std": [1, 2, 3]},
         {"start": 7.0, "end": 8.0, "peak": 7.5, "force": [1.0, 0.0, 0.0], "force_std": [1, 2, 3]},
     ]
-    rows = contact_rows("pushed", {"Fmap": {"raised": alarms}})
+    rows = contact_rows("pushed", {"Fmap": {"raised": alarms}}, {})
     results = searched("pushed", rows)
     assert [*counted(results), *largest_contacts(results)] == [
         "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts.",
@@ -261,6 +264,42 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     first, second = contacts(results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
+
+
+def on_links(*probabilities: list[float]) -> Results:
+    """Contacts of 5 N, one after the other, with the probabilities of the links."""
+    force = {"force": [5.0, 0, 0], "force_std": [1] * 3}
+    starts = map(float, range(len(probabilities)))
+    alarms = [{"start": start, "end": start + 0.5, "peak": start + 0.2} | force for start in starts]
+    links = [{"start": float(k), "links": own} for k, own in enumerate(probabilities)]
+    return searched("pushed", contact_rows("pushed", {"Fmap": {"raised": alarms}}, {"Fmap": links}))
+
+
+FLANGE, OPEN = [0.0, 0, 0, 0, 0.02, 0.98], [0.0, 0, 0.1, 0.2, 0.3, 0.4]
+FOREARM = [0.0, 0.01, 0.98, 0.01, 0, 0]
+
+
+def test_a_link_is_stated_only_where_the_torques_tell_it() -> None:
+    rows = on_links(FLANGE, OPEN, FOREARM).tables["contacts"]
+    assert rows["link"].fillna(0).tolist() == [6, 0, 3]
+    assert rows["on_link_6"].tolist() == [0.98, 0.4, 0.0]
+
+
+def test_a_contact_whose_links_are_unknown_has_none() -> None:
+    rows = contact_rows("pushed", {"Fmap": {"raised": []}}, {"Fmap": []})
+    assert [*rows] == []
+    assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
+
+
+def test_the_listed_links_are_the_likely_ones() -> None:
+    cells = contacts(on_links(FLANGE, OPEN, FOREARM), "pushed").rows
+    assert [row[-1].text for row in cells] == ["6", "3 to 6", "3"]
+
+
+def test_contacts_off_the_flange_are_counted() -> None:
+    assert [*elsewhere(on_links(FLANGE, OPEN))] == []
+    (told,) = elsewhere(on_links(FLANGE, FOREARM, FOREARM))
+    assert "2 of 3" in told
 
 
 def test_a_load_taken_up_is_no_contact() -> None:
@@ -272,7 +311,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
         "force_std": [1] * 3,
     }
     load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
-    rows = contact_rows("grasp", {"Fmap": {"raised": [alarm, load]}})
+    rows = contact_rows("grasp", {"Fmap": {"raised": [alarm, load]}}, {})
     results = searched("grasp", rows)
     (told,) = counted(results)
     assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."

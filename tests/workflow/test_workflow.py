@@ -13,7 +13,8 @@ import pytest
 from tests.conftest import PROJECT, STUDY, Workflow
 
 RECORDINGS = 2
-FROM_SENSOR = ["compare_forces", "detect_contacts", "draw_figures", "ablate_forces"]
+FROM_ALARMS = ["detect_contacts", "locate_contacts"]
+FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures", "ablate_forces"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
 FROM_TORQUES = ["compute_torques", *FROM_FRICTION]
@@ -169,7 +170,8 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
         ("ur5lib/force/contact_prior.py",
          jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | OBSERVABILITY | REPORT),
-        ("ur5lib/force/grasp.py", jobs("detect_contacts") | REPORT),
+        ("ur5lib/force/grasp.py", jobs(*FROM_ALARMS) | REPORT),
+        ("ur5lib/force/contact_link.py", jobs("locate_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/identification/payload.py",
          jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | HEALTH | REPORT),

@@ -1,10 +1,9 @@
-"""Which place of the arm a force acts on, by the torques alone; or that they cannot tell.
+"""Which link of the arm a force acts on, by the torques alone; or that they cannot tell.
 
-A force F without a moment at a place p leaves τ = J_pᵀ F + e in the joints. With F ~ N(0, s² I) of
-an unknown size s and e ~ N(0, S), p(τ | place) = Σ_s p(s) N(0, S + s² J_pᵀ J_p), and places are
-compared by this likelihood. The size is left open: otherwise, weak contacts anywhere would be
-ascribed to the place whose forces do least in the joints. Joints beyond the touched link carry
-nothing; where two places explain the torques as well, none is named.
+A force F at a place p of link k loads joints 1 to k: τ = J_pᵀ F + e, with no torque beyond. Links
+are compared by p(τ | link), the mean over places along the link and over sizes s of F ~ N(0, s² I),
+e ~ N(0, S). Place and size are left open: otherwise, a contact elsewhere on the arm, or a weak one,
+would be ascribed to the place that happens to explain it best.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,43 +11,92 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import logsumexp, softmax
 
-from ur5lib.force.gate import log_density
+from ur5lib.force.contact_prior import wrench_covariance
+from ur5lib.force.gate import diagonal, log_density
 from ur5lib.timeseries.arrays import Array
 
-SURE = 0.95  # least probability of a link that is named
+SURE = 0.95  # least probability of what is named
+STEP = 0.1  # m, largest distance of neighbouring places along a link
+TOOL = 0.2  # m, beyond the flange, of which link 6 may be touched
+SURFACE = 0.05  # m, of a link's surface from the line between its frames
+LOSS = 0.15  # of the contact's torque on a joint, lost or gained in its gears, standard deviation
+SAMPLES = 20  # of a contact that are used: more tell nothing new
 
 
-def place_probabilities(
-    torque: Array, jacobians: Mapping[str, Array], noise: Array, sizes: Sequence[float]
-) -> dict[str, float]:
-    """Return the probability that one contact is at each of the places, equal beforehand.
+def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
+    """Return places along each link 1 to 6 and along a tool on link 6: (n, 3) [m] each.
 
-    torque: external, of the contact's samples, (n, 6) [Nm]; jacobians: J_v of the places, base
-    axes, (n, 3, 6) each; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally likely beforehand. All
-    samples together count as one: the arm hardly moves on, and friction errs alike in all of them.
+    rotation, origin: of frames 0 to 6, (n, 7, 3, 3) and (n, 7, 3) [m], base axes. A link reaches
+    from the frame before it to its own; link 6, from the flange to the end of a tool.
     """
-    evidence = [
-        logsumexp([_mean_log_density(torque, noise, lever, size) for size in sizes])
-        for lever in jacobians.values()
-    ]
-    return dict(zip(jacobians, np.asarray(softmax(evidence)).tolist(), strict=True))
+    ends = {link: (origin[:, link - 1], origin[:, link]) for link in range(1, 6)}
+    ends[6] = origin[:, 6], origin[:, 6] + TOOL * rotation[:, 6, :, 2]
+    return {link: _along(*both) for link, both in ends.items()}
 
 
-def _mean_log_density(torque: Array, noise: Array, lever: Array, size: float) -> float:
-    return float(log_density(torque, noise + size**2 * lever.mT @ lever).mean())
+def _along(first: Array, last: Array) -> list[Array]:
+    """Return the middles of equal parts of a line, each at most STEP long."""
+    count = int(np.ceil(np.linalg.norm(last - first, axis=1).max() / STEP - 1e-9))
+    return [first + (k + 0.5) / count * (last - first) for k in range(count)]
+
+
+def lever(rotation: Array, origin: Array, link: int, point: Array) -> Array:
+    """Return J_g (n, 6, 6) of a point (n, 3) [m] of a link: [z × (p - o); z] of joints up to it.
+
+    rotation, origin: as for `places`; columns of joints beyond the link are zero.
+    """
+    axis = rotation[:, :6, :, 2]  # z of joints 1 to 6 (n, 6, 3)
+    columns = np.concatenate([np.cross(axis, point[:, None] - origin[:, :6]), axis], axis=2)
+    columns[:, link:] = 0.0
+    return columns.mT
 
 
 def link_probabilities(
-    probability: Mapping[str, float], links: Mapping[str, int]
+    torque: Array,
+    levers: Mapping[int, Sequence[Array]],
+    noise: Array,
+    sizes: Sequence[float],
+    loss: float = LOSS,
 ) -> dict[int, float]:
-    """Return the probability of each link; links: on which link each place is."""
-    return {
-        link: sum(p for place, p in probability.items() if links[place] == link)
-        for link in sorted({*links.values()})
-    }
+    """Return the probability that one contact is on each of the links, equal beforehand.
+
+    torque: external, of the contact's samples, (n, 6) [Nm]; levers: J_g of the places of each link,
+    (n, 6, 6) each, which are equally likely, too; noise: S (n, 6, 6) [Nm²]; sizes: s [N], equally
+    likely; loss: relative error of each joint's torque, whose gears rub under the contact. All
+    samples together count as one: the arm hardly moves on, and friction errs alike in all of them.
+    """
+    loaded = noise + diagonal((loss * torque) ** 2)
+    evidence = [_log_evidence(torque, loaded, own, sizes) for own in levers.values()]
+    return dict(zip(levers, np.asarray(softmax(evidence)).tolist(), strict=True))
+
+
+def _log_evidence(
+    torque: Array, noise: Array, levers: Sequence[Array], sizes: Sequence[float]
+) -> float:
+    """Return log p(τ | link), up to a constant: the mean over its places and the sizes."""
+    each = [_log_density(torque, noise, J, size) for J in levers for size in sizes]
+    return float(logsumexp(each) - np.log(len(levers)))
+
+
+def _log_density(torque: Array, noise: Array, J: Array, size: float) -> float:
+    """Return log p(τ | place, size), the mean over the samples; a surface beside the place adds a
+    moment.
+    """
+    wrench = wrench_covariance(size, SURFACE)
+    return float(log_density(torque, noise + J.mT @ wrench @ J).mean())
+
+
+def likely_links(probability: Mapping[int, float]) -> list[int]:
+    """Return the fewest links that hold the contact with a probability of SURE, in order."""
+    found, held = list[int](), 0.0
+    for link in sorted(probability, key=probability.__getitem__, reverse=True):
+        if held >= SURE:
+            break
+        found, held = [*found, link], held + probability[link]
+    return sorted(found)
 
 
 def touched_link(probability: Mapping[int, float]) -> int | None:
-    """Return the link of a contact, None where the torques cannot tell; probability: of links."""
-    best = max(probability, key=probability.__getitem__)
-    return best if probability[best] >= SURE else None
+    """Return the link of a contact, None where the torques cannot tell."""
+    links = likely_links(probability)
+    return links[0] if len(links) == 1 else None

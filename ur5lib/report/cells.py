@@ -1,6 +1,6 @@
 """Formatting of numbers in the report's tables."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -61,9 +61,13 @@ def interval(low: float, high: float, digits: int) -> str:
 def joints(numbers: Iterable[float]) -> str:
     """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
     known = [round(number) for number in numbers]
-    row = len(known) > 2 and known == [*range(known[0], known[-1] + 1)]
-    told = f"{known[0]} to {known[-1]}" if row else ", ".join(map(str, known))
-    return f"joint{'s' if len(known) > 1 else ''} {told}"
+    return f"joint{'s' if len(known) > 1 else ''} {numbered(known)}"
+
+
+def numbered(known: Sequence[int]) -> str:
+    """Format numbers in order: 6; 2, 3; 2 to 4; 1, 5, 6."""
+    row = len(known) > 2 and [*known] == [*range(known[0], known[-1] + 1)]
+    return f"{known[0]} to {known[-1]}" if row else ", ".join(map(str, known))
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

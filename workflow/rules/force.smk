@@ -157,6 +157,23 @@ rule detect_contacts:
         run_step(rule, input, output, params, log)
 
 
+rule locate_contacts:
+    input:
+        motion=result("motion.parquet"),
+        currents=result("currents.parquet"),
+        residuals=parameter_of("residuals.json"),
+        detection=result("detection.json"),
+        arm=arm_file,
+    output:
+        links=result("links.json"),
+    log:
+        **traces("locate_contacts", "{recording}"),
+    params:
+        code=code("locate_contacts"),
+    run:
+        run_step(rule, input, output, params, log)
+
+
 rule measure_observability:
     input:
         motion=free_results("motion.parquet"),

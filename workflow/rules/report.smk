@@ -142,6 +142,7 @@ rule make_tables:
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
         detection=results("detection.json"),
+        links=results("links.json"),
         ablation=results("ablation.json", TOUCHED),
         observability=parameters("observability.json"),
         audit=results("audit.json", WITH_WRIST_SENSOR),

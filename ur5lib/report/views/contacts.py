@@ -5,13 +5,14 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES, NEW
-from ur5lib.report.cells import listed, rounded
+from ur5lib.report.cells import listed, numbered, rounded
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.views.currents import loaded
-from ur5lib.report.views.forces import PUSHES, leading, pushes_found
+from ur5lib.report.views.forces import PUSHES, leading, likely, pushes_found
 
 FORCES = ["Fx", "Fy", "Fz"]
+FLANGE = 6  # the link that carries flange and tool
 
 
 def told(results: Results) -> list[str]:
@@ -126,7 +127,32 @@ def largest_contacts(results: Results) -> Iterator[str]:
             )
             yield (
                 f"On {name}, the largest force is {values} N in x, y, z, at "
-                f"{largest['peak_s']:.1f} s."
+                f"{largest['peak_s']:.1f} s.{_touched(likely(largest))}"
+            )
+
+
+def _touched(links: list[int]) -> str:
+    """Return a sentence on where the contact of a stated force may be, if that is known."""
+    if links == [FLANGE]:
+        return " By the torques of the joints, the flange or a tool was touched."
+    if FLANGE in links:
+        return f" The torques of the joints do not tell which of links {numbered(links)} it is on."
+    if links:
+        told = f" By the torques of the joints, it is on link {numbered(links)}"
+        return f"{told}, not on the flange, for which alone this force holds."
+    return ""
+
+
+def elsewhere(results: Results) -> Iterator[str]:
+    """Report the contacts that are not on the flange, for which alone the forces hold."""
+    contacts = results.rows("contacts", estimate="Fmap", kind="contact")
+    for name in [*found_without_sensor(results)][:MOST_SHOWN]:
+        links = [likely(row) for row in contacts[contacts["recording"] == name].itertuples()]
+        others = [own for own in links if own and FLANGE not in own]
+        if others:
+            yield (
+                f"On {name}, {len(others)} of {len(links)} contacts are not on the flange, by the "
+                "torques of the joints: their stated forces do not hold."
             )
 
 

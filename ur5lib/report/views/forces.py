@@ -6,10 +6,12 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.force.contact_link import likely_links
 from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
-from ur5lib.report.cells import extremes, fixed, interval, number, signed, with_error
+from ur5lib.report.cells import extremes, fixed, interval, number, numbered, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
 from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.tables.contacts import LINKS
 from ur5lib.report.views.currents import loaded
 
 UNITS = {"F": "N", "n": "Nm"}
@@ -308,7 +310,7 @@ def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
 
 
 def contacts(results: Results, of: str) -> Body:
-    """Return the contacts that F̂ᵐᵃᵖ finds: time, largest force, and load if one is grasped."""
+    """Return the contacts that F̂ᵐᵃᵖ finds: time, largest force, likely links, and a load."""
     rows = results.rows("contacts", recording=of, estimate="Fmap")
     body = [
         [
@@ -318,14 +320,26 @@ def contacts(results: Results, of: str) -> Body:
                 with_error(force, std, 1)
                 for force, std in ((row.Fx, row.Fx_std), (row.Fy, row.Fy_std), (row.Fz, row.Fz_std))
             ),
+            _links(row),
             with_error(row.load_mass, row.load_mass_std, 2) if row.kind == "load" else Cell("–"),
         ]
         for row in rows.itertuples()
     ]
-    header = ["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]", "load [kg]"]
+    header = ["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]", "on link", "load [kg]"]
     if (rows["kind"] != "load").all():
         header, body = header[:-1], [line[:-1] for line in body]
     return Body(header, body)
+
+
+def likely(row: Any) -> list[int]:
+    """Return the links on which a contact may be; empty where nothing is known of it."""
+    known = {link: getattr(row, name) for link, name in enumerate(LINKS, start=1)}
+    return [] if math.isnan(known[6]) else likely_links(known)
+
+
+def _links(row: Any) -> Cell:
+    found = likely(row)
+    return Cell(numbered(found) if found else "–")
 
 
 def alarms(results: Results) -> Body:

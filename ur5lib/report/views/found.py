@@ -12,7 +12,7 @@ from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.link_model import compare, named
 from ur5lib.report.views import claimed, comparison, printed
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
-from ur5lib.report.views.contacts import counted, quiet, undetermined_moments
+from ur5lib.report.views.contacts import counted, elsewhere, quiet, undetermined_moments
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
@@ -27,6 +27,7 @@ def findings(results: Results) -> list[str]:
         *printed.found(results),
         *loads_found(results),
         *counted(results),
+        *elsewhere(results),
         *loads_taken_up(results),
         *_detection(results),
         *claimed.judged(results),

@@ -1,0 +1,22 @@
+"""On which links the contacts of a recording may be: whether its forces are those of the flange."""
+
+from typing import Any
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.touched_links import located
+from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_json, write_json
+
+
+def locate_contacts(input: Any, output: Any, params: Any) -> None:
+    motion, currents = Motion.read(input.motion), Currents.read(input.currents)
+    raised = read_json(input.detection).get("Fmap", {"raised": []})["raised"]
+    problem = direct_problems(motion, currents, read_json(input.residuals)).get("Fmap")
+    found = []
+    if problem is not None and raised:
+        robot, prior = load_robot(input.arm), ContactPrior()
+        found = located(robot, problem.input, motion.time, problem.model, prior, raised)
+    write_json({"Fmap": found}, output.links)
