@@ -12,6 +12,7 @@ from ur5lib.timeseries.segments import starts, unbroken
 JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
 TUNED_ON = 300  # samples with the most motion, on which the jerk is chosen
 RESOLUTION = 1e-6  # rad, rad/s: the least noise
+SETTLED = 1e-10  # share of a gain by which it changes in a sample, below which it is kept
 UNKNOWN = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: std at the start of a segment
 
 
@@ -61,12 +62,27 @@ def _filtered(
     ekf.F, ekf.R = np.kron(step, np.eye(6)), np.diag(noise**2)
     ekf.Q = Q_discrete_white_noise(3, period, (jerk * period) ** 2, 6, order_by_dim=False)
     states, known = np.empty((len(z), 18)), np.asarray(np.isfinite(z).all(axis=1))
+    settled = False
     for k, measured in enumerate(z):
-        ekf.predict()
-        if fresh[k]:
-            ekf.x, ekf.P = np.zeros(18), np.diag(UNKNOWN**2)
+        if settled and known[k] and not fresh[k]:  # covariance and gain would stay as they are
+            ekf.predict_x()
+            ekf.y = measured - ekf.x[:12]
+            ekf.x = ekf.x + ekf.K @ ekf.y
+        else:
+            gain = ekf.K
+            ekf.predict()
+            if fresh[k]:
+                ekf.x, ekf.P = np.zeros(18), np.diag(UNKNOWN**2)
+            if known[k]:
+                ekf.update(measured, lambda _: H, lambda x: x[:12])
+            settled = bool(known[k]) and _has_settled(gain, ekf.K)
         if known[k]:
-            ekf.update(measured, lambda _: H, lambda x: x[:12])
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
     return states, likelihood
+
+
+def _has_settled(before: Array, gain: Array) -> bool:
+    """Return whether the gain (18, 12) of a filter with fixed noise has converged."""
+    change = np.abs(gain - before).max(axis=1)
+    return bool((change <= SETTLED * np.abs(gain).max(axis=1)).all())
