@@ -12,6 +12,7 @@ from ur5lib.errors import InputError
 
 MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of that
 DEEPEST = 50  # levels of lists and mappings; a study has 8
+FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, where it is there
 SPECIAL = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",
@@ -62,13 +63,32 @@ def read_yaml(path: Path) -> Any:
     InputError when it is no file, or means more values than are sensible.
     """
     expect_file(path)
-    loader = yaml.SafeLoader(path.read_text(encoding="utf-8"))
+    text, source = path.read_text(encoding="utf-8"), str(path)
+    try:
+        _expect_few_levels(text, source)  # before libyaml, which crashes on a deep nest
+        return _plain_data(FAST_LOADER(text), source)
+    except yaml.YAMLError:  # for a message that shows the line
+        return _plain_data(yaml.SafeLoader(text), source)
+
+
+def _expect_few_levels(text: str, source: str) -> None:
+    """Raise InputError where a text of YAML nests deep."""
+    level = 0
+    for event in yaml.parse(text, FAST_LOADER):
+        level += isinstance(event, yaml.CollectionStartEvent)
+        level -= isinstance(event, yaml.CollectionEndEvent)
+        if level > DEEPEST:
+            raise _too_deep(source)
+
+
+def _plain_data(loader: Any, source: str) -> Any:
+    """What a loader of YAML reads, as plain data."""
     try:
         node = loader.get_single_node()
-        expect_few_values(node, str(path))
+        expect_few_values(node, source)
         return None if node is None else loader.construct_document(node)
     except RecursionError as error:
-        raise _too_deep(str(path)) from error
+        raise _too_deep(source) from error
     finally:
         loader.dispose()
 

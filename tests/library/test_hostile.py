@@ -215,6 +215,7 @@ BOMBS = {
     "mappings": "\n".join(["l0: &l0 {a: b}", *MERGED, "recordings: [*l9]"]),
     "a circle": "recordings: &all [*all, *all]",
     "a deep nest": "recordings: " + "[" * 5000 + "]" * 5000,
+    "a nest too deep for compiled code": "recordings: " + "[" * 100_000,
     "a nest of aliases": "\n".join(
         ["l0: &l0 [0]", *(f"l{k}: &l{k} [*l{k - 1}]" for k in range(1, 3000))]
     ),

@@ -10,9 +10,7 @@ figure of this name.
 from functools import cache
 from pathlib import Path
 
-import yaml
-
-from ur5lib.strict import Strict
+from ur5lib.strict import Strict, read_yaml
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 
@@ -110,5 +108,4 @@ class Contents(Strict):
 @cache
 def contents() -> Contents:
     """Return the report's contents from `contents.yaml`."""
-    text = Path(__file__).with_name("contents.yaml").read_text(encoding="utf-8")
-    return Contents.model_validate(yaml.safe_load(text))
+    return Contents.model_validate(read_yaml(Path(__file__).with_name("contents.yaml")))

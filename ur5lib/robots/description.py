@@ -345,4 +345,4 @@ def with_motors(description: Any) -> Any:
 @cache
 def joint_sizes() -> dict[str, dict[str, float]]:
     """Return the motors of the manufacturer's joints, as plain data, by their size."""
-    return dict(yaml.safe_load(JOINT_SIZES.read_text(encoding="utf-8")))
+    return dict(read_yaml(JOINT_SIZES))
