@@ -1,5 +1,7 @@
 """Bands of the end effector's acceleration, and the bands of the joints on the stand."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from ur5lib.timeseries.arrays import Array
 SAMPLES = 20_000
 
 
-def of_noise(deviation: float, seed: int) -> dict[str, object]:
+def of_noise(deviation: float, seed: int) -> dict[str, Any]:
     """A recording whose difference is white: twice as large in motion, three times above 5 Hz."""
     random = np.random.default_rng(seed)
     slow, quick = random.normal(size=(2, SAMPLES, 6))
@@ -22,12 +24,11 @@ def of_noise(deviation: float, seed: int) -> dict[str, object]:
     slow, quick = scale * slow, 3 * scale * quick
     slow[100], quick[101] = np.nan, np.nan
 
-    def difference(cutoff: float) -> Array:
-        return slow + quick if cutoff > 5 else slow
+    def differences(cutoff: float) -> dict[str, Array]:
+        difference = slow + quick if cutoff > 5 else slow
+        return {"ranges": difference, "plain_ranges": 2 * difference}
 
-    qd = np.where(moving, 0.5, 0.0) * np.ones(6)
-    plain = by_range(lambda cutoff: 2 * difference(cutoff), qd)
-    return {"ranges": by_range(difference, qd), "plain_ranges": plain}
+    return by_range(differences, np.where(moving, 0.5, 0.0) * np.ones(6))
 
 
 def test_a_band_is_that_of_the_other_recordings() -> None:

@@ -1,6 +1,7 @@
 """How far encoders and IMU differ in the end effector's acceleration, by range of frequency."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,25 +12,25 @@ CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (
 MOVING = 0.02  # rad/s of the fastest joint, beyond which the arm is in motion
 LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
 
-Difference = Callable[[float], Array]
-"""Returns the difference of both accelerations (N, 6), low-passed at a cut-off [Hz]."""
+Differences = Callable[[float], Mapping[str, Array]]
+"""Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
 
 
-def by_range(difference: Difference, qd: Array) -> dict[str, Any]:
-    """Return how far both differ, by range of frequency, in motion and at rest.
+def by_range(differences: Differences, qd: Array) -> dict[str, Any]:
+    """Return how far both differ, by motion and range of frequency, in motion and at rest.
 
     qd: (N, 6) [rad/s]. For each range and state: mean squares (6,) of x, y, z [m/s²] and
     rx, ry, rz [rad/s²], and quantiles (101, 6) of the absolute difference. A state without any
     sample is left out.
     """
     moving = np.abs(qd).max(axis=1) > MOVING
-    low = {cutoff: difference(cutoff) for cutoff in (2.0, 5.0, 20.0)}
-    ranges: dict[str, Any] = {}
-    for name, (above, below) in CUTOFFS.items():
-        within = low[below] - (low[above] if above else 0)
+    low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
+    ranges: dict[str, Any] = {name: {} for name in low[2.0]}
+    for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):
+        within = low[below][motion] - (low[above][motion] if above else 0)
         known = np.isfinite(within).all(axis=1)
         states = {"motion": within[known & moving], "rest": within[known & ~moving]}
-        ranges[name] = {state: _summed(part) for state, part in states.items() if len(part)}
+        ranges[motion][name] = {state: _summed(part) for state, part in states.items() if len(part)}
     return ranges
 
 

@@ -32,32 +32,41 @@ RANGE_ORDER = 4  # of the filters that separate ranges of frequency
 EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
 
 
+def at_the_imu(
+    robot: Robot,
+    kinematics: Kinematics,
+    motions: Mapping[str, Motion | FilteredMotion],
+    calibration: ImuCalibration,
+) -> dict[str, Array]:
+    """Return J_g q̈ + J̇_g q̇ at the IMU's place by each motion, (N, 6), without a filter."""
+    point = np.array(robot.mounting.imu) + calibration.shift()
+    frames = kinematics.rotation, kinematics.jacobian
+    return {
+        name: point_acceleration(*frames, motion.qd, motion.qdd, point)
+        for name, motion in motions.items()
+    }
+
+
 def as_calibrated(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motions: Mapping[str, Motion | FilteredMotion],
+    modelled: Mapping[str, Array],
     calibration: ImuCalibration,
     design: Butterworth,
 ) -> tuple[Array, dict[str, Array], Array]:
-    """Return the calibrated IMU's acceleration, and J_g q̈ + J̇_g q̇ there by each motion, (N, 6)
-    and low-passed without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
+    """Return the calibrated IMU's acceleration and the modelled ones there (N, 6), low-passed
+    without delay, and the accelerometer's bias (3,) [m/s²], this recording's own.
 
-    robot: under the recording's gravity.
+    robot: under the recording's gravity; modelled: see `at_the_imu`.
     """
-    rotation = kinematics.rotation
     bias = accelerometer_bias(imu_samples(robot, signals, kinematics, design), calibration)
     accelerometer = signals.imu[:, :3] - bias
-    axes, up = rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
+    axes, up = kinematics.rotation @ calibration.axes(), calibration.up(np.array(robot.gravity))
     turning = derivative(signals, signals.imu[:, 3:])
     felt = felt_acceleration(axes, accelerometer, turning, up)
-    point = np.array(robot.mounting.imu) + calibration.shift()
-    estimates = {
-        name: point_acceleration(rotation, kinematics.jacobian, motion.qd, motion.qdd, point)
-        for name, motion in motions.items()
-    }
     smooth = partial(lowpassed, signals, inner_lowpass, design)
-    return smooth(felt), {name: smooth(values) for name, values in estimates.items()}, bias
+    return smooth(felt), {name: smooth(values) for name, values in modelled.items()}, bias
 
 
 def as_published(
@@ -95,7 +104,7 @@ def compared(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motions: Mapping[str, Motion | FilteredMotion],
+    modelled: Mapping[str, Array],
     calibration: ImuCalibration,
     design: Butterworth,
     by_stamps: Array,
@@ -104,7 +113,7 @@ def compared(
 
     Arguments as of `as_calibrated` and `as_published`.
     """
-    felt, ours, bias = as_calibrated(robot, signals, kinematics, motions, calibration, design)
+    felt, ours, bias = as_calibrated(robot, signals, kinematics, modelled, calibration, design)
     published_felt, published = as_published(robot, signals, kinematics, by_stamps)
     accelerations = Accelerations(
         time=signals.time,
@@ -117,19 +126,22 @@ def compared(
     return accelerations, bias
 
 
-def difference(
+def differences(
     robot: Robot,
     signals: Signals,
     kinematics: Kinematics,
-    motion: Motion | FilteredMotion,
+    modelled: Mapping[str, Array],
     calibration: ImuCalibration,
     cutoff: float,
-) -> Array:
-    """Return the IMU's acceleration less that of a motion (N, 6), low-passed at a cut-off [Hz]."""
+) -> dict[str, Array]:
+    """Return the IMU's acceleration less the modelled ones (N, 6), low-passed at a cut-off [Hz].
+
+    Arguments as of `as_calibrated`.
+    """
     design = Butterworth(RANGE_ORDER, cutoff)
-    known = robot, signals, kinematics, {"motion": motion}
-    felt, estimates, _ = as_calibrated(*known, calibration, design)
-    return felt - estimates["motion"]
+    known = robot, signals, kinematics, modelled, calibration
+    felt, estimates, _ = as_calibrated(*known, design)
+    return {name: felt - values for name, values in estimates.items()}
 
 
 def derivative(signals: Signals, values: Array) -> Array:

@@ -4,7 +4,12 @@ from functools import partial
 from typing import Any
 
 from ur5lib.pipeline.acceleration_ranges import by_range
-from ur5lib.pipeline.end_effector import acceleration_errors, compared, difference
+from ur5lib.pipeline.end_effector import (
+    acceleration_errors,
+    at_the_imu,
+    compared,
+    differences,
+)
 from ur5lib.pipeline.imu_samples import has_valid_imu
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -27,19 +32,20 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         design = Butterworth(params.order, params.cutoff_hz)
         others, calibration = calibration_for(params.recording, read_json(input.calibration))
         motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)
-        plain = filter_encoders(signals.segment, *measured(signals), signals.period)
         motions: dict[str, Motion | FilteredMotion] = {
             "encoders": motion,
             "encoders+imu": fused,
-            "filterpy": plain,
+            "filterpy": filter_encoders(signals.segment, *measured(signals), signals.period),
         }
         start = read_json(input.quality)["starts"]["imu"]
         placed = by_stamps(read_table(input.imu), start, signals.time, "imu")
-        own = robot.mounted(params.gravity), signals, Kinematics.read(input.kinematics)
-        accelerations, bias = compared(*own, motions, calibration, design, placed)
+        kinematics = Kinematics.read(input.kinematics)
+        own = robot.mounted(params.gravity), signals, kinematics
+        modelled = at_the_imu(robot, kinematics, motions, calibration)
+        accelerations, bias = compared(*own, modelled, calibration, design, placed)
         errors = acceleration_errors(accelerations)
         summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
-        for name, moved in (("ranges", motion), ("plain_ranges", plain)):
-            summary[name] = by_range(partial(difference, *own, moved, calibration), motion.qd)
+        ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
+        summary |= by_range(partial(differences, *own, ranged, calibration), motion.qd)
     accelerations.write(output.accelerations)
     write_json(summary, output.summary)
