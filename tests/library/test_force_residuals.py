@@ -295,6 +295,18 @@ def test_a_joint_that_never_moves_is_refused() -> None:
 # Few paths
 
 
+@pytest.mark.parametrize("paths", [1, 2, 3, 5, 9])
+def test_few_paths_leave_the_gate_open(paths: int) -> None:
+    """Bands grow by all of Student's t, what a contact has to exceed by that of five paths."""
+    model = fitted(moving_stretch(drift(2000, np.ones(6), 1.0, seed=7)))
+    few = model.of_few_paths(paths)
+    inside = few.change / model.change
+    np.testing.assert_allclose(inside * few.doubt, few_paths(paths))
+    assert inside.max() <= few_paths(5) * (1 + 1e-12)
+    assert few.doubt == 1 or paths < 5
+    assert ResidualModel.from_dict(few.to_dict()).doubt == few.doubt
+
+
 @pytest.mark.parametrize("paths", [2, 3, 5, 10, 100])
 def test_few_paths_widen_a_band_as_students_t_does(paths: int) -> None:
     expected = stats.t.ppf(0.975, paths - 1) / stats.norm.ppf(0.975)

@@ -23,6 +23,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its duration
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
+ENOUGH = 5  # paths, from which on the gate is as unsure as the bands
 LEAST = 1e-3  # Nm, least standard deviation
 
 
@@ -41,7 +42,8 @@ class ResidualModel:
     spread, change: (S, 6) [Nm], by joint state: standard deviations of the sum, and of the fast
     error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
     correlation: (6, 6), between joints; independent: [s], between independent values of the fast
-    error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest.
+    error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
+    bands of forces, beside the deviations, since few paths hardly show how paths differ.
     """
 
     spread: Array
@@ -50,6 +52,7 @@ class ResidualModel:
     correlation: Array
     independent: float
     breakaway: Array
+    doubt: float = 1.0
 
     def covariance(self, of: Array, states: States) -> Array:
         """Return D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
@@ -59,6 +62,16 @@ class ResidualModel:
     def wider(self, factor: float) -> "ResidualModel":
         """Return the model with all standard deviations multiplied by a factor."""
         return replace(self, spread=factor * self.spread, change=factor * self.change)
+
+    def of_few_paths(self, paths: int) -> "ResidualModel":
+        """Return the model with Student's t for a number of paths, in deviations and bands.
+
+        The deviations, which a contact has to exceed, grow as for at least ENOUGH paths: with those
+        for one path, hardly any push would be found. The rest goes into the bands.
+        """
+        factor = few_paths(paths)
+        inside = min(factor, few_paths(ENOUGH))
+        return replace(self.wider(inside), doubt=factor / inside)
 
     def beside(self, repeated: "ResidualModel") -> "ResidualModel":
         """Return both models as one: the states of `repeated` follow this model's."""
@@ -77,7 +90,7 @@ class ResidualModel:
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """Return the model that `to_dict` was called on."""
         arrays = {k: np.array(v) for k, v in data.items() if isinstance(v, list)}
-        return cls(**arrays, independent=data["independent"])
+        return cls(**arrays, independent=data["independent"], doubt=data["doubt"])
 
 
 def fit_residual_model(

@@ -214,9 +214,9 @@ def _estimate(
         _put(chosen, part, contact_wrench(*own, worth, period, prior, typical))
         _put(plain, part, least_squares_wrench(*own))
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
-    unnoticed = _unnoticed(jacobian, noise, prior)
+    unnoticed = _unnoticed(jacobian, noise, prior, model.doubt)
     wrench = likely[:, None] * chosen.mean
-    second = chosen.variance + chosen.mean**2
+    second = model.doubt**2 * chosen.variance + chosen.mean**2
     second = likely[:, None] * second + (1 - likely[:, None]) * unnoticed
     return StretchEstimate(
         wrench=wrench,
@@ -236,14 +236,14 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
-def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior) -> Array:
+def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior, doubt: float) -> Array:
     """Return the variance (N, 6) of a wrench that may act though the gate is shut.
 
     In motion, a slowly growing contact up to two standard deviations of the background may remain
-    unnoticed; at rest, one that dry friction absorbs.
+    unnoticed; at rest, one that dry friction absorbs. doubt: factor on both.
     """
     resting = np.asarray(noise.still.all(axis=1))[:, None, None]
-    hidden = np.where(resting, noise.hidden, prior.unnoticed**2 * noise.spread)
+    hidden = doubt**2 * np.where(resting, noise.hidden, prior.unnoticed**2 * noise.spread)
     nothing = np.zeros(jacobian.shape[:2])
     free = regularised_wrench(nothing, jacobian, hidden, prior.unknown()).covariance
     return np.diagonal(free, axis1=1, axis2=2)

@@ -143,7 +143,8 @@ def load_finder(
     torque = currents.external_torque - forces.background
     if (known_gears := gears(currents)) is not None:
         torque, _ = known_gears.contact_torque(torque)
-    spread = ResidualModel.from_dict(residuals["tau_ext"]).spread[MOVING]
+    model = ResidualModel.from_dict(residuals["tau_ext"])
+    spread = model.doubt * model.spread[MOVING]
 
     def kind(span: Span) -> dict[str, Any]:
         part = slice(*span)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.residual_model import Stretch, few_paths, fit_residual_model
+from ur5lib.force.residual_model import Stretch, fit_residual_model
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
@@ -17,7 +17,7 @@ from ur5lib.timeseries.segments import unbroken
 TORQUES = {"tau_ext": "external_torque", "tau_observer": "observed_torque"}
 ONE_PATH = (
     "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
-    "bands and gate are 6.5 times as wide as that path alone suggests; record another path"
+    "bands are 6.5 times as wide as that path alone suggests; record another path"
 )
 DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
@@ -72,4 +72,4 @@ def _residual_model(
         for rows in unbroken(one.segment)
     ]
     model = fit_residual_model(stretches, cutoff, breakaway)
-    return model.wider(few_paths(paths)).to_dict()
+    return model.of_few_paths(paths).to_dict()
