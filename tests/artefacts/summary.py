@@ -111,6 +111,17 @@ def worst(rows: list[Row], key: str, error: str, zero: str) -> tuple[str, list[f
     return name, errors[name], mean(zeros[name])
 
 
+def largest(rows: list[Row], name: str, error: str, zero: str, digits: int) -> list[str]:
+    """The largest single error, its place if that is a number, and the error of zero there."""
+    row = max(rows, key=lambda row: float(row[error]))
+    place = [row[name]] if row[name].isdigit() else []
+    return [shown(float(row[error]), digits), *place, shown(float(row[zero]), digits)]
+
+
+def percent(errors: list[float], zero: float) -> str:
+    return shown(100 * mean(errors) / zero, 0)
+
+
 def spread(errors: list[float], zero: float, digits: int) -> list[str]:
     """An error, its range and number of recordings if several, and the error of zero."""
     ends = [shown(end, digits) for end in (min(errors), max(errors))]
@@ -167,7 +178,9 @@ def link_model(study: Study) -> tuple[str, list[str]] | None:
     own = [row for row in rows if row["model"] == best]
     joint, errors, zero = worst(own, "joint", "mae", "zero_mae")
     unseen = study.roles[rows[0]["recording"]] != "fit"
-    return state(mean(errors), zero, unseen), [joint, *spread(errors, zero, 3)]
+    told = [percent(errors, zero), joint, joint, *spread(errors, zero, 3)]
+    told += largest(own, "joint", "mae", "zero_mae", 3)
+    return state(mean(errors), zero, unseen), told
 
 
 def torque_constants(rows: list[Row]) -> tuple[str, list[str]] | None:
@@ -196,41 +209,48 @@ def currents(study: Study) -> tuple[str, list[str]] | None:
     if not rows:
         return None
     joint, errors, zero = worst(rows, "joint", "rmse_2hz", "zero")
-    held = {name: mean(part) for name, part in averages(rows, "joint", "coverage95").items()}
-    least = min(held, key=held.__getitem__)
-    told = ["95", joint, *spread(errors, zero, 2), f"{100 * held[least]:.0f}", least]
-    told = told[1:] if state(mean(errors), zero) != "do-not-use" else told
-    return state(mean(errors), zero, held[least] >= 0.9), told
+    least = min(rows, key=lambda row: float(row["coverage95"]))
+    held = float(least["coverage95"])
+    told = [percent(errors, zero), joint, "95", joint, *spread(errors, zero, 2)]
+    told += largest(rows, "joint", "rmse_2hz", "zero", 2)
+    told += [least["joint"], f"{100 * held:.0f}"]
+    return state(mean(errors), zero, held >= 0.9), told
 
 
 def motion(rows: list[Row]) -> tuple[str, list[str]] | None:
     rows = [row for row in rows if row["estimate"] == "encoders"]
     if not rows:
         return None
-    _, errors, zero = worst(rows, "component", "mae", "zero_mae")
-    return state(mean(errors), zero), spread(errors, zero, 3)
+    component, errors, zero = worst(rows, "component", "mae", "zero_mae")
+    along = [row for row in rows if row["component"] == component]
+    told = [percent(errors, zero), *spread(errors, zero, 3)]
+    return state(mean(errors), zero), told + largest(along, "component", "mae", "zero_mae", 3)
 
 
 def force(study: Study) -> tuple[str, list[str]] | None:
-    """Of the leading estimate, on the worst recording with contact that no fit has seen."""
+    """Of the leading estimate, the largest error on recordings with contact that no fit has seen,
+    the recording that is worst beside zero, and where the band holds least.
+    """
     rows = [
         r for r in in_contact(study.tables["force_mae"]) if study.roles[r["recording"]] != "fit"
     ]
     rows = [row for row in rows if row["component"] in FORCES]
     if not rows:
         return None
-    columns = ("mae", "mae_low", "mae_high", "mean_force", "coverage95")
-    means = {}
-    for name in {row["recording"] for row in rows}:
-        own = [row for row in rows if row["recording"] == name]
-        means[name] = {c: mean(float(r[c]) for r in own) if own[0][c] else None for c in columns}
-    row = max(means.values(), key=lambda own: own["mae"] / own["mean_force"])
-    mae, low, high, zero = (row[name] and f"{row[name]:.1f}" for name in columns[:4])
-    bands = [own["coverage95"] for own in means.values() if own["coverage95"] is not None]
-    interval = [low, high] if low else []
-    told = [mae, zero, mae, *interval, zero, *(f"{100 * min(bands):.0f}" for _ in bands[:1])]
-    good = bool(bands) and min(bands) >= 0.9 and low is not None
-    return state(row["mae"], row["mean_force"], good), told
+    row = max(rows, key=lambda row: float(row["mae"]))
+    mae, low, high, zero = (
+        row[name] and f"{float(row[name]):.1f}"
+        for name in ("mae", "mae_low", "mae_high", "mean_force")
+    )
+    errors, zeros = (averages(rows, "recording", name) for name in ("mae", "mean_force"))
+    means = {name: (mean(errors[name]), mean(zeros[name])) for name in errors}
+    part = max(means.values(), key=lambda pair: pair[0] / pair[1])
+    bands = [float(row["coverage95"]) for row in rows if row["coverage95"]]
+    told = [mae, zero, mae, *([low, high] if low else []), zero, *(f"{x:.1f}" for x in part)]
+    told += [f"{100 * min(bands):.0f}" for _ in bands[:1]]
+    good = (not bands or min(bands) >= 0.9) and bool(low)
+    share = max(part[0] / part[1], float(row["mae"]) / float(row["mean_force"]))
+    return state(share, 1.0, good), told
 
 
 def in_contact(rows: list[Row]) -> list[Row]:
@@ -263,7 +283,15 @@ def findings(study: Study) -> Iterator[list[str]]:
         yield []
     stated = [row["within95"] for row in study.tables.get("truth", []) if row["within95"]]
     if stated:
-        yield [str(len(stated)), str(stated.count("yes"))]
+        yield truths(len(stated), stated.count("yes"))
+
+
+def truths(count: int, held: int) -> list[str]:
+    """How many intervals hold the truth, how many should, and the chance where that is small."""
+    chances = [math.comb(count, k) * 0.95**k * 0.05 ** (count - k) for k in range(count + 1)]
+    chance = min(sum(chances[held:]), sum(chances[: held + 1]))
+    told = [str(count), str(held), f"{0.95 * count:.0f}"]
+    return [*told, shown(100 * chance, 1)] if chance < 0.025 else told
 
 
 def contacts(study: Study) -> Iterator[list[str]]:

@@ -1,5 +1,6 @@
 """Estimates beside the truth: what a row says, and what there is no truth of."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -149,15 +150,28 @@ def test_wrenches_are_compared_where_they_state_a_band() -> None:
     assert rows.loc[("wrench_coverage95", "Fx"), "estimate"] == 1.0
 
 
+@pytest.mark.parametrize(
+    ("held", "chance", "verdict"),
+    [(95, "0.8", "wide"), (93, None, ""), (87, None, ""), (80, "< 0.1", "narrow")],
+)
+def test_intervals_that_hold_the_truth_too_often_are_called_too_wide(
+    held: int, chance: str | None, verdict: str
+) -> None:
+    """0.95 to the power of 95 is 0.77 %."""
+    (told,) = beside_truth(pd.DataFrame({"within95": ["yes"] * held + ["no"] * (95 - held)}))
+    assert "; 90 are expected." in told
+    assert re.findall(r"would be (.*) %: .* too (\w+)\.", told) == (
+        [(chance, verdict)] if chance else []
+    )
+
+
 def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
     clock = {"offset": 0.03, "offset_std": 0.01, "drift": -0.0029, "drift_std": 2e-5}
     rows = [{"recording": "a"} | r for r in clock_rows({"imu": clock | {"method": "m"}}, TRUTH)]
     rows += [{"recording": "a"} | r for r in joint_acceleration_rows(motions(), made_truth())]
     table = pd.DataFrame(rows, columns=COLUMNS)
-    assert [*beside_truth(table)] == [
-        "Of 2 values with a stated 95 % interval, 1 have the truth of the simulation inside this "
-        "interval."
-    ]
+    (told,) = beside_truth(table)
+    assert re.findall(r"\d[\d.]*", told.replace("95 % interval", "")) == ["2", "1", "2"]
     results = Results({"recordings": []}, {"truth": table}, Path())
     views = [truth.summary, truth.clocks, truth.joint_accelerations, truth.joint_acceleration_bands]
     assert [len(view(results).rows) for view in views] == [2, 2, 2, 1]

@@ -1,5 +1,6 @@
 """Verdicts and next steps: each rule at its borders, on tables with a known answer."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +79,11 @@ def study(moving: dict[str, Any] | None = None, **tables: list[dict[str, Any]]) 
         Path(),
         drawn=frozenset(ROLES),
     )
+
+
+def percents(sentence: str) -> list[int]:
+    """The numbers of per cent in a sentence but those of a 95 % band."""
+    return [int(x) for x in re.findall(r"(\d+) %", sentence.replace("95 % band", ""))]
 
 
 def said(verdict: Verdict | None) -> str:
@@ -186,11 +192,23 @@ def torques(errors: dict[str, float], recordings: tuple[str, ...] = ("seen",)) -
 
 def test_a_link_model_is_judged_on_unseen_recordings() -> None:
     rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
-    told = said(link_model.verdict(study(torque_mae=rows)))
-    assert told == (
-        "good: Model B computes the controller's torques on recordings that no fit has seen. "
-        "Worst on joint 1: 0.100 Nm; an estimate of zero: 1.000 Nm."
-    )
+    verdict = link_model.verdict(study(torque_mae=rows))
+    assert verdict.state == "good"
+    assert percents(verdict.sentence) == [10]
+    mean, most = verdict.numbers
+    assert (mean.value, mean.place, mean.baseline) == (0.1, "joint 1", 1.0)
+    assert (most.value, most.place) == (0.1, "joint 1 on seen")
+
+
+def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
+    """The mean over recordings on the worst joint, and the largest error on any of them."""
+    rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",))
+    rows[7] |= {"mae": 3.0, "zero_mae": 20.0}  # the largest, though a small share
+    verdict = link_model.verdict(study(torque_mae=rows))
+    assert (verdict.state, percents(verdict.sentence)) == ("usable", [50])
+    mean, most = verdict.numbers
+    assert (mean.value, mean.low, mean.high) == (0.5, 0.4, 0.6)
+    assert (most.value, most.place, most.baseline) == (3.0, "joint 2 on pushed", 20.0)
 
 
 def test_the_fit_recordings_alone_make_no_good_model() -> None:
@@ -227,20 +245,35 @@ def predicted(error: float, held: float = 0.95, recording: str = "seen") -> list
 
 
 @pytest.mark.parametrize(
-    ("error", "held", "expected", "words"),
+    ("error", "held", "expected", "narrow"),
     [
-        (0.2, 0.95, "good", "their 95 % bands hold"),
-        (0.2, 0.8, "usable", "their 95 % bands are too narrow"),
-        (0.7, 0.95, "usable", "their 95 % bands hold"),
-        (1.5, 0.95, "do not use", "no better predicted than by a constant"),
+        (0.2, 0.95, "good", False),
+        (0.2, 0.8, "usable", True),
+        (0.7, 0.95, "usable", False),
+        (0.99, 0.95, "usable", False),
     ],
 )
 def test_currents_are_judged_beside_a_constant(
-    error: float, held: float, expected: str, words: str
+    error: float, held: float, expected: str, narrow: bool
 ) -> None:
     verdict = currents.verdict(study(current_rmse=predicted(error, held)))
-    assert (verdict.state, words in verdict.sentence) == (expected, True)
+    assert (verdict.state, "too narrow" in verdict.sentence) == (expected, narrow)
+    assert percents(verdict.sentence) == [round(100 * error)]
     assert f"{error:.2f} A; a constant current: 1.00 A" in verdict.evidence
+
+
+def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
+    """No mean over recordings hides the one on which a band holds least."""
+    rows = predicted(0.2) + predicted(0.2, recording="fitted")
+    rows[8] |= {"coverage95": 0.86}
+    rows[3] |= {"rmse_2hz": 2.0, "r2": 1 - 0.1**2}
+    results = study(current_rmse=rows)
+    roles = [entry | {"role": "validate"} for entry in results.study["recordings"]]
+    verdict = currents.verdict(Results({"recordings": roles}, results.tables, Path()))
+    assert verdict.state == "usable"
+    _, most, held = verdict.numbers
+    assert (most.value, most.place) == (2.0, "joint 4 on seen")
+    assert (held.value, held.place) == (86, "joint 3 on fitted")
 
 
 def test_joints_at_rest_and_loaded_recordings_judge_no_currents() -> None:
@@ -265,11 +298,31 @@ def touched(mae: float, recording: str = "pushed", **more: float) -> list[dict]:
 
 def test_the_force_is_judged_where_it_is_worst() -> None:
     rows = touched(2.0) + touched(4.0, "seen") + touched(9.0, "fitted")
-    assert said(force.verdict(study(force_mae=rows))) == (
-        "good: In contact, the force F̂ᵐᵃᵖ is off by 4.0 N per axis at worst, where the sensor "
-        "reads 10.0 N. seen, mean over x, y, z: 4.0 N (95 %: 3.2\u00a0to\u00a04.8); an estimate of "
-        "zero: 10.0 N. The 95 % band holds 95 % at worst."
-    )
+    verdict = force.verdict(study(force_mae=rows))
+    assert verdict.state == "good"
+    error, share, held = verdict.numbers
+    assert (error.value, error.baseline, error.low, error.high) == (4.0, 10.0, 3.2, 4.8)
+    assert error.place == "seen, along x, in contact"
+    assert (share.value, share.baseline, held.value) == (4.0, 10.0, 95)
+
+
+def test_no_mean_over_axes_hides_the_worst_one() -> None:
+    """The largest error, the least share in a band: each of its own axis and recording."""
+    rows = touched(2.0) + touched(3.0, "seen", mean_force=7.0)
+    rows[2] |= {"mae": 6.0, "mean_force": 15.5}
+    rows[4] |= {"coverage95": 0.83}
+    verdict = force.verdict(study(force_mae=rows))
+    assert verdict.state == "usable"
+    error, share, held = verdict.numbers
+    assert (error.value, error.place) == (6.0, "pushed, along z, in contact")
+    assert (share.value, share.place) == (3.0, "seen, mean over x, y, z, in contact")
+    assert (held.value, held.place) == (83, "seen, along y, in contact")
+
+
+def test_an_axis_that_is_worse_than_zero_is_not_to_be_used() -> None:
+    rows = touched(1.0)
+    rows[1] |= {"mae": 6.0, "mean_force": 5.0}
+    assert force.verdict(study(force_mae=rows)).state == "do not use"
 
 
 @pytest.mark.parametrize(
@@ -311,10 +364,11 @@ def test_motion_is_judged_beside_an_imu_alone() -> None:
     assert motion.verdict(study()) is None
     row = {"recording": "seen", "estimate": "encoders", "zero_mae": 0.2}
     rows = [row | {"component": name, "mae": mae} for name, mae in (("x", 0.02), ("rz", 0.05))]
-    assert said(motion.verdict(study(acceleration_mae=rows))) == (
-        "good: The acceleration from the joint encoders agrees with the IMU. "
-        "Worst along rz: 0.050 rad/s²; an estimate of zero: 0.200 rad/s²."
-    )
+    verdict = motion.verdict(study(acceleration_mae=rows))
+    assert (verdict.state, percents(verdict.sentence)) == ("good", [25])
+    assert (verdict.numbers[0].value, verdict.numbers[0].place) == (0.05, "rz")
+    nothing = [row | {"component": "x", "mae": 0.551, "zero_mae": 0.552}]
+    assert percents(motion.verdict(study(acceleration_mae=nothing)).sentence) == [100]
 
 
 # Drawings, first figure, next steps

@@ -13,6 +13,7 @@ from ur5lib.study.check import read_study
 from ur5lib.tables import read_csv
 
 RESULTS = Path("results")
+HEAVIEST = 35.0  # kg: more than the maker's largest arm carries
 
 
 def audit_answers(study: Path) -> Iterator[str]:
@@ -48,12 +49,22 @@ def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
         yield "the currents tell nothing (no motion, or no contact-free recording of this arm)"
     for row in loads.itertuples():
         mass, low, high = (row.configured + part for part in (row.mass, row.low, row.high))
-        yield (
-            f"by the currents {mass:.2f} kg ({low:.2f} to {high:.2f}), configured "
-            f"{row.configured:.2f} kg{_place(row)}"
-        )
+        yield f"{_mass(mass, low, high)}, configured {row.configured:.2f} kg{_place(row)}"
     for row in sensed[sensed["quantity"] == "mass"].itertuples():
         yield f"by the wrist sensor {row.value:.3f} kg ({row.low:.3f} to {row.high:.3f})"
+
+
+def _mass(mass: float, low: float, high: float) -> str:
+    """Return a mass and its 95 % interval [kg] in words; no mass is negative.
+
+    Where the interval reaches below zero, its farther end bounds a load that would not show.
+    """
+    most = max(high, -low)
+    if most > HEAVIEST:
+        return f"the currents do not determine the mass (error up to {most:.0f} kg)"
+    if low <= 0:
+        return f"by the currents no certain load, at most {most:.2f} kg"
+    return f"by the currents {mass:.2f} kg ({low:.2f} to {high:.2f})"
 
 
 def _place(row: Any) -> str:

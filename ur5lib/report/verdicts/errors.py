@@ -1,4 +1,4 @@
-"""Errors by joint or component beside those of zero, averaged over recordings."""
+"""Errors by joint or component beside those of zero: averaged over recordings, and the largest."""
 
 import pandas as pd
 
@@ -29,6 +29,18 @@ def worst(errors: pd.DataFrame) -> object:
     return (errors["error"] / errors["zero"]).idxmax()
 
 
+def percent(errors: pd.DataFrame, name: object) -> str:
+    """Return the error of a joint or component in per cent of that of zero."""
+    return f"{rounded(100 * float(errors['error'][name] / errors['zero'][name]), 0)} %"
+
+
+def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> pd.Series:
+    """Return place, recording, error and zero of the largest error, which no mean hides."""
+    row = rows.loc[rows[error].idxmax()]
+    places = {"place": row[name], "recording": row["recording"]}
+    return pd.Series(places | {"error": row[error], "zero": row[zero]})
+
+
 def stated(row: pd.Series, name: str, unit: str, place: str, zero: str = ZERO) -> Number:
     """Return an error with its range over recordings and its baseline."""
     several = row["count"] > 1
@@ -42,6 +54,30 @@ def stated(row: pd.Series, name: str, unit: str, place: str, zero: str = ZERO) -
         interval=f"range over {row['count']:.0f} recordings" if several else "",
         baseline=float(row["zero"]),
         baseline_of=zero,
+    )
+
+
+def stated_largest(row: pd.Series, unit: str, place: str, zero: str = ZERO) -> Number:
+    """Return the largest error with its recording and its baseline."""
+    return Number(
+        name="largest error on a recording",
+        value=float(row["error"]),
+        unit=unit,
+        place=f"{place} on {row['recording']}",
+        baseline=float(row["zero"]),
+        baseline_of=zero,
+    )
+
+
+def on_recording(row: pd.Series, digits: int, unit: str, which: str, zero: str = ZERO) -> str:
+    """Return the largest error with its place, its recording and its baseline as a sentence.
+
+    which: the words before the place, “on joint” or “along”.
+    """
+    error, beside = (rounded(row[name], digits) for name in ("error", "zero"))
+    return (
+        f"Largest error: {error} {unit} {which} {row['place']} on {row['recording']}; {zero}: "
+        f"{beside} {unit}."
     )
 
 

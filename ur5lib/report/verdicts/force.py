@@ -1,12 +1,13 @@
 """Whether the estimated force can be used in contact."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.cells import fixed, interval, sentence
-from ur5lib.report.document import Number, Verdict
+from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import error_bar
 from ur5lib.report.verdicts.errors import ZERO
@@ -15,41 +16,65 @@ from ur5lib.report.views.contacts import found_without_sensor, quiet
 from ur5lib.report.views.forces import leading, searched
 
 TOPIC = "Force in contact"
-MEANS = ["mae", "mae_low", "mae_high", "mean_force", "coverage95"]
 
 
 def errors_in_contact(results: Results) -> pd.DataFrame:
-    """Return the leading estimate's errors on each recording that no fit has seen, as means over
-    x, y, z.
-
-    The mean of three intervals is at least as wide as the interval of the mean.
-    """
+    """Return the leading estimate's errors along x, y, z on recordings that no fit has seen."""
     rows = results.rows("force_mae", kind="compensated", during="contact")
     rows = rows[rows["component"].str.startswith("F")]
     rows = leading(rows[~rows["recording"].isin(results.with_role("fit"))])
-    return rows.groupby(["recording", "estimate"], sort=False)[MEANS].mean().reset_index("estimate")
+    return rows.assign(axis=rows["component"].str[1:])
+
+
+class Worst(NamedTuple):
+    """Where the force is worst: axis and recording of the largest error; sums over x, y, z by
+    recording of the largest share of the sensor's force; axis and recording that the band holds
+    least, None where no band is stated.
+    """
+
+    error: pd.Series
+    share: pd.Series
+    held: pd.Series | None
+
+    def state(self) -> State:
+        """Judge by the larger share of the sensor's force, of the axis and of the recording."""
+        known = not pd.isna(self.error["mae_low"])
+        shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
+        held = 1.0 if self.held is None else self.held["coverage95"]
+        return state(max(shares), 1.0, held, known)
+
+
+def worst_of(rows: pd.DataFrame) -> Worst:
+    """Return where errors in contact are worst."""
+    means = rows.groupby("recording", sort=False)[["mae", "mean_force"]].mean()
+    stated = rows.dropna(subset="coverage95")
+    return Worst(
+        error=rows.loc[rows["mae"].idxmax()],
+        share=means.loc[(means["mae"] / means["mean_force"]).idxmax()],
+        held=stated.loc[stated["coverage95"].idxmin()] if len(stated) else None,
+    )
 
 
 def verdict(results: Results) -> Verdict:
-    """Judge the force by the recording on which it is worst."""
+    """Judge the force by the axis and the recording on which it is worst."""
     if results.stopped():
         return Verdict(TOPIC, "do not use", "A stop sign stands: recordings contradict the study.")
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
-    held = judged["coverage95"].min()
-    row = judged.loc[(judged["mae"] / judged["mean_force"]).idxmax()]
-    known = not pd.isna(row["mae_low"])
+    worst = worst_of(judged)
+    row, known = worst.error, not pd.isna(worst.error["mae_low"])
     dot = "Dot: error with its 95 % interval" if known else "Dot: error"
     return Verdict(
         topic=TOPIC,
-        state=state(row["mae"], row["mean_force"], held, known),
-        sentence=f"In contact, {_named(row['estimate'])} is off by {fixed(row['mae'], 1)} N per "
-        f"axis at worst, where the sensor reads {fixed(row['mean_force'], 1)} N.",
-        evidence=" ".join(_evidence(row, held)),
+        state=worst.state(),
+        sentence=f"In contact, {_named(row['estimate'])} is off by {fixed(row['mae'], 1)} N along "
+        f"{row['axis']}, the largest error, where the sensor reads "
+        f"{fixed(row['mean_force'], 1)} N.",
+        evidence=" ".join(_evidence(worst)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
         caption=f"{dot}; line: error of zero force.",
-        numbers=tuple(_numbers(row, held)),
+        numbers=tuple(_numbers(worst)),
     )
 
 
@@ -59,37 +84,57 @@ def _named(estimate: str) -> str:
     return f"{own} {ESTIMATES[estimate]}"
 
 
-def _evidence(row: pd.Series, held: float) -> Iterator[str]:
-    """Yield the error with its interval and baseline, the band's coverage, and what is missing."""
+def _evidence(worst: Worst) -> Iterator[str]:
+    """Yield the error with its interval and baseline, the recording that is worst beside zero, the
+    band's coverage, and what is missing.
+    """
+    row, share, held = worst
     known = not pd.isna(row["mae_low"])
     ends = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
     yield (
-        f"{row.name}, mean over x, y, z: {fixed(row['mae'], 1)} N{ends}; {ZERO}: "
+        f"{row['recording']}, along {row['axis']}: {fixed(row['mae'], 1)} N{ends}; {ZERO}: "
         f"{fixed(row['mean_force'], 1)} N."
     )
-    if not pd.isna(held):
-        yield f"The 95 % band holds {100 * held:.0f} % at worst."
+    yield (
+        f"Largest share of the force, mean over x, y, z: {fixed(share['mae'], 1)} of "
+        f"{fixed(share['mean_force'], 1)} N on {share.name}."
+    )
+    if held is not None:
+        yield (
+            f"The 95 % band holds least along {held['axis']} on {held['recording']}: "
+            f"{100 * held['coverage95']:.0f} %."
+        )
     if not known:
         yield "Fewer than three contacts: no interval."
 
 
-def _numbers(row: pd.Series, held: float) -> Iterator[Number]:
+def _numbers(worst: Worst) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
+    row, share, held = worst
     known = not pd.isna(row["mae_low"])
-    place = f"{row.name}, mean over x, y, z, in contact"
+    name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     yield Number(
-        name=f"mean absolute error of {ESTIMATES[row['estimate']]}",
+        name=name,
         value=float(row["mae"]),
         unit="N",
-        place=place,
+        place=f"{row['recording']}, along {row['axis']}, in contact",
         low=float(row["mae_low"]) if known else None,
         high=float(row["mae_high"]) if known else None,
         interval="95 %" if known else "",
         baseline=float(row["mean_force"]),
         baseline_of=ZERO,
     )
-    if not pd.isna(held):
-        yield Number("least share in the 95 % band", 100 * float(held), "%")
+    yield Number(
+        name=name,
+        value=float(share["mae"]),
+        unit="N",
+        place=f"{share.name}, mean over x, y, z, in contact",
+        baseline=float(share["mean_force"]),
+        baseline_of=ZERO,
+    )
+    if held is not None:
+        place = f"{held['recording']}, along {held['axis']}, in contact"
+        yield Number("least share in the 95 % band", 100 * float(held["coverage95"]), "%", place)
 
 
 def _unjudged(results: Results) -> Verdict:

@@ -1,4 +1,4 @@
-"""Whether a link model computes the controller's torques."""
+"""How close a link model is to the controller's torques."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,17 @@ from ur5lib.report.cells import SMALLEST_DIFFERENCE, sentence
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.drawings import bars
-from ur5lib.report.verdicts.errors import by_joint, ratios, stated, with_range, worst
+from ur5lib.report.verdicts.errors import (
+    by_joint,
+    largest,
+    on_recording,
+    percent,
+    ratios,
+    stated,
+    stated_largest,
+    with_range,
+    worst,
+)
 from ur5lib.report.verdicts.states import state
 
 TOPIC = "Link model"
@@ -61,19 +71,26 @@ def verdict(results: Results) -> Verdict:
     if compared is None:
         return Verdict(TOPIC, "not determined", _undetermined(results))
     best = compared.best[0]
-    errors = by_joint(compared.rows[compared.rows["model"] == best], "mae", "zero_mae")
-    joint = worst(errors)
+    rows = compared.rows[compared.rows["model"] == best]
+    errors = by_joint(rows, "mae", "zero_mae")
+    joint, most = worst(errors), largest(rows, "mae", "zero_mae")
     where = "recordings that no fit has seen" if compared.unseen else "the fit recordings alone"
     judged = state(errors["error"][joint], errors["zero"][joint], tested=compared.unseen)
-    verb = "does not compute" if judged == "do not use" else "computes"
     return Verdict(
         topic=TOPIC,
         state=judged,
-        sentence=sentence(f"{named(best)} {verb} the controller's torques on {where}"),
-        evidence=f"Worst on joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}.",
+        sentence=sentence(
+            f"{named(best)} differs from the controller's torques by {percent(errors, joint)} of "
+            f"their mean size on joint {joint}, the worst one, on {where}"
+        ),
+        evidence=f"Joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}. "
+        f"{on_recording(most, 3, 'Nm', 'on joint')}",
         drawing=bars(ratios(errors)),
         caption="Error by joint; a full bar is the error of zero torque.",
-        numbers=(stated(errors.loc[joint], "mean absolute error", "Nm", f"joint {joint}"),),
+        numbers=(
+            stated(errors.loc[joint], "mean absolute error", "Nm", f"joint {joint}"),
+            stated_largest(most, "Nm", f"joint {most['place']}"),
+        ),
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import pandas as pd
+from scipy import stats
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.cells import fixed, rounded
@@ -16,6 +17,7 @@ from ur5lib.report.views.contacts import counted, elsewhere, quiet, undetermined
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
+IMPROBABLE = 0.025  # chance below which a number of intervals with the truth inside is remarkable
 NOTHING = "The recordings show no contact, load, fault or difference between models."
 
 
@@ -138,10 +140,27 @@ def _detection(results: Results) -> Iterator[str]:
 
 
 def beside_truth(truth: pd.DataFrame | None) -> Iterator[str]:
-    """Report how many stated intervals contain the truth of a simulation."""
-    if truth is not None and len(truth):
-        stated = truth["within95"].dropna()
+    """Report how many stated intervals contain the truth of a simulation, and how many should."""
+    stated = pd.Series(dtype=object) if truth is None else truth["within95"].dropna()
+    if len(stated):
+        count, held = len(stated), int((stated == "yes").sum())
         yield (
-            f"Of {len(stated)} values with a stated 95 % interval, {(stated == 'yes').sum()} have "
-            "the truth of the simulation inside this interval."
+            f"Of {count} values with a stated 95 % interval, {held} have the truth of the "
+            f"simulation inside this interval; {0.95 * count:.0f} are expected."
+            f"{_surprise(held, count)}"
         )
+
+
+def _surprise(held: int, count: int) -> str:
+    """Return what an improbable number of 95 % intervals with the truth inside says of them.
+
+    By the binomial distribution, on the side where the number lies, for independent values.
+    """
+    many, few = stats.binom.sf(held - 1, count, 0.95), stats.binom.cdf(held, count, 0.95)
+    chance, verdict = (many, "wide") if many < few else (few, "narrow")
+    if chance >= IMPROBABLE:
+        return ""
+    return (
+        f" If the intervals were right and the values independent, the chance of this would be "
+        f"{rounded(100 * chance, 1)} %: the intervals are too {verdict}."
+    )

@@ -59,7 +59,7 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
     Forces beside a sensor that is touched; currents in motion, if possible without a load;
     torques in motion; forces that nothing judges.
     """
-    for name in results.shown([*force.errors_in_contact(results).index]):
+    for name in results.shown([*force.errors_in_contact(results)["recording"]]):
         yield "forces", name
     carrying = {*loaded(results)["recording"]}
     for name in sorted(predicted(results), key=carrying.__contains__):
