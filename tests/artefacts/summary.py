@@ -11,7 +11,7 @@ from statistics import mean, median
 from typing import Any, NamedTuple
 
 Row = dict[str, str]
-ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "Fu", "F", "F*")
+ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "static", "Fu", "F", "F*")
 MOST_WORDS = 180
 FORCES = ("Fx", "Fy", "Fz")
 FIXED = ["10 N", "probability of 95 %", "95 % interval", "95 % band", "(95 %:"]
@@ -248,7 +248,7 @@ def force(study: Study) -> tuple[str, list[str]] | None:
     bands = [float(row["coverage95"]) for row in rows if row["coverage95"]]
     told = [mae, zero, mae, *([low, high] if low else []), zero, *(f"{x:.1f}" for x in part)]
     told += [f"{100 * min(bands):.0f}" for _ in bands[:1]]
-    good = (not bands or min(bands) >= 0.9) and bool(low)
+    good = (not bands or min(bands) >= 0.9) and bool(low) and row["estimate"] != "static"
     share = max(part[0] / part[1], float(row["mae"]) / float(row["mean_force"]))
     return state(share, 1.0, good), told
 
@@ -269,11 +269,14 @@ def findings(study: Study) -> Iterator[list[str]]:
     if (rows := compared(study)) and len({row["model"] for row in rows}) > 1:
         _, near, differ = nearest(rows)
         yield [str(near), str(differ)] if differ else []
-    if printed := [row["status"] for row in study.tables["printed"]]:
+    if printed := [row["status"] for row in study.tables.get("printed", [])]:
         yield [str(printed.count("equal")), str(len(printed))]
     for row in study.loads()[:4]:
         yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
     yield from contacts(study)
+    for row in [] if study.tables["friction"] else study.tables["sensed"][:4]:
+        reads, share = float(row["largest_force_n"]), 100 * float(row["share_in_contact"])
+        yield [f"{reads:.1f}", f"{share:.0f}"]
     yield from detected(study)
     yield from claimed(study)
     moments = [row for row in in_contact(force) if row["component"] not in FORCES]
@@ -283,15 +286,16 @@ def findings(study: Study) -> Iterator[list[str]]:
         yield []
     stated = [row["within95"] for row in study.tables.get("truth", []) if row["within95"]]
     if stated:
-        yield truths(len(stated), stated.count("yes"))
+        yield from truths(len(stated), stated.count("yes"))
 
 
-def truths(count: int, held: int) -> list[str]:
+def truths(count: int, held: int) -> Iterator[list[str]]:
     """How many intervals hold the truth, how many should, and the chance where that is small."""
     chances = [math.comb(count, k) * 0.95**k * 0.05 ** (count - k) for k in range(count + 1)]
     chance = min(sum(chances[held:]), sum(chances[: held + 1]))
-    told = [str(count), str(held), f"{0.95 * count:.0f}"]
-    return [*told, shown(100 * chance, 1)] if chance < 0.025 else told
+    yield [str(count), str(held)]
+    expected = f"{0.95 * count:.0f}"
+    yield [expected, shown(100 * chance, 1)] if chance < 0.025 else [expected]
 
 
 def contacts(study: Study) -> Iterator[list[str]]:

@@ -22,7 +22,7 @@ from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views import claimed
 from ur5lib.report.views.currents import constants, cross_validation, next_recordings
-from ur5lib.report.views.found import NOTHING, findings
+from ur5lib.report.views.found import UNSEARCHED, findings, left_out
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
 from ur5lib.report.views.models import excitation, identified
 from ur5lib.report.views.next_steps import steps
@@ -54,6 +54,7 @@ COLUMNS = {
     "acceleration_mae": ["recording", "estimate", "component", "mae", "zero_mae"],
     "excitation": ["robot", "combinations", "undetermined", "advice"],
     "audit": ["recording", "quantity", "verdict"],
+    "sensed": ["recording", "largest_force_n", "at_s", "share_in_contact", "contacts"],
     "parameters": ["robot", "determined"],
     "health": ["robot", "date", "joint", "quantity", "value", "std_error", "temperature_c"],
     "health_changes": ["robot", "joint", "quantity", "kind", "first", "last", "before", "size"],
@@ -222,7 +223,7 @@ def test_a_standstill_tells_no_models_apart() -> None:
     assert said(link_model.verdict(results)) == (
         "not determined: The arm rests in every recording, which does not tell link models apart."
     )
-    assert findings(results) == [NOTHING]
+    assert findings(results) == [UNSEARCHED]
 
 
 def test_equal_models_have_no_nearest() -> None:
@@ -355,6 +356,38 @@ def test_without_a_sensor_contacts_are_plausible_only() -> None:
         "untested. Contacts found: 4, on 1 of 1 recordings; 0.0 false alarms per minute on "
         "validate recordings."
     )
+
+
+# No recording to fit
+
+SENSED = {"recording": "pushed", "largest_force_n": 106.0, "at_s": 3.0}
+SENSED |= {"share_in_contact": 0.4, "contacts": 5}
+
+
+def test_a_contact_beside_a_sensor_is_not_denied() -> None:
+    """Neither that there is a contact, nor that there is a sensor, nor is either asked for."""
+    results = study(RESTING, sensed=[SENSED])
+    (finding,) = findings(results)
+    assert re.findall(r"\d[\d.]*", finding) == ["106.0", "40"]
+    assert not [text for text in left_out(results) if "force sensor" in text]
+    assert not [text for text in steps(results) if "force sensor" in text]
+    card = force.verdict(results)
+    assert (card.state, "106.0 N" in card.evidence) == ("not determined", True)
+    assert force_drawn(results) == ["pushed"]
+
+
+def test_without_a_search_no_contact_is_denied() -> None:
+    assert findings(study(RESTING)) == [UNSEARCHED]
+    quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
+    assert [text for text in steps(study(sensed=[quiet])) if "force sensor" in text]
+
+
+def test_the_estimate_without_a_fit_is_never_called_good() -> None:
+    rows = [row | {"estimate": "static"} for row in touched(1.0)]
+    card = force.verdict(study(force_mae=rows, sensed=[SENSED]))
+    assert (card.state, card.numbers[0].value) == ("usable", 1.0)
+    assert "not calibrated" in card.evidence
+    assert force.verdict(study(force_mae=touched(1.0))).state == "good"
 
 
 # Motion

@@ -1,5 +1,7 @@
 """Contacts according to the force sensor."""
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
@@ -19,6 +21,29 @@ def contacts(force: Array, least: float = TOUCH) -> list[Span]:
 def in_contact(force: Array) -> Mask:
     """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
     return np.asarray(force > CONTACT)
+
+
+class Felt(NamedTuple):
+    """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
+    share of the recording in contact; contacts: their number.
+    """
+
+    largest: float
+    at_s: float
+    contact: float
+    contacts: int
+
+
+def felt(force: Array, time: Array) -> Felt | None:
+    """Return what a sensor reads, None if it has no reading.
+
+    force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
+    """
+    if not np.isfinite(force).any():
+        return None
+    peak = int(np.nanargmax(force))
+    share = float(in_contact(force).mean())
+    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT)))
 
 
 def is_free(force: Array, period: float) -> Mask:

@@ -6,6 +6,10 @@ NEW = {
     "least_squares": "least squares",
     "observer": "observer",
     "repeat": "repeat-aware",
+    "static": "uncalibrated static estimate",
 }
 ESTIMATES = PUBLISHED | NEW
-GATED = [name for name in NEW if name != "least_squares"]  # with odds of contact of their own
+SPOKEN = ESTIMATES | {"static": f"the {NEW['static']}"}  # as in sentences
+GATED = [
+    name for name in NEW if name not in ("least_squares", "static")
+]  # with odds of contact of their own

@@ -1,12 +1,16 @@
 """Every estimate of the contact wrench beside the force sensor."""
 
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 Estimates = dict[str, tuple[Array, Array | None]]  # wrench and its standard deviation, (N, 6)
@@ -20,6 +24,24 @@ def compared_estimates(kind: str, published: PublishedForces, forces: Forces) ->
     if not as_printed:
         found |= {name: (wrench, forces.std[name]) for name, wrench in forces.wrench.items()}
     return found
+
+
+def is_sensors_own(robot: Robot, signals: Signals, starts: Mapping[str, Any]) -> bool:
+    """Return whether the controller's force is the very sensor that it would be compared with.
+
+    starts: of the devices with a clock of their own. So it is with the sensor in an arm's wrist,
+    unless its raw reading was recorded.
+    """
+    return robot.wrist_sensor and signals.ft_raw_wrench is None and starts.get("force") is None
+
+
+def without_controllers_own(published: PublishedForces) -> PublishedForces:
+    """Return the published estimates without the controller's own."""
+    kinds = {
+        kind: {name: wrench for name, wrench in getattr(published, kind).items() if name != "Fu"}
+        for kind in ("printed", "corrected")
+    }
+    return replace(published, **kinds)
 
 
 def against_sensor(

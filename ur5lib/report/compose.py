@@ -56,6 +56,7 @@ from ur5lib.report.views import (
     printed,
     provenance,
     recordings,
+    sensed,
     torque_constants,
     truth,
 )
@@ -79,6 +80,7 @@ VIEWS: dict[str, ModuleType] = {
     "printed": printed,
     "provenance": provenance,
     "recordings": recordings,
+    "sensed": sensed,
     "torque_constants": torque_constants,
     "truth": truth,
 }

@@ -166,15 +166,15 @@ def published_force_figure(
 
 
 def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
-    """Return the new estimates, the band of F̂ᵐᵃᵖ, the sensor, and where a force hides (N,)."""
+    """Return the new estimates, the band of the first, the sensor, and where a force hides (N,)."""
     measured = _wrench(sensor, sensor.wrench.get("compensated"))
     series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
-    for (name, label), style in zip(NEW.items(), DRAWN, strict=True):
-        if name in forces.wrench:
-            series[label] = with_breaks(forces.wrench[name], forces.segment), style
+    known = {name: label for name, label in NEW.items() if name in forces.wrench}
+    for (name, label), style in zip(known.items(), DRAWN, strict=False):
+        series[label] = with_breaks(forces.wrench[name], forces.segment), style
     band = None
-    if "Fmap" in forces.wrench:
-        whole, half = forces.wrench["Fmap"], BAND * forces.std["Fmap"]
+    if lead := next((name for name in ("Fmap", "static") if name in known), None):
+        whole, half = forces.wrench[lead], BAND * forces.std[lead]
         low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
         band = low, high
     time, dark = (with_breaks(values, forces.segment) for values in (forces.time, hidden))

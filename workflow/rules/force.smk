@@ -59,6 +59,11 @@ rule estimate_forces:
         residuals=parameter_of("residuals.json"),
         load=result("currents.json"),
         free_runs=parameter_of("free_runs.json"),
+        friction=parameter_of("friction.json"),
+        rigid=result("torques.json"),
+        signals=result("signals.parquet"),
+        torques=result("torques.parquet"),
+        arm=arm_file,
     output:
         forces=result("forces.parquet"),
     log:
@@ -66,7 +71,7 @@ rule estimate_forces:
     params:
         code=code("estimate_forces"),
         recording="{recording}",
-        cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
+        **SETTINGS.lowpass.currents.model_dump(),
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES
+from ur5lib.pipeline.estimates import ESTIMATES, SPOKEN
 from ur5lib.report.cells import fixed, interval, sentence
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
@@ -14,8 +14,10 @@ from ur5lib.report.verdicts.errors import ZERO
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views.contacts import found_without_sensor, quiet
 from ur5lib.report.views.forces import leading, searched
+from ur5lib.report.views.sensed import readings
 
 TOPIC = "Force in contact"
+UNCALIBRATED = "static"  # the estimate without any fit
 
 
 def errors_in_contact(results: Results) -> pd.DataFrame:
@@ -38,7 +40,7 @@ class Worst(NamedTuple):
 
     def state(self) -> State:
         """Judge by the larger share of the sensor's force, of the axis and of the recording."""
-        known = not pd.isna(self.error["mae_low"])
+        known = not pd.isna(self.error["mae_low"]) and self.error["estimate"] != UNCALIBRATED
         shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
         held = 1.0 if self.held is None else self.held["coverage95"]
         return state(max(shares), 1.0, held, known)
@@ -80,6 +82,8 @@ def verdict(results: Results) -> Verdict:
 
 def _named(estimate: str) -> str:
     """Return an estimate's name as used in sentences."""
+    if estimate == UNCALIBRATED:
+        return f"{SPOKEN[estimate]} of the force"
     own = "the controller's own force" if estimate == "Fu" else "the force"
     return f"{own} {ESTIMATES[estimate]}"
 
@@ -106,6 +110,8 @@ def _evidence(worst: Worst) -> Iterator[str]:
         )
     if not known:
         yield "Fewer than three contacts: no interval."
+    if row["estimate"] == UNCALIBRATED:
+        yield "No friction was fitted, so that this estimate is not calibrated."
 
 
 def _numbers(worst: Worst) -> Iterator[Number]:
@@ -140,7 +146,8 @@ def _numbers(worst: Worst) -> Iterator[Number]:
 def _unjudged(results: Results) -> Verdict:
     """Say what is known of the force where nothing judges its size."""
     if searched(results).empty:
-        return Verdict(TOPIC, "not determined", "No force was estimated.")
+        told = "No force was estimated that a force sensor could judge."
+        return Verdict(TOPIC, "not determined", told, " ".join(readings(results)))
     if len(results.tables["force_mae"]):
         told = "The force sensor felt no contact on a recording that no fit has seen."
         return Verdict(TOPIC, "not determined", told)

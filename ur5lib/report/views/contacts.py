@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES, NEW
+from ur5lib.pipeline.estimates import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.cells import listed, numbered, rounded
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
@@ -54,7 +54,7 @@ def _errors_in_contact(
     ranges = ", ".join(f"{rounded(low, 1)} to {rounded(high, 1)}" for low, high in ends)
     known = "" if lead["mae_low"].isna().any() else f" (95 % intervals {ranges} N)"
     yield (
-        f"On {recording}, the mean absolute error of {ESTIMATES[name]} in contact (above 5 N at "
+        f"On {recording}, the mean absolute error of {SPOKEN[name]} in contact (above 5 N at "
         f"the sensor) is {listed(lead['mae'], 1)} N in x, y, z{known}; the mean force there is "
         f"{listed(lead['mean_force'], 1)} N."
     )
@@ -65,7 +65,7 @@ def _errors_in_contact(
     if len(baseline) and name != "least_squares":
         yield f"Least squares without a prior has an error of {listed(baseline['mae'], 1)} N there."
     if len(free):
-        yield f"Free of contact, the error of {ESTIMATES[name]} is {listed(free['mae'])} N."
+        yield f"Free of contact, the error of {SPOKEN[name]} is {listed(free['mae'])} N."
 
 
 def undetermined_moments(force: pd.DataFrame) -> Iterator[str]:
@@ -79,7 +79,7 @@ def undetermined_moments(force: pd.DataFrame) -> Iterator[str]:
         yield (
             f"The moment{'s' if several else ''} {', '.join(unknown)} "
             f"{'are' if several else 'is'} undetermined: on no recording is "
-            f"{ESTIMATES[rows['estimate'].iloc[0]]} in contact significantly better than an "
+            f"{SPOKEN[rows['estimate'].iloc[0]]} in contact significantly better than an "
             "estimate of zero."
         )
 

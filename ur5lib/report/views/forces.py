@@ -24,7 +24,8 @@ def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
     drawn = {*searched(results)["recording"]}
     felt = [name for name in results.with_role("contact") if name in drawn]
-    return results.shown([*printed(results), *results.tables["force_mae"]["recording"], *felt])
+    beside = [*results.tables["force_mae"]["recording"], *results.tables["sensed"]["recording"]]
+    return results.shown([*printed(results), *beside, *felt])
 
 
 def searched(results: Results) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.link_model import compare, named
-from ur5lib.report.views import claimed, comparison, printed
+from ur5lib.report.views import claimed, comparison, printed, sensed
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
 from ur5lib.report.views.contacts import counted, elsewhere, quiet, undetermined_moments
 from ur5lib.report.views.currents import loaded
@@ -19,6 +19,11 @@ from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
 IMPROBABLE = 0.025  # chance below which a number of intervals with the truth inside is remarkable
 NOTHING = "The recordings show no contact, load, fault or difference between models."
+
+UNSEARCHED = (
+    "No contact was searched for: no friction was fitted and no force sensor recorded. No load, "
+    "fault or difference between models was found."
+)
 
 
 def findings(results: Results) -> list[str]:
@@ -31,6 +36,7 @@ def findings(results: Results) -> list[str]:
         *counted(results),
         *elsewhere(results),
         *loads_taken_up(results),
+        *sensed.readings(results),
         *_detection(results),
         *claimed.judged(results),
         *undetermined_moments(results.tables["force_mae"]),
@@ -38,7 +44,8 @@ def findings(results: Results) -> list[str]:
         *beside_truth(results.tables.get("truth")),
         *comparison.found(results),
     ]
-    return told or [NOTHING]
+    looked = len(searched(results)) or len(results.tables["sensed"])
+    return told or [NOTHING if looked else UNSEARCHED]
 
 
 def stop_signs(results: Results) -> Iterator[str]:
@@ -75,7 +82,7 @@ def _not_compared(results: Results) -> Iterator[str]:
     """Report estimates that have nothing to be compared with."""
     if len(results.tables["friction"]) and not results.with_role("validate"):
         yield "Prediction of currents on unseen recordings: no recording has the role `validate`."
-    if len(searched(results)) and results.tables["force_mae"].empty:
+    if len(searched(results)) and results.tables["sensed"].empty:
         yield "Errors of the force estimates: no recording has a working force sensor."
 
 
@@ -146,9 +153,9 @@ def beside_truth(truth: pd.DataFrame | None) -> Iterator[str]:
         count, held = len(stated), int((stated == "yes").sum())
         yield (
             f"Of {count} values with a stated 95 % interval, {held} have the truth of the "
-            f"simulation inside this interval; {0.95 * count:.0f} are expected."
-            f"{_surprise(held, count)}"
+            "simulation inside this interval."
         )
+        yield f"If these intervals are right, {0.95 * count:.0f} do{_surprise(held, count)}."
 
 
 def _surprise(held: int, count: int) -> str:
@@ -161,6 +168,6 @@ def _surprise(held: int, count: int) -> str:
     if chance >= IMPROBABLE:
         return ""
     return (
-        f" If the intervals were right and the values independent, the chance of this would be "
-        f"{rounded(100 * chance, 1)} %: the intervals are too {verdict}."
+        f"; for independent values, the chance of as {'many' if many < few else 'few'} as found is "
+        f"{rounded(100 * chance, 1)} %, so that the intervals are too {verdict}"
     )

@@ -15,6 +15,7 @@ from ur5lib.report.verdicts import (
 )
 from ur5lib.report.views.currents import loaded, predicted
 from ur5lib.report.views.models import compared
+from ur5lib.report.views.sensed import touched
 
 VERDICTS: list[Callable[[Results], Verdict | None]] = [
     data_quality.verdict,
@@ -68,5 +69,5 @@ def _figures(results: Results) -> Iterator[tuple[str, str]]:
     for name in compared(results):
         if results.moving(name):
             yield "torques", name
-    for name in results.shown([*results.tables["contacts"]["recording"]]):
+    for name in results.shown([*touched(results), *results.tables["contacts"]["recording"]]):
         yield "forces", name

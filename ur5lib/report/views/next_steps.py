@@ -7,7 +7,7 @@ from ur5lib.report.cells import joints, rounded
 from ur5lib.report.results import Results
 from ur5lib.report.tables.remarks import STOP
 from ur5lib.report.verdicts.data_quality import lost_shares
-from ur5lib.report.views import health
+from ur5lib.report.views import health, sensed
 from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
@@ -106,9 +106,14 @@ def missing_recordings(results: Results) -> Iterator[str]:
                 "its link parameters."
             )
     yield from other_motions(results)
+    if results.tables["friction"].empty and not results.with_role("fit"):
+        yield (
+            "Record three to five motions without contact, along different paths, for the role "
+            "fit: without fitted friction, forces from currents are not calibrated."
+        )
     if not results.with_role("validate"):
         yield "Record a motion without contact for the role validate, which no fit sees."
-    if results.tables["force_mae"].empty:
+    if results.tables["force_mae"].empty and not sensed.touched(results):
         yield "Record pushes beside a force sensor: only that judges the size of the forces."
 
 
