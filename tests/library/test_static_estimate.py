@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from ur5lib.force.static_estimate import BREAKAWAY, SLOW, at_rest, static_wrench, torque_std
-from ur5lib.pipeline.static_forces import needed
 
 TORQUE_MAX = np.array([150.0, 150.0, 150.0, 28.0, 28.0, 28.0])
 
@@ -54,19 +53,3 @@ def test_motion_is_no_rest_and_unknown_torque_is_no_force() -> None:
     found, std = static_wrench(torque, np.ones((3, 6)), jacobians(3))
     assert np.isfinite(found).all(axis=1).tolist() == [True, False, True]
     assert np.isnan(std[1]).all()
-
-
-@pytest.mark.parametrize(
-    ("friction", "signs", "expected"),
-    [
-        ({"from": []}, [], True),
-        ({"from": [], "refused": "no currents"}, [], True),
-        ({"from": ["free"]}, [], False),
-        ({"from": [], "stopped": "wrong constants"}, [], False),
-        ({"from": []}, ["another arm"], False),
-    ],
-)
-def test_a_stop_sign_withholds_the_static_estimate_too(
-    friction: dict, signs: list, expected: bool
-) -> None:
-    assert needed(friction, {"stop_signs": signs}) == expected

@@ -159,7 +159,7 @@ def test_intervals_that_hold_the_truth_too_often_are_called_too_wide(
 ) -> None:
     """0.95 to the power of 95 is 0.77 %."""
     _, told = beside_truth(pd.DataFrame({"within95": ["yes"] * held + ["no"] * (95 - held)}))
-    assert " 90 do" in told
+    assert " 90 of these" in told
     assert re.findall(r"found is (.*) %, .* too (\w+)\.", told) == (
         [(chance, verdict)] if chance else []
     )

@@ -36,7 +36,7 @@ from ur5lib.tables import read_json, read_table, write_json
 PERIOD = 0.016
 BARE = {"carried": 0.0, "std_error": 0.05}
 LOADED = {"carried": 2.7, "std_error": 0.05}
-SUMMARIES = {"load", "index", "residuals", "threshold", "detection"}
+SUMMARIES = {"load", "index", "residuals", "threshold", "detection", "friction", "rigid"}
 SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, role="contact")
 
 
@@ -47,11 +47,7 @@ class Recording:
     folder: Path
 
     def __getattr__(self, name: str) -> str:
-        suffix = (
-            "json"
-            if name in {"load", "index", "residuals", "threshold", "detection"}
-            else "parquet"
-        )
+        suffix = "json" if name in SUMMARIES else "parquet"
         return str(self.folder / f"{name}.{suffix}")
 
     def write(self, run: Free, load: dict[str, float] | None = None) -> "Recording":
@@ -76,6 +72,8 @@ class Recording:
         ).write(self.kinematics)
         write_json({"load": load, "extent": passed(motion, currents)}, self.load)
         write_json({name: MODEL.to_dict() for name in ("tau_ext", "tau_observer")}, self.residuals)
+        write_json({"from": ["free"]}, self.friction)
+        write_json({"stop_signs": []}, self.rigid)
         return self
 
     def estimate(self, *others: "Recording") -> Forces:
@@ -91,6 +89,8 @@ class Recording:
             currents=self.currents,
             load=self.load,
             free_runs=self.index,
+            friction=self.friction,
+            rigid=self.rigid,
         )
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
         return Forces.from_table(read_table(self.forces))  # another estimate may replace the file
@@ -488,3 +488,22 @@ def test_a_push_is_no_load(ur5: Robot, tmp_path: Path) -> None:
     found = detect(Recording(tmp_path), run.pushed(run.wrench(force)), ur5)
     assert [own["kind"] for own in found] == ["contact"]
     assert np.linalg.norm(found[0]["force"]) == pytest.approx(40, rel=0.25)
+
+
+@pytest.mark.parametrize(
+    ("friction", "signs", "withheld"),
+    [
+        ({"from": []}, [], False),
+        ({"from": [], "refused": "no currents"}, [], False),
+        ({"from": ["free"]}, [], True),
+        ({"from": [], "stopped": "wrong constants"}, [], True),
+        ({"from": []}, ["another arm"], True),
+    ],
+)
+def test_a_stop_sign_withholds_the_static_estimate_too(
+    friction: dict[str, Any], signs: list[str], withheld: bool, tmp_path: Path
+) -> None:
+    input = SimpleNamespace(friction=tmp_path / "friction.json", rigid=tmp_path / "torques.json")
+    write_json(friction, input.friction)
+    write_json({"stop_signs": signs}, input.rigid)
+    assert script("estimate_forces")._fitted(input) == withheld

@@ -51,6 +51,23 @@ recordings:
       force_sensor: {}
       contacts: [{kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}]
 """
+PRESSED = """\
+study: pressed
+title: Pressed at rest beside a force sensor, and nothing to fit
+recordings:
+  - name: pressed
+    robot: ur5
+    format: rtde-csv
+    role: contact
+    simulate:
+      trajectory: {kind: standstill}
+      seed: 6
+      force_sensor: {}
+      contacts:
+        - {kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}
+        - {kind: push, start_s: 7, seconds: 2, force: [0, -90, 0]}
+        - {kind: push, start_s: 11, seconds: 2, force: [60, 0, 30]}
+"""
 MANY = 200
 
 
@@ -68,6 +85,15 @@ def standstill(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     """A study in which no joint moves."""
     workflow = Workflow(copy_project(tmp_path_factory.mktemp("standstill") / "project"))
     (workflow.folder / "config.yaml").write_text(STANDSTILL)
+    workflow.build()
+    return workflow
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A study without a recording to fit."""
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("pressed") / "project"))
+    (workflow.folder / "config.yaml").write_text(PRESSED)
     workflow.build()
     return workflow
 
@@ -110,6 +136,25 @@ def test_a_standstill_tells_no_models_apart_and_no_friction(standstill: Workflow
     assert "closest to the controller" not in text
     assert '<td class="left">did not move</td>' in text
     assert not re.search(r"\bnan\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL))
+
+
+def test_contacts_beside_a_sensor_are_shown_without_a_fit(pressed: Workflow) -> None:
+    """The sensor's numbers, and the force from known torque constants, inside its wide band."""
+    folder = pressed.folder / "results" / "pressed"
+    check_structure(folder / "report.html")
+    check_summary(folder / "report.html", yaml.safe_load(PRESSED))
+    (sensed,) = read_csv(folder / "tables" / "sensed.csv").itertuples()
+    assert sensed.contacts == 3
+    assert sensed.largest_force_n == pytest.approx(90, rel=0.1)
+    rows = read_csv(folder / "tables" / "force_mae.csv")
+    rows = rows[(rows["kind"] == "compensated") & (rows["estimate"] == "static")]
+    contact = rows[(rows["during"] == "contact") & rows["component"].isin(["Fx", "Fy", "Fz"])]
+    assert (contact["coverage95"] >= 0.95).all()
+    assert (contact["mae"] < contact["mean_force"]).all()
+    assert read_csv(folder / "tables" / "friction.csv").empty
+    figure = folder / "figures" / "pressed" / "forces_estimated.csv"
+    drawn = {*read_csv(figure)}
+    assert {"force sensor, Fy [N]", "uncalibrated static estimate, Fy [N]"} <= drawn
 
 
 def results_of(workflow: Workflow) -> Results:

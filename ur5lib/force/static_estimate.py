@@ -6,6 +6,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 SLOW = 0.05  # rad/s, below which the torques of motion are far below friction
 BREAKAWAY = 0.1  # of a motor's largest torque; Coulomb friction of UR5 and UR10e is 0.04 to 0.06
+LEAST_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
 FORCE, LEVER = 100.0, 0.1  # N, m: standard deviation of the force, and of its moment over it
 
 

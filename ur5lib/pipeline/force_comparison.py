@@ -37,11 +37,12 @@ def is_sensors_own(robot: Robot, signals: Signals, starts: Mapping[str, Any]) ->
 
 def without_controllers_own(published: PublishedForces) -> PublishedForces:
     """Return the published estimates without the controller's own."""
-    kinds = {
-        kind: {name: wrench for name, wrench in getattr(published, kind).items() if name != "Fu"}
-        for kind in ("printed", "corrected")
-    }
-    return replace(published, **kinds)
+    others = {"F", "F*"}
+    return replace(
+        published,
+        printed={name: published.printed[name] for name in others & {*published.printed}},
+        corrected={name: published.corrected[name] for name in others & {*published.corrected}},
+    )
 
 
 def against_sensor(

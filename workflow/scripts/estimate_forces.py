@@ -4,8 +4,6 @@ from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import (
     direct_problems,
     force_record,
@@ -18,34 +16,37 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.pipeline.static_forces import needed, static_forces
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_json
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    if needed(read_json(input.friction), read_json(input.rigid)):
+    if not _fitted(input):
         _static(input, params).write(output.forces)
         return
     # read anew, so that of a long recording either all inputs are held or all results
     force_record(Motion.read(input.motion), _estimates(input, params)).write(output.forces)
 
 
+def _fitted(input: Any) -> bool:
+    """Return whether friction was fitted, or withheld as recordings contradict the study."""
+    friction, load = read_json(input.friction), read_json(input.rigid)
+    return bool(friction["from"] or "stopped" in friction or load["stop_signs"])
+
+
 def _static(input: Any, params: Any) -> Forces:
-    """Return the static estimate; nothing without currents or known torque constants."""
-    signals, motion = Signals.read(input.signals), Motion.read(input.motion)
-    robot = load_robot(input.arm)
-    torques = Torques.read(input.torques)
-    record = current_record(params.recording, signals, motion, torques, robot.fullest_model())
-    nothing = Forces(time=motion.time, segment=motion.segment)
-    if record is None:
-        return nothing
-    try:
-        prior = prior_of(robot, [controllers_ratio(signals, motion)])
-    except ValueError:
-        return nothing
-    smooth, jacobian = smoother(params.order, params.cutoff_hz), Kinematics.read(input.kinematics)
-    return static_forces(record, motion.time, jacobian.jacobian, prior, smooth, params.cutoff_hz)
+    # slow to import, and friction of most arms is fitted
+    from ur5lib.pipeline.static_forces import static_forces
+
+    return static_forces(
+        load_robot(input.arm),
+        Signals.read(input.signals),
+        Motion.read(input.motion),
+        Torques.read(input.torques),
+        Kinematics.read(input.kinematics).jacobian,
+        params.order,
+        params.cutoff_hz,
+    )
 
 
 def _estimates(input: Any, params: Any) -> dict[str, WrenchEstimate]:

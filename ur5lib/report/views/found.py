@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 import pandas as pd
-from scipy import stats
+from scipy.special import bdtr, bdtrc
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.cells import fixed, rounded
@@ -155,7 +155,7 @@ def beside_truth(truth: pd.DataFrame | None) -> Iterator[str]:
             f"Of {count} values with a stated 95 % interval, {held} have the truth of the "
             "simulation inside this interval."
         )
-        yield f"If these intervals are right, {0.95 * count:.0f} do{_surprise(held, count)}."
+        yield f"Right intervals hold {0.95 * count:.0f} of these truths{_surprise(held, count)}."
 
 
 def _surprise(held: int, count: int) -> str:
@@ -163,7 +163,7 @@ def _surprise(held: int, count: int) -> str:
 
     By the binomial distribution, on the side where the number lies, for independent values.
     """
-    many, few = stats.binom.sf(held - 1, count, 0.95), stats.binom.cdf(held, count, 0.95)
+    many, few = bdtrc(held - 1, count, 0.95), bdtr(held, count, 0.95)
     chance, verdict = (many, "wide") if many < few else (few, "narrow")
     if chance >= IMPROBABLE:
         return ""

@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from ur5lib.force.static_estimate import BREAKAWAY, SLOW
-from ur5lib.pipeline.static_forces import LEAST_ERROR
+from ur5lib.force.static_estimate import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.report.cells import fixed
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
