@@ -1,15 +1,16 @@
 """Every estimate of the contact wrench beside the force sensor."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
+from ur5lib.force.sensed_contacts import felt
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH
+from ur5lib.pipeline.sensor_reference import SensorReading
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -26,36 +27,37 @@ def compared_estimates(kind: str, published: PublishedForces, forces: Forces) ->
     return found
 
 
-def is_sensors_own(robot: Robot, signals: Signals, starts: Mapping[str, Any]) -> bool:
-    """Return whether the controller's force is the very sensor that it would be compared with.
+def comparable(
+    robot: Robot, signals: Signals, reading: SensorReading, published: PublishedForces
+) -> PublishedForces:
+    """Return the published estimates that are not the sensor itself.
 
-    starts: of the devices with a clock of their own. So it is with the sensor in an arm's wrist,
-    unless its raw reading was recorded.
+    With a sensor in the arm's wrist, the controller's own force F^u is this sensor's reading; only
+    its raw reading, or another sensor with a clock of its own, is compared with it.
     """
-    return robot.wrist_sensor and signals.ft_raw_wrench is None and starts.get("force") is None
-
-
-def without_controllers_own(published: PublishedForces) -> PublishedForces:
-    """Return the published estimates without the controller's own."""
-    others = {"F", "F*"}
+    other = signals.ft_raw_wrench is not None or reading.by_stamps is not None
+    if other or not robot.wrist_sensor:
+        return published
     return replace(
         published,
-        printed={name: published.printed[name] for name in others & {*published.printed}},
-        corrected={name: published.corrected[name] for name in others & {*published.corrected}},
+        printed={name: wrench for name, wrench in published.printed.items() if name != "Fu"},
+        corrected={name: wrench for name, wrench in published.corrected.items() if name != "Fu"},
     )
 
 
 def against_sensor(
     sensor: SensorWrenches, published: PublishedForces, forces: Forces
 ) -> dict[str, Any]:
-    """Return errors by kind of reference and estimate, and contact by contact.
+    """Return what the sensor felt, errors by kind of reference and estimate, and contact by contact.
 
     What is in contact and what is free, the sensor less bias and tool weight says.
     """
     best = sensor.wrench["compensated"]
     force = np.linalg.norm(best[:, :3], axis=1)
     found = {kind: compared_estimates(kind, published, forces) for kind in sensor.wrench}
+    reads = felt(force, sensor.time)
     return {
+        "felt": None if reads is None else reads._asdict(),
         "errors": {
             kind: {
                 name: by_component(

@@ -2,15 +2,7 @@
 
 from typing import Any
 
-import numpy as np
-
-from ur5lib.force.sensed_contacts import felt
-from ur5lib.pipeline.force_comparison import (
-    against_sensor,
-    band_widths,
-    is_sensors_own,
-    without_controllers_own,
-)
+from ur5lib.pipeline.force_comparison import against_sensor, band_widths, comparable
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
@@ -42,10 +34,7 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
         sensor = sensor_wrenches(robot, signals, reading, kinematics, window)
         summary["offset"] = offset_account(reading, signals, window)
         summary |= sensor_doubts(sensor, forces, kinematics.rotation, reading.offset)
-        force = np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
-        summary["felt"] = (found := felt(force, sensor.time)) and found._asdict()
-        if is_sensors_own(robot, signals, read_json(input.quality)["starts"]):
-            published = without_controllers_own(published)
+        published = comparable(robot, signals, reading, published)
         summary |= against_sensor(sensor, published, forces)
     sensor.write(output.sensor)
     write_json(summary, output.summary)

@@ -38,15 +38,10 @@ def _static(input: Any, params: Any) -> Forces:
     # slow to import, and friction of most arms is fitted
     from ur5lib.pipeline.static_forces import static_forces
 
-    return static_forces(
-        load_robot(input.arm),
-        Signals.read(input.signals),
-        Motion.read(input.motion),
-        Torques.read(input.torques),
-        Kinematics.read(input.kinematics).jacobian,
-        params.order,
-        params.cutoff_hz,
-    )
+    signals, motion = Signals.read(input.signals), Motion.read(input.motion)
+    jacobian = Kinematics.read(input.kinematics).jacobian
+    known = signals, motion, Torques.read(input.torques), jacobian
+    return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
 
 
 def _estimates(input: Any, params: Any) -> dict[str, WrenchEstimate]:
