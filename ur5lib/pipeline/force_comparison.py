@@ -48,7 +48,7 @@ def comparable(
 def against_sensor(
     sensor: SensorWrenches, published: PublishedForces, forces: Forces
 ) -> dict[str, Any]:
-    """Return what the sensor felt, errors by kind of reference and estimate, and contact by contact.
+    """Return what the sensor felt, and errors by kind of reference and estimate, and by contact.
 
     What is in contact and what is free, the sensor less bias and tool weight says.
     """
