@@ -211,7 +211,7 @@ def currents(study: Study) -> tuple[str, list[str]] | None:
     joint, errors, zero = worst(rows, "joint", "rmse_2hz", "zero")
     least = min(rows, key=lambda row: float(row["coverage95"]))
     held = float(least["coverage95"])
-    told = [percent(errors, zero), joint, "95", joint, *spread(errors, zero, 2)]
+    told = [percent(errors, zero), joint, joint, *spread(errors, zero, 2)]
     told += largest(rows, "joint", "rmse_2hz", "zero", 2)
     told += [least["joint"], f"{100 * held:.0f}"]
     return state(mean(errors), zero, held >= 0.9), told

@@ -39,7 +39,7 @@ def verdict(results: Results) -> Verdict:
         topic=TOPIC,
         state=state(errors["error"][joint], errors["zero"][joint], held),
         sentence="On recordings that no fit has seen, predicted motor currents err by "
-        f"{percent(errors, joint)} of a constant current's error on joint {joint}, the worst one, "
+        f"{percent(errors, joint)} of a constant current's error on joint {joint} (the worst), "
         f"and their 95 % bands {bands}.",
         evidence=f"Joint {joint}: {shown}. "
         f"{on_recording(most, 2, 'A', 'on joint', CONSTANT)} "

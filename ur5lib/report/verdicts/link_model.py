@@ -81,7 +81,7 @@ def verdict(results: Results) -> Verdict:
         state=judged,
         sentence=sentence(
             f"{named(best)} differs from the controller's torques by {percent(errors, joint)} of "
-            f"their mean size on joint {joint}, the worst one, on {where}"
+            f"their mean size on joint {joint} (the worst), on {where}"
         ),
         evidence=f"Joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}. "
         f"{on_recording(most, 3, 'Nm', 'on joint')}",
