@@ -9,11 +9,14 @@ from scipy import stats
 
 from ur5lib.timeseries.changes import (
     FEWEST,
+    WORST,
     Change,
     Series,
+    coloured,
     explained_shares,
     find_changes,
     variation,
+    whitened,
 )
 
 DATES, SEEDS, JOINTS = 20, 20, 6
@@ -30,6 +33,19 @@ def made_up(seed: int, dates: int = DATES) -> Series:
     warmth = 30 + 3 * random.standard_normal(dates)
     noise = np.hypot(std_error, SPREAD) * random.standard_normal(dates)
     return Series(day, 1 - 0.009 * (warmth - 30) + noise, std_error, warmth)
+
+
+def slow(seed: int, correlation: float) -> Series:
+    """A quantity that does not change, but whose noise is correlated from date to date."""
+    noise = np.random.default_rng(seed).standard_normal((1, DATES))
+    value = 1 + SPREAD * coloured(noise, correlation)[0]
+    return Series(3.0 * np.arange(DATES), value, np.full(DATES, 0.01))
+
+
+def independent(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Dates are known to be independent."""
+    for name in ("CORRELATIONS", "WIDER"):
+        monkeypatch.setattr(f"ur5lib.timeseries.changes.{name}", np.zeros(1))
 
 
 def drifting(series: Series, size: float = DRIFT) -> Series:
@@ -78,6 +94,38 @@ def test_intervals_hold_the_size_as_often_as_stated(monkeypatch: pytest.MonkeyPa
         assert 90 <= sum(one.low < size < one.high for one in found) <= 99
 
 
+@pytest.mark.parametrize("correlation", [0.0, 0.5])
+def test_intervals_hold_the_size_among_slow_noise(
+    correlation: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 200)
+    for change in (drifting, jumping):
+        series = [change(slow(seed, correlation), 0.3) for seed in range(100)]
+        found = [find_changes(own, LEVEL)[0] for own in series]
+        assert 90 <= sum(one.low < 0.3 < one.high for one in found) <= 99
+
+
+@pytest.mark.parametrize(("correlation", "most"), [(0.0, 5), (0.3, 5), (0.5, 10)])
+def test_slow_noise_makes_false_changes_on_few_arms(
+    correlation: float, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a hundred arms of three quantities each, at most 5 % on average.
+
+    With the slowest noise, that is the chance: more than ten have one of 1 %.
+    """
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
+    arms = [[slow(1000 + 3 * arm + k, correlation) for k in range(3)] for arm in range(100)]
+    assert sum(any(find_changes(own, 0.05 / 3) for own in arm) for arm in arms) <= most
+
+
+def test_coloured_noise_has_its_correlation_and_whitens_again() -> None:
+    noise = np.random.default_rng(0).standard_normal((20_000, 6))
+    slow_noise = coloured(noise, 0.4)
+    powers = 0.4 ** np.abs(np.subtract.outer(np.arange(6), np.arange(6)))
+    np.testing.assert_allclose(np.cov(slow_noise.T), powers, atol=0.03)
+    np.testing.assert_allclose(whitened(slow_noise.T, 0.4).T, noise, atol=1e-12)
+
+
 def test_the_other_joints_have_not_changed(found: list[list[list[Change]]]) -> None:
     """The stated rate of false alarms is 5 % of an arm, over all its joints."""
     quiet = [sum(map(bool, (joints[j] for j in (0, 2, 3, 5)))) for joints in found]
@@ -96,12 +144,15 @@ def test_what_temperature_explains_is_no_change() -> None:
 
 
 def test_errors_that_are_uncertain_make_no_false_changes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each from six degrees of freedom; of 200 quiet series, some ten change falsely at 5 %."""
+    """Each from six degrees of freedom; of 200 quiet series, some ten change falsely at 5 %.
+
+    Their noise is as slow as is guarded against, so that the chance is the stated one.
+    """
     monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
     false = 0
     for seed in range(10_000, 10_200):
         random = np.random.default_rng(seed)
-        value = 1 + SPREAD * random.standard_normal(DATES)
+        value = 1 + SPREAD * coloured(random.standard_normal((1, DATES)), WORST)[0]
         error = SPREAD * np.sqrt(random.chisquare(6, DATES) / 6)
         false += bool(find_changes(Series(np.arange(20.0), value, error), 0.05))
     assert 3 <= false <= 17
@@ -118,7 +169,7 @@ def test_temperature_s_part_is_told_apart(changing: Callable[[Series, float], Se
 
 
 def test_a_temperature_of_each_group_explains_nothing() -> None:
-    series = jumping(replace(made_up(4), group=np.arange(DATES) % 2))
+    series = jumping(replace(made_up(4), group=np.arange(DATES) % 2), 2 * JUMP)
     (change,) = find_changes(replace(series, covariate=30.0 + series.group), LEVEL)
     assert change.explained == 0.0
 
@@ -135,8 +186,9 @@ def test_units_do_not_matter() -> None:
     )
 
 
-def test_a_drift_is_that_of_linear_regression() -> None:
-    """Where all dates weigh the same; with the t-distribution's interval."""
+def test_a_drift_is_that_of_linear_regression(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where all dates weigh the same and are independent; with the t-distribution's interval."""
+    independent(monkeypatch)
     series = replace(made_up(7), covariate=None, std_error=np.full(DATES, 0.01))
     series = drifting(series, 0.5)
     (change,) = find_changes(series, LEVEL)
@@ -151,6 +203,7 @@ def test_a_drift_is_that_of_linear_regression() -> None:
 
 def test_a_jump_s_dates_hold_95_percent_of_its_likelihood(monkeypatch: pytest.MonkeyPatch) -> None:
     """p ∝ S^(-(n - 2) / 2), with S the sum of squares about the means before and after."""
+    independent(monkeypatch)
     monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 100)
     monkeypatch.setattr("ur5lib.timeseries.changes.MOST", 1)
     after = np.arange(2, DATES - 1)
@@ -195,12 +248,12 @@ def test_groups_hide_no_change_and_make_none() -> None:
     series = replace(made_up(4), covariate=None, group=np.arange(DATES) % 3)
     apart = replace(series, value=series.value + 0.5 * series.group)
     assert find_changes(apart, LEVEL) == []
-    (change,) = find_changes(jumping(apart), LEVEL)
-    assert change.low < JUMP < change.high
+    (change,) = find_changes(jumping(apart, 2 * JUMP), LEVEL)
+    assert change.low < 2 * JUMP < change.high
     assert change.before == pytest.approx(1.5, abs=0.05)
     later = np.array(series.day >= series.day[JUMPED], dtype=int)
     assert find_changes(replace(jumping(series, 0.5), group=later), LEVEL) == []
-    alone = replace(jumping(series), group=np.arange(DATES))  # each date of its own
+    alone = replace(jumping(series, 2 * JUMP), group=np.arange(DATES))  # each date of its own
     assert [one.kind for one in find_changes(alone, LEVEL)] == ["jump"]
 
 

@@ -15,7 +15,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes
 from ur5lib.timeseries.trajectories import Passed, group_by_path
 
-FALSE_ALARMS = 0.05  # chance of any false change on an arm
+FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
 WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
 Row = dict[str, Any]
 

@@ -5,9 +5,15 @@ recorded; an effect c of a covariate x, such as the temperature; and changes of 
 rises evenly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A change that comes
 together with another group or covariate cannot be separated from it.
 
-Changes are added one by one, each the one with the largest F statistic of all candidates. Without
-any change, the distribution of that F depends on the dates and the weights alone. It is simulated,
-so that the chance of a false change is the stated one although many jumps are tried.
+What is left is correlated from date to date, as of an autoregression of first order,
+y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates hardly tell ρ.
+Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
+
+Changes are added one by one, each the likeliest of all candidates. Whether any is there is decided
+by the ratio of the likelihoods with a change and without one. Without any change, the distribution
+of that ratio depends on the dates, the weights and ρ alone. It is simulated with the WORST ρ, which
+makes large ratios the most frequent. So the chance of a false change is at most the stated one,
+although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -15,6 +21,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from scipy.signal import lfilter
 from scipy.special import stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
@@ -23,7 +30,10 @@ FREEDOM = 3  # smallest degrees of freedom of the residuals
 FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
 BESIDE = 2  # fewest dates on either side of a jump: one alone may be an outlier
 MOST = 3  # changes of one series
-DRAWS = 20_000
+WORST = 0.5  # correlation of neighbouring dates that a false change is guarded against
+CORRELATIONS = np.linspace(0.0, WORST, 6)  # of neighbouring dates, where changes are searched
+WIDER = np.linspace(0.0, 0.75, 6)  # likewise, where sizes are estimated: residuals seem less slow
+DRAWS, BATCH = 20_000, 1_000  # of noise: in all, and at a time
 COVERED = 0.95
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 LEAST = 1e-12  # smallest divisor, relative to its scale
@@ -111,27 +121,103 @@ class _Problem:
 def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
     """Return the changes of a series in the order in which they were found, the clearest first.
 
-    level: the chance of any false change; seed: of the simulated noise. Returns none if there are
-    fewer than FEWEST dates, or too few for the number of groups.
+    level: the chance of any false change, at most; seed: of the simulated noise. Returns none if
+    there are fewer than FEWEST dates, or too few for the number of groups.
     """
     if len(series.day) < FEWEST:
         return []
     problem = _Problem.of(series)
     noise = np.random.default_rng(seed).standard_normal((DRAWS, len(series.day)))
+    noise = coloured(noise, WORST)
     chosen, chances = list[int](), list[float]()
     while len(chosen) < MOST:
-        fixed = problem.columns(chosen)
-        freedom = len(series.day) - fixed.shape[1] - 1
-        if freedom < FREEDOM:
+        if len(series.day) - problem.columns(chosen).shape[1] - 1 < FREEDOM:
             break
-        share = explained_shares(fixed, problem.tried, problem.value[None])[0]
-        by_chance = explained_shares(fixed, problem.tried, noise).max(axis=1)
-        chance = float((1 + (by_chance >= share.max()).sum()) / (1 + DRAWS))
+        odds = _log_odds(problem, chosen, problem.value[None])
+        chance = _chance(problem, chosen, _of_any(odds)[0], noise, level)
         if chance > level:
             break
-        chosen.append(_likeliest(share, freedom))
+        chosen.append(_likeliest(odds[0]))
         chances.append(chance)
     return [_change(series, problem, chosen, *pair) for pair in enumerate(chances)]
+
+
+def coloured(noise: Array, correlation: float) -> Array:
+    """Return independent noise (B, n) made an autoregression of first order along its rows.
+
+    Its variance stays the same. correlation: of neighbours.
+    """
+    found = np.sqrt(1 - correlation**2) * noise
+    found[:, 0] = noise[:, 0]
+    return np.asarray(lfilter([1.0], [1.0, -correlation], found, axis=1))
+
+
+def whitened(rows: Array, correlation: float) -> Array:
+    """Return rows (n, ...) without the correlation of neighbours; the inverse of `coloured`."""
+    found = rows.astype(float)
+    found[1:] -= correlation * rows[:-1]
+    found[1:] /= np.sqrt(1 - correlation**2)
+    return found
+
+
+def _chance(
+    problem: _Problem, chosen: Sequence[int], found: float, noise: Array, level: float
+) -> float:
+    """Return the chance that noise (B, n) alone makes the odds of any further change as large.
+
+    It stops when the chance is certain to exceed the level.
+    """
+    above = 1
+    for first in range(0, len(noise), BATCH):
+        odds = _log_odds(problem, chosen, noise[first : first + BATCH])
+        above += int((_of_any(odds) >= found).sum())
+        if above > level * (1 + len(noise)):
+            break
+    return above / (1 + len(noise))
+
+
+def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
+    """Return log odds (B, K) of each further change against none, for values (B, n).
+
+    Both likelihoods are means over CORRELATIONS, and integrals over coefficients and variance.
+    """
+    none, changed = list[Array](), list[Array]()
+    for correlation in CORRELATIONS:
+        fixed, tried = (
+            whitened(part, correlation) for part in (problem.columns(chosen), problem.tried)
+        )
+        rows = whitened(values.T, correlation).T
+        none.append(_log_likelihood(fixed, rows, correlation))
+        left = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
+        freedom = len(fixed) - fixed.shape[1] - 1
+        changed.append(none[-1][:, None] - freedom / 2 * np.log(left))
+    return _log_sum(np.stack(changed)) - _log_sum(np.stack(none))[:, None]
+
+
+def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
+    """Return the restricted log likelihoods (B,) of whitened rows (B, n), up to a constant.
+
+    p ∝ (1 - ρ²)^(-(n-1)/2) |XᵀX|^(-1/2) S^(-ν/2), with X the whitened columns (n, P), S the
+    residual sum of squares and ν = n - P (Harville 1974).
+    """
+    basis, triangle = np.linalg.qr(columns)
+    left = np.maximum((rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), LEAST)
+    size, count = columns.shape
+    volume = (size - 1) / 2 * np.log(1 - correlation**2) + np.log(abs(np.diag(triangle))).sum()
+    found: Array = -volume - (size - count) / 2 * np.log(left)
+    return found
+
+
+def _of_any(log_odds: Array) -> Array:
+    """Return log odds (B,) of any change; see `_likeliest`."""
+    jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
+    return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
+
+
+def _log_sum(logarithms: Array) -> Array:
+    """Return the logarithm of the sum along the first axis."""
+    top = logarithms.max(axis=0)
+    return np.asarray(top + np.log(np.exp(logarithms - top).sum(axis=0)))
 
 
 def _indicators(series: Series) -> Array:
@@ -176,23 +262,13 @@ def variation(value: Array, std_error: Array) -> float:
     return float(max(0.0, difference / 2 - np.median(std_error**2)))
 
 
-def _likeliest(share: Array, freedom: int) -> int:
-    """Return the place of the likeliest change: a drift, or else the best jump.
+def _likeliest(log_odds: Array) -> int:
+    """Return the place of the likeliest change: a drift, or else the best jump; log_odds: (K,).
 
     A priori, a drift is as likely as a jump, and each date of a jump as likely as another.
     """
-    odds = _odds(share, freedom)
-    return 0 if odds[0] > odds[1:].mean() else 1 + int(share[1:].argmax())
-
-
-def _odds(share: Array, freedom: int) -> Array:
-    """Return the likelihood of each change, relative to that of the best; share: (K,).
-
-    p ∝ (residual sum of squares)^(-degrees of freedom / 2).
-    """
-    left = np.maximum(1 - share, LEAST)
-    odds: Array = (left / left.min()) ** (-freedom / 2)
-    return odds
+    odds = np.exp(log_odds - log_odds.max())
+    return 0 if odds[0] > odds[1:].mean() else 1 + int(odds[1:].argmax())
 
 
 def _change(
@@ -200,7 +276,7 @@ def _change(
 ) -> Change:
     """Return one of the chosen changes, its size fitted together with all others."""
     columns = problem.columns(chosen)
-    value, std_error, freedom = _least_squares(columns, problem.value)
+    value, std_error, freedom = _generalised_least_squares(columns, problem.value)
     own = problem.base.shape[1] + place
     half = std_error[own] * float(stdtrit(freedom, 0.5 + COVERED / 2))
     is_drift = chosen[place] == 0
@@ -220,13 +296,31 @@ def _change(
     )
 
 
-def _least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
-    """Return coefficients (P,), their standard errors from the residuals, degrees of freedom."""
+def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
+    """Return coefficients (P,), their standard errors from the residuals, degrees of freedom.
+
+    They are means over correlations (WIDER), each weighted by its likelihood; the standard errors
+    include what the coefficients differ by between correlations.
+    """
+    fits = []
+    for correlation in WIDER:
+        rows, values = whitened(columns, correlation), whitened(value, correlation)
+        likelihood = _log_likelihood(rows, values[None], correlation)[0]
+        fits.append((likelihood, *_least_squares(rows, values)))
+    likelihoods, coefficients, std_errors = map(np.array, zip(*fits, strict=True))
+    weight = np.exp(likelihoods - _log_sum(likelihoods))
+    mean = weight @ coefficients
+    variance = weight @ (std_errors**2 + (coefficients - mean) ** 2)
+    return mean, np.sqrt(variance), len(value) - columns.shape[1]
+
+
+def _least_squares(columns: Array, value: Array) -> tuple[Array, Array]:
+    """Return coefficients (P,) and their standard errors from the residuals."""
     coefficients = np.asarray(np.linalg.lstsq(columns, value)[0], dtype=np.float64)
     freedom = len(value) - columns.shape[1]
     variance = np.sum((value - columns @ coefficients) ** 2) / freedom
     std_error: Array = np.sqrt(variance * np.diag(np.linalg.inv(columns.T @ columns)))
-    return coefficients, std_error, freedom
+    return coefficients, std_error
 
 
 def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[int, int]:
@@ -235,9 +329,8 @@ def _jump_dates(problem: _Problem, chosen: Sequence[int], place: int) -> tuple[i
     A priori, every date is as likely as another.
     """
     others = [number for i, number in enumerate(chosen) if i != place]
-    fixed = problem.columns(others)
-    share = explained_shares(fixed, problem.tried[:, 1:], problem.value[None])[0]
-    odds = _odds(share, len(problem.value) - fixed.shape[1] - 1)
+    log_odds = _log_odds(problem, others, problem.value[None])[0, 1:]
+    odds = np.exp(log_odds - log_odds.max())
     order = np.argsort(-odds)
     total = np.cumsum(odds[order]) / odds.sum()
     kept = problem.after[order[: int(np.searchsorted(total, COVERED)) + 1]]
