@@ -172,18 +172,20 @@ def excite(
     write: Annotated[Path, typer.Option(help="folder to write to")],
     seconds: Annotated[float, typer.Option(help="length of the motion", min=5, max=60)] = 20.0,
     question: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="what it is to determine: model, undetermined, friction, payload, force-bands"
+            help="what it is to determine: model, undetermined, friction, payload, force-bands; "
+            "default: undetermined with --results, otherwise model"
         ),
-    ] = "model",
+    ] = None,
     results: Annotated[
         Path | None,
         typer.Option(help="results of a study that recorded this arm before: results/<study>"),
     ] = None,
     table: Annotated[
-        float | None, typer.Option(help="height of a table in the base frame [m]")
-    ] = None,
+        float,
+        typer.Option(help="height in the base frame of the table or floor below the arm [m]"),
+    ] = 0.0,
     boxes: Annotated[
         Path | None, typer.Option(help="YAML list of boxes around the arm (docs/excitation.md)")
     ] = None,
@@ -197,15 +199,11 @@ def excite(
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
     """Design the motion that tells most about an arm, within its limits and its surroundings."""
-    from rich.console import Console
-
     from ur5lib.study.excite import Wish, excite, known_load
 
     load = None if payload is None else known_load(*payload)
-    wish = Wish(robot, seconds, question, results, table, boxes, seed, load)
-    with Console(stderr=True).status("searching, a minute or two"):
-        lines = list(excite(wish, write))
-    for line in lines:
+    asked = question or ("model" if results is None else "undetermined")
+    for line in excite(Wish(robot, seconds, asked, results, table, boxes, seed, load), write):
         typer.echo(line)
 
 

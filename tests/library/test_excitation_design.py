@@ -102,6 +102,12 @@ def test_trajectories_of_random_cells_keep_all_limits(seed: int) -> None:
 
 
 @pytest.mark.slow
+def test_the_search_tells_as_many_iterations_as_its_effort_has() -> None:
+    effort, steps = Effort(2, 3, ((1e2, 4), (1e3, 2))), list[int]()
+    design(task(seconds=5.0), 0, effort, steps.append)
+    assert sum(steps) == effort.iterations() == 12
+
+
 def test_the_same_seed_gives_the_same_trajectory() -> None:
     own, effort = task("ur5", "model", 6.0), Effort(2, 5, ((1e2, 5), (1e4, 5)))
     first, again, other = (design(own, seed, effort).path.coefficients for seed in (0, 0, 1))

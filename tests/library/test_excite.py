@@ -16,6 +16,7 @@ from ur5lib.excitation.path import Path as Motion
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.rtde_csv import read_rtde_csv
+from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.plan import SimulatedRecording
@@ -39,8 +40,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     written = tmp_path_factory.mktemp("excite")
     with pytest.MonkeyPatch.context() as patch:
         quick = search.Effort(1, 0, ((1e3, 10),))
-        patch.setattr(excite, "design", lambda task, seed, _: search.design(task, seed, quick))
-        words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS), "--table", "0"]
+        patch.setattr(
+            excite, "design", lambda task, seed, _, told: search.design(task, seed, quick, told)
+        )
+        words = ["excite", "--robot", "ur5e", "--seconds", str(SECONDS)]
         done = CliRunner().invoke(app, [*words, "--write", str(written)])
     assert done.exit_code == 0, done.output
     assert "smallest singular value" in done.output
@@ -61,6 +64,11 @@ def test_the_recorder_reads_and_accepts_both_motions(folder: Path, ur5e: Robot) 
     assert way_points.time is None
     for motion in (trajectory, way_points):
         assert list(refusals(motion, ur5e, motion.q[0], 0.0)) == []
+
+
+def test_the_arm_stays_above_its_base_unless_told_otherwise(folder: Path, ur5e: Robot) -> None:
+    q = designed(folder).sampled(100)[1].q
+    assert Capsules(ur5e, Surroundings(table=0.0), reach=0.02).near(q).pairs == []
 
 
 def test_the_program_streams_every_state(folder: Path) -> None:

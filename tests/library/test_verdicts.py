@@ -459,7 +459,14 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     first, *others, last = told.partition(":")[0].split(", ")
     assert first.endswith("load friction of joint 3 ± 0.100 (90 %)")
     assert [*others, last] == [f"Coulomb friction of joint {k} ± 0.100 ({k} %)" for k in (6, 5)]
-    assert "ur5 excite --robot ur5 --results results/mine --question undetermined" in told
+    words = told.partition("ur5 excite ")[2].partition("”")[0].split()
+    options = [word for word in words if word.startswith("--")]
+    assert words[words.index("--results") + 1] == "results/mine"
+    assert options == ["--robot", "--results", "--question", "--payload", "--table", "--write"]
+    assert words[words.index("--table") + 1] == "0"
+    on_pedestal = {"study": "mine", "devices": {"table_m": -0.8}}
+    (told,) = next_recordings(Results(on_pedestal, tables, Path()))
+    assert "--table -0.8 " in told
 
 
 # Tables that used to contradict themselves

@@ -1,5 +1,6 @@
 """The design of a trajectory: as informative as an arm's limits and its surroundings allow."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,10 @@ class Effort:
     first: int = 40
     rounds: tuple[tuple[float, int], ...] = ((1e2, 120), (1e3, 60), (1e4, 60))
 
+    def iterations(self) -> int:
+        """Return the number of all iterations."""
+        return self.starts * self.first + sum(count for _, count in self.rounds)
+
 
 @dataclass(frozen=True)
 class Design:
@@ -34,11 +39,15 @@ class Design:
 
 
 USUAL = Effort()
+Stepped = Callable[[int], object]  # is given the number of iterations since the last call
 
 
-def design(task: Task, seed: int, effort: Effort = USUAL) -> Design:
+def design(
+    task: Task, seed: int, effort: Effort = USUAL, stepped: Stepped = lambda _: None
+) -> Design:
     """Return the most informative trajectory of several random starts; a seed fixes the result.
 
+    stepped: is called as the search advances, by `effort.iterations()` in all.
     A penalty method with exact gradients (L-BFGS-B). If the trajectory then still exceeds a limit
     at 1 kHz, it is shrunk until it does not. Raises InputError if the arm has no room to move.
     """
@@ -46,17 +55,28 @@ def design(task: Task, seed: int, effort: Effort = USUAL) -> Design:
     postures = free_postures(task.cell, random)
     starts = [random_path(task, random, postures) for _ in range(effort.starts)]
     weight = effort.rounds[0][0]
-    found = [_improved(objective, objective.variables(p), weight, effort.first) for p in starts]
+    tries = [objective.variables(path) for path in starts]
+    found = [_improved(objective, x, weight, effort.first, stepped) for x in tries]
     best = min(found, key=lambda x: objective(x, weight)[0])
     for weight, iterations in effort.rounds:
-        best = _improved(objective, best, weight, iterations)
+        best = _improved(objective, best, weight, iterations, stepped)
     path, margins = feasible(task.cell, objective.path(best))
     return Design(path, margins, task.information(path))
 
 
-def _improved(objective: Objective, start: Array, weight: float, iterations: int) -> Array:
-    """Return what L-BFGS-B makes of a start in some iterations."""
+def _improved(
+    objective: Objective, start: Array, weight: float, iterations: int, stepped: Stepped
+) -> Array:
+    """Return what L-BFGS-B makes of a start in some iterations; those it saves count as made."""
     options = {"maxiter": iterations, "maxfun": 2 * iterations, "ftol": 0.0, "gtol": 0.0}
-    return np.asarray(
-        minimize(objective, start, (weight,), "L-BFGS-B", jac=True, options=options).x
+    found = minimize(
+        objective,
+        start,
+        (weight,),
+        "L-BFGS-B",
+        jac=True,
+        options=options,
+        callback=lambda _: stepped(1),
     )
+    stepped(iterations - found.nit)
+    return np.asarray(found.x)

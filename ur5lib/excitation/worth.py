@@ -7,7 +7,9 @@ import numpy as np
 
 from ur5lib.excitation.objective import STEP, Task
 from ur5lib.excitation.path import Path
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+HARDLY = 0.9  # share of a standard error above which a recording hardly lowers it
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,10 @@ class Worth:
         recording; parameters that are equal in this, by the share that remains after it.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
+
+    def hardly_lowered(self) -> Mask:
+        """Return the parameters (P,) of which the recording leaves most of the standard error."""
+        return np.asarray(self.after > HARDLY * self.before)
 
     @classmethod
     def of(cls, task: Task, path: Path) -> Self:

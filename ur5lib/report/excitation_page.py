@@ -21,6 +21,7 @@ from ur5lib.report.document import (
 )
 
 DATA = "excitation.json"
+LOAD = "a known load on the flange (--payload) or a longer motion (--seconds) may"
 
 
 def excitation_page(
@@ -64,12 +65,24 @@ def excitation_page(
 
 def _worst(problem: Problem, worth: Worth) -> str:
     """Return what becomes of the parameter that is least determined."""
-    worst = worth.least_determined()[0]
-    return (
-        f"Least determined so far is the {problem.names()[worst]}: of its standard error, "
-        f"{_short(worth.before[worst])} {problem.units()[worst]}, this recording would leave "
-        f"{worth.after[worst] / worth.before[worst]:.0%}. "
+    names, order = problem.names(), worth.least_determined()
+    worst, lowered = order[0], order[~worth.hardly_lowered()[order]]
+    told = f"Least determined so far is the {names[worst]}"
+    if worst in lowered:
+        return (
+            f"{told}: of its standard error, {_short(worth.before[worst])} "
+            f"{problem.units()[worst]}, this recording would leave {_left(worth, worst)}. "
+        )
+    return f"{told}, which this recording would hardly lower: {LOAD}. " + (
+        f"Of those that it would lower, the least determined is the {names[lowered[0]]}: "
+        f"{_left(worth, lowered[0])} of its standard error would be left. "
+        if len(lowered)
+        else ""
     )
+
+
+def _left(worth: Worth, parameter: int) -> str:
+    return f"{worth.after[parameter] / worth.before[parameter]:.0%}"
 
 
 def _parameters(problem: Problem, worth: Worth) -> Table:

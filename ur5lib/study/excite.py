@@ -7,10 +7,12 @@ from pathlib import Path
 
 import yaml
 from pydantic import ValidationError
+from rich.console import Console
+from rich.progress import Progress
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import USUAL, Effort, design
+from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
 from ur5lib.excitation.limits import Cell
 from ur5lib.excitation.objective import Task
@@ -18,7 +20,7 @@ from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.worth import Worth
 from ur5lib.report.excitation_figure import excitation_figure
-from ur5lib.report.excitation_page import excitation_page
+from ur5lib.report.excitation_page import LOAD, excitation_page
 from ur5lib.report.house_style import save
 from ur5lib.report.render import write_html
 from ur5lib.robots.collisions import Surroundings
@@ -31,12 +33,13 @@ BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
     "at full speed."
 )
+SHOWN = Console(stderr=True)
 MOST_TOLD = 6  # parameters whose standard errors are printed
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What `ur5 excite` was asked: see its options."""
+    """What `ur5 excite` was asked: see its options. No table: nothing below the base is avoided."""
 
     robot: str
     seconds: float
@@ -59,7 +62,7 @@ def excite(wish: Wish, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     task = task_of(wish)
-    found = design(task, wish.seed, effort)
+    found = _searched(task, wish.seed, effort)
     worth = Worth.of(task, found.path)
     asked = {"robot": wish.robot, "question": wish.question, "seed": wish.seed}
     summary = asked | summary_of(task, found, worth)
@@ -75,6 +78,13 @@ def excite(wish: Wish, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
     yield from _worth_lines(task.problem, worth)
     yield from before
     yield f"{folder} written; next: {command}"
+
+
+def _searched(task: Task, seed: int, effort: Effort) -> Design:
+    """Return the designed trajectory, behind a line that says how far the search is."""
+    with Progress(console=SHOWN, transient=True) as progress:
+        line = progress.add_task("searching", total=effort.iterations())
+        return design(task, seed, effort, lambda count: progress.advance(line, count))
 
 
 def _mounting(load: Payload) -> str:
@@ -143,3 +153,6 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
     names, units = problem.names(), problem.units()
     for k in worth.least_determined()[:MOST_TOLD]:
         yield f"  {names[k]:<34} {worth.before[k]:>9.2g} {worth.after[k]:>9.2g} {units[k]}"
+    worst = worth.least_determined()[0]
+    if worth.hardly_lowered()[worst]:
+        yield f"this motion would hardly lower the first of them: {LOAD}"

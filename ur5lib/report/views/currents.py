@@ -110,7 +110,8 @@ def reversals(results: Results) -> Iterator[str]:
 
 def next_recordings(results: Results) -> Iterator[str]:
     """Yield what the recordings of each arm tell least about, and what designs the next one."""
-    study = results.study["study"]
+    study, lab = results.study["study"], results.study.get("devices") or {}
+    table = lab.get("table_m") or 0.0
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
         parts = [
@@ -120,14 +121,15 @@ def next_recordings(results: Results) -> Iterator[str]:
         ]
         command = (
             f"ur5 excite --robot {robot} --results results/{study} --question undetermined "
-            f"--payload 2 0.06 0 0.05 --write raw/{study}/next"
+            f"--payload 2 0.06 0 0.05 --table {table:g} --write raw/{study}/next"
         )
         yield (
             f"The recordings of {robot} tell least about the {', '.join(parts)}: standard error "
             f"and, in brackets, the prior’s share of the variance. “{command}” designs the "
-            "recording that would tell most, and predicts each standard error after it. The known "
-            "load, here 2 kg beside the axis of joint 6, is for the wrist, which the bare arm "
-            "hardly loads."
+            "recording that would tell most, and predicts each standard error after it. The arm "
+            "stays above the table, whose height [m] is that of the base unless the study states "
+            "another one. The known load, here 2 kg beside the axis of joint 6, is for the wrist, "
+            "which the bare arm hardly loads."
         )
 
 
