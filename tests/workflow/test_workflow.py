@@ -204,7 +204,8 @@ def test_editing_a_setting_reruns_its_step(workflow: Workflow) -> None:
         workflow.folder / "config.yaml",
         "settings: {lowpass: {published_forces: {cutoff_hz: 2.0}}}\n",
     )
-    changed = jobs("rebuild_forces", *FROM_SENSOR) | {"draw_filters": 1} | REPORT
+    detected = dict.fromkeys(("set_threshold", "measure_observability", "draw_observability"), 1)
+    changed = jobs("rebuild_forces", *FROM_SENSOR) | detected | {"draw_filters": 1} | REPORT
     assert workflow.plan() == changed
     workflow.build()
     (workflow.folder / "config.yaml").write_text(STUDY)
