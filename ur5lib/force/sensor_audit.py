@@ -15,13 +15,15 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.free_fit import Record, covariance, least_deviations, settle
+from ur5lib.force.free_fit import REPEATS, Record, least_deviations, settle
 from ur5lib.force.sensed_contacts import contacts
+from ur5lib.force.slow_errors import slow_covariance
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
 MOST = 5_000  # samples for a fit
 MINUTE = 60.0  # s
+ONES = np.ones((1, 3))
 RESPONSE, BIAS, DRIFT = slice(0, 18), slice(18, 24), slice(24, 30)  # of the parameters
 # Expected before any reading: a tool that weighs what it should, within SHARE and LIGHT, else
 # nothing, within HEAVY; little drift; an inertia as of small tools.
@@ -98,10 +100,20 @@ def read_free(
         response=response.reshape(6, 3),
         bias=middle + bias,
         drift=drift,
-        covariance=covariance(terms[free], left, left.std(axis=0), known)[:30, :30],
+        covariance=_covariance(terms[free], left, time[every][free], known)[:30, :30],
         residual=residual,
         seconds=float(free.sum() * thin.period),
     )
+
+
+def _covariance(terms: Array, left: Array, time: Array, known: Array) -> Array:
+    """Return the covariance (39, 39) of the parameters; no two components share one of them."""
+    found = np.zeros((39, 39))
+    for component, repeats in enumerate(REPEATS):
+        own = np.flatnonzero(np.abs(_terms(ONES, ONES, ONES[:, 0]))[0, component])
+        part = terms[:, component][:, own], left[:, component], time
+        found[np.ix_(own, own)] = slow_covariance(*part, repeats**-2, known[own])
+    return found
 
 
 def _expectation(tool: Payload | None) -> tuple[Array, Array]:
