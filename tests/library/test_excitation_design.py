@@ -24,12 +24,14 @@ from ur5lib.excitation.feasible import feasible, free_postures, random_path
 from ur5lib.excitation.limits import Cell
 from ur5lib.excitation.objective import Objective, Task
 from ur5lib.excitation.path import Path
+from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.study.excite import Wish, task_of
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.changes import coloured
 
 TABLE = -0.05  # m
 SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
@@ -195,3 +197,16 @@ def test_a_posture_that_breaks_a_limit_is_told() -> None:
         InputError, match=r"no motion about the posture keeps the limits .*singular"
     ):
         feasible(task().cell, folded)
+
+
+def test_nominal_noise_is_as_wrong_as_errors_that_last() -> None:
+    """The offset of a joint at rest, the mean of errors that are independent every second.
+
+    They are an autoregression whose sum of correlations is that; its mean is as uncertain as is
+    predicted, where noise of the same size that is independent every 0.1 s would be a third.
+    """
+    count = 600  # samples of a minute
+    inflated = nominal_maps(load_robot(robot_path("ur5e"))).noise.torque[0] / TORQUE_NOISE
+    similar = (CORRELATED / INDEPENDENT - 1) / (CORRELATED / INDEPENDENT + 1)
+    noise = coloured(np.random.default_rng(0).standard_normal((2000, count)), similar)
+    assert inflated / np.sqrt(count) == pytest.approx(noise.mean(axis=1).std(), rel=0.06)

@@ -24,7 +24,8 @@ from ur5lib.identification.prior import JointPrior
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-INDEPENDENT = 0.1  # s between samples whose errors are independent, as `samples.py` takes them
+INDEPENDENT = 0.1  # s between samples whose errors count as independent, as `samples.py` does
+CORRELATED = 1.0  # s between errors of real arms that are independent, the longest of 0.3 to 1 s
 DIRECTION = 0.05  # rad/s, ε: below it, dry friction has not reached its full size
 TORQUE_NOISE = 0.02  # Nm, of target torques; used where no study has estimated it
 CURRENT_NOISE = 0.01  # relative to the current at the largest torque; used likewise
@@ -39,7 +40,10 @@ SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine b
 
 @dataclass(frozen=True)
 class Noise:
-    """Standard deviations of target torques (6,) [Nm] and currents (6,) [A], every INDEPENDENT."""
+    """Standard deviations of target torques (6,) [Nm] and currents (6,) [A], every INDEPENDENT.
+
+    Errors that are independent only every T seconds count as √(T / INDEPENDENT) times as large.
+    """
 
     torque: Array
     current: Array
@@ -205,13 +209,17 @@ class Problem:
 
 
 def nominal_maps(robot: Robot) -> Maps:
-    """Return the maps and the noise that are expected of an arm before any recording of it."""
+    """Return the maps and the noise that are expected of an arm before any recording of it.
+
+    The noise is correlated for as long as that of recorded arms is at most.
+    """
     constants = np.array(robot.maker_torque_constants())
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
     largest = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
     coulomb, viscous, load = NOMINAL
     torques = [np.ones(6), np.zeros(6), coulomb * largest, viscous * largest, np.full(6, load)]
-    noise = Noise(np.full(6, TORQUE_NOISE), CURRENT_NOISE * largest / constants)
+    slow = np.sqrt(CORRELATED / INDEPENDENT)
+    noise = Noise(np.full(6, slow * TORQUE_NOISE), slow * CURRENT_NOISE * largest / constants)
     return Maps(np.stack(torques, axis=1) / constants[:, None], noise)
 
 
