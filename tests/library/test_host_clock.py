@@ -277,3 +277,18 @@ def test_the_line_solves_the_linear_program(
     best = linprog(-above.mean(axis=0), A_ub=above, b_ub=host, bounds=(None, None))
     assert left.min() > -1e-6
     assert left.mean() == pytest.approx(host.mean() + best.fun, abs=1e-6)
+
+
+@pytest.mark.parametrize("least", [0.0, 0.0005, 0.001])
+def test_the_stated_uncertainty_includes_the_least_delay(
+    entry: dict[str, Any], least: float
+) -> None:
+    """A sensor whose every sample takes longer than the robot's, by up to half a round trip."""
+    path = Path(entry["folder"], "force.csv")
+    table = pd.read_csv(path, header=None)
+    table[0] += least
+    table.to_csv(path, index=False, header=False)
+    record, start = place_sensors(read_recording(entry), [])["force"]
+    error = start.seconds + record.table["time"] - record.table["ft_fx"] * (1 + ROBOT_DRIFT)
+    assert np.median(error) == pytest.approx(least, abs=1e-4)
+    assert np.abs(error).max() < 1.96 * start.std

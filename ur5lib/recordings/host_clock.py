@@ -1,7 +1,8 @@
 """Sensors placed on the robot's clock by the stamps of the computer that recorded all devices.
 
 A stamp is made when a sample arrives: late by a delay that varies and is rarely zero. So the
-relation of two clocks is the line below the stamps, through those that were hardly delayed.
+relation of two clocks is the line below the stamps, through those that were hardly delayed. The
+least delay of a device, about half of the least round trip to it, is not told by its stamps.
 """
 
 from dataclasses import dataclass, replace
@@ -17,7 +18,9 @@ COUNTER = "counter"  # column of a sensor's own count of its samples
 SHORT = 4.0  # s; a robot that was recorded for less tells no drift
 RESOLUTION = 1e-6  # s, of stamps
 NEXT = 5  # a half has so many stamps nearer to the line than the one that tells its error
-DELAY = 0.0005  # s, standard uncertainty of the least delay of a device
+ROUND_TRIP = 0.002  # s, the least one to a device, assumed because no stamp tells it
+# s, standard uncertainty: least delays of two devices differ by half of it to either side, at most
+DELAY = ROUND_TRIP / 2 / np.sqrt(3)  # evenly distributed
 FEWEST, SHORT_STD = 4, 1e-3  # stamps that determine a line; error of a rate that nothing tells
 
 
