@@ -212,7 +212,10 @@ class Fold:
             self.forces(own, [other for other in everything if other is not own])
         self.run(
             "set_threshold",
-            {"forces": [self.own(own, "forces.parquet") for own in self.fitted]},
+            {
+                "forces": [self.own(own, "forces.parquet") for own in self.fitted],
+                "published": [own.file("published_forces.parquet") for own in self.fitted],
+            },
             {"threshold": self.shared("threshold.json")},
             {"false_alarms_per_min": settings.alarms.false_per_min},
         )
