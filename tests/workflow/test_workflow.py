@@ -19,7 +19,7 @@ FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FRO
 FROM_FRICTION = ["rebuild_forces", *FROM_CURRENTS]  # which says whether forces may be stated
 FROM_TORQUES = ["compute_torques", *FROM_FRICTION]
 FROM_MOTION = ["smooth_motion", "fuse_imu", "compare_accelerations", *FROM_TORQUES]
-FROM_SIGNALS = ["estimate_gains", *FROM_MOTION]
+FROM_SIGNALS = ["estimate_gains", "draw_tracking", *FROM_MOTION]
 FROM_IMU = ["fuse_imu", "compare_accelerations", "draw_figures"]
 FROM_CLOCKS = ["estimate_clocks", "align_signals", *FROM_SIGNALS]
 FROM_KINEMATICS = ["compute_kinematics", *FROM_CLOCKS]
@@ -120,7 +120,7 @@ def test_the_report_says_what_the_study_lacks(built_workflow: Workflow) -> None:
 
 def test_a_paper_is_made_on_demand(workflow: Workflow) -> None:
     """Its figures by the scripts of the report's, so that they show the same."""
-    drawn = jobs("draw_figures") | DRAWINGS
+    drawn = jobs("draw_figures", "draw_tracking") | DRAWINGS
     expected = {f"{rule}_for_paper": count for rule, count in drawn.items()}
     expected |= {"write_paper": 1, "paper": 1}
     assert workflow.plan("paper") == expected
@@ -147,9 +147,9 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
-         jobs(*FROM_MOTION) | ARM | REPORT),
+         jobs("draw_tracking", *FROM_MOTION) | ARM | REPORT),
         ("ur5lib/signals/smoothing.py",
-         jobs(*FROM_MOTION) | ARM | REPORT),
+         jobs("draw_tracking", *FROM_MOTION) | ARM | REPORT),
         # Side branches: no force estimate runs again.
         ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
         ("ur5lib/signals/imu_model.py",  # a wrist sensor's tool moves by its Jacobian
@@ -158,12 +158,12 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/signals/euler_route.py",
          jobs("compare_accelerations", "draw_figures") | REPORT),
         ("ur5lib/identification/closed_loop.py",
-         jobs("estimate_gains", "draw_figures") | REPORT),
+         jobs("estimate_gains", "draw_tracking") | REPORT),
         ("ur5lib/identification/rotor_inertia.py",
-         jobs(*FROM_TORQUES) | MODELS | FRICTION | REPORT),
+         jobs("draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/identification/friction.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
-         jobs("estimate_gains", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
+         jobs("estimate_gains", "draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
@@ -178,7 +178,8 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/timeseries/changes.py", HEALTH | REPORT),
         ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
-        ("ur5lib/report/house_style.py", jobs("draw_figures") | DRAWINGS | DOCUMENT),
+        ("ur5lib/report/house_style.py",
+         jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/paper.py", {}),  # made on demand
         ("ur5lib/report/views/found.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
@@ -256,7 +257,7 @@ def test_a_new_recording_to_fit_on_reruns_what_was_fitted(workflow: Workflow) ->
     )
     others = ("fuse_imu", "compare_accelerations", *FROM_TORQUES)
     again = jobs(*others, recordings=RECORDINGS + 1)
-    undrawn = {"draw_figures": RECORDINGS}  # the report shows the first few of a kind
+    undrawn = jobs("draw_figures", "draw_tracking")  # the report shows the first few of a kind
     alone = jobs(*EACH_RECORDING, recordings=1)
     assert workflow.plan() == alone | again | undrawn | DRIFTS | ARM | REPORT
 

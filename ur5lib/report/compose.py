@@ -254,8 +254,11 @@ def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -
 
 
 def _shows_something(path: Any) -> bool:
-    """Whether a figure has numbers: its CSV has more than a header."""
-    with path.with_suffix(".csv").open(encoding="utf-8") as lines:
+    """Whether a figure was drawn and has numbers: its CSV has more than a header."""
+    numbers = path.with_suffix(".csv")
+    if not numbers.is_file():
+        return False
+    with numbers.open(encoding="utf-8") as lines:
         return sum(1 for _ in zip(range(2), lines, strict=False)) == 2
 
 

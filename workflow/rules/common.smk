@@ -34,6 +34,8 @@ RECORDINGS = {recording.name: recording for recording in STUDY.recordings}
 PRINTED = sorted(PUBLISHED.recordings() & RECORDINGS.keys())
 EXPLAINED = sorted(PUBLISHED.explained() & RECORDINGS.keys())
 OLDER_MODEL = sorted(PUBLISHED.of_older_model() & RECORDINGS.keys())
+LOOPS = "closed_loop_q", "closed_loop_qd"
+PRINTED_TRACKING = sorted(PUBLISHED.recordings(*LOOPS) & RECORDINGS.keys())
 FILTERED_FIRST = sorted(PUBLISHED.explained_accelerations().keys() & RECORDINGS.keys())
 PRINTED_CURRENTS = sorted(PUBLISHED.recordings("current_torque") & RECORDINGS.keys())
 SIMULATED = [name for name, recording in RECORDINGS.items() if getattr(recording, "simulate", None)]
@@ -332,6 +334,7 @@ def of_every_job(kind):
         "ablate_forces": TOUCHED,
         "audit_sensor": WITH_WRIST_SENSOR,
         "draw_figures": illustrated(),
+        "draw_tracking": PRINTED_TRACKING or illustrated(),
         "draw_filtered_first": FILTERED_FIRST,
         "draw_older_model": OLDER_MODEL,
         "draw_current_torque": PRINTED_CURRENTS,

@@ -10,6 +10,13 @@ use rule draw_figures as draw_figures_for_paper with:
         **traces("draw_figures_for_paper", "{recording}"),
 
 
+use rule draw_tracking as draw_tracking_for_paper with:
+    output:
+        **columns(f"{PAPER}/figures/{{recording}}", TRACKING_FIGURES),
+    log:
+        **traces("draw_tracking_for_paper", "{recording}"),
+
+
 use rule draw_filtered_first as draw_filtered_first_for_paper with:
     output:
         **columns(f"{PAPER}/figures/{{recording}}", ["accelerations_filtered_first"]),

@@ -1,7 +1,5 @@
 FIGURES = [
     "packets",
-    "positions",
-    "velocities",
     "torques",
     "accelerations",
     "accelerations_published",
@@ -14,6 +12,7 @@ PUBLISHED_FIGURES = [
     "forces_corrected",
     "forces_friction_corrected",
 ]
+TRACKING_FIGURES = ["positions", "velocities"]
 OLDER_FIGURES = ["positions_older", "velocities_older", "torques_older"]
 MODEL_FIGURES = ["frames", "models"]
 CURRENT_FIGURES = ["current_torque_printed", "current_torque_friction_printed"]
@@ -34,7 +33,6 @@ rule draw_figures:
     input:
         signals=result("signals.parquet"),
         torques=result("torques.parquet"),
-        closed_loop=result("closed_loop.parquet"),
         accelerations=result("accelerations.parquet"),
         currents=result("currents.parquet"),
         kinematics=result("kinematics.parquet"),
@@ -48,6 +46,21 @@ rule draw_figures:
     params:
         code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_tracking:
+    input:
+        signals=result("signals.parquet"),
+        closed_loop=result("closed_loop.parquet"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{recording}}", TRACKING_FIGURES),
+    log:
+        **traces("draw_tracking", "{recording}"),
+    params:
+        code=code("draw_tracking"),
     run:
         run_step(rule, input, output, params, log)
 

@@ -1,4 +1,4 @@
-"""Figures of one recording, after the thesis's 4.4, 5.9 to 5.12, 5.14, 5.15 and 6.4."""
+"""Figures of one recording, after the thesis's 4.4, 5.11, 5.12, 5.14, 5.15 and 6.4."""
 
 from functools import partial
 from typing import Any
@@ -8,7 +8,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop, Torques
+from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
 from ur5lib.report.packet_figure import packet_figure
@@ -19,10 +19,6 @@ def draw_figures(input: Any, output: Any, params: Any) -> None:
     # each figure reads its tables anew, so that none holds those of another
     signals, robot = partial(Signals.read, input.signals), load_robot(input.arm)
     save(packet_figure(signals()), output.packets)
-    gains = figures.chosen_gains(robot)
-    for state, file in (("q", output.positions), ("qd", output.velocities)):
-        closed_loop = ClosedLoop.read(input.closed_loop)
-        save(figures.tracking_figure(signals(), closed_loop, gains, state), file)
     torques = figures.torque_figure(signals(), Torques.read(input.torques), robot.chosen_model)
     save(torques, output.torques)
     save(figures.current_figure(signals(), Currents.read(input.currents)), output.currents)
