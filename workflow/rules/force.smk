@@ -69,9 +69,9 @@ rule estimate_forces:
     log:
         **traces("estimate_forces", "{recording}"),
     params:
+        **SETTINGS.lowpass.currents.model_dump(),
         code=code("estimate_forces"),
         recording="{recording}",
-        **SETTINGS.lowpass.currents.model_dump(),
         contact_force_n=SETTINGS.contact.force_n,
     run:
         run_step(rule, input, output, params, log)
