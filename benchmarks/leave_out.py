@@ -250,8 +250,9 @@ class Fold:
         """All estimates of a recording's forces."""
         self.run(
             "estimate_forces",
-            {
-                "motion": own.file("motion.parquet"),
+            self.inputs_of(own)
+            | {
+                "rigid": own.file("torques.json"),
                 "kinematics": own.file("kinematics.parquet"),
                 "currents": self.own(own, "currents.parquet"),
                 "load": self.own(own, "currents.json"),

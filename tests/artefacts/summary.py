@@ -183,6 +183,13 @@ def link_model(study: Study) -> tuple[str, list[str]] | None:
     return state(mean(errors), zero, unseen), told
 
 
+def listed(joints: list[str]) -> list[str]:
+    """The numbers of “joints 1 to 6”, or of “joints 1, 2, 4”, commas included."""
+    if len(joints) > 2 and int(joints[-1]) - int(joints[0]) == len(joints) - 1:
+        return [joints[0], joints[-1]]
+    return [f"{joint}," for joint in joints[:-1]] + joints[-1:]
+
+
 def torque_constants(rows: list[Row]) -> tuple[str, list[str]] | None:
     """The constant that is the largest factor off the known one, on the joints named first."""
     rows = [row for row in rows if row["parameter"] == "torque_constant"]
@@ -192,8 +199,7 @@ def torque_constants(rows: list[Row]) -> tuple[str, list[str]] | None:
     row = rows[max(range(len(rows)), key=factors.__getitem__)]
     known = [row["joint"] for row in rows if row["determined"] == "yes"]
     refused = [row["joint"] for row in rows if row["contradicted"]]
-    named = [[j[0], j[-1]] if j == list("123456") else j for j in (known, refused)]
-    told = [*named[0], *named[1], row["joint"]]
+    told = [*listed(known), *listed(refused), f"{row['joint']},"]
     told += [shown(float(row[name]), 2) for name in ("value", "std_error", "known", "known_std")]
     return "good" if len(known) == len(rows) and not refused else "usable", told
 
