@@ -11,6 +11,7 @@ from ur5lib.identification.currents import (
     band,
     fit_currents,
     fit_for,
+    friction_current,
     parameters,
     predict,
 )
@@ -38,7 +39,8 @@ WEIGHED = 2.805  # kg; what the authors of these logs state in estimate_drive_ga
 
 
 def scores(fit: CurrentFit, record: Record, smooth: Smooth) -> Scores:
-    return score(record, predict(fit, record), smooth, band(fit, record, smooth))
+    friction = smooth(friction_current(fit, record), record)
+    return score(record, predict(fit, record), smooth, band(fit, record, smooth, friction))
 
 
 def by_least_squares(fitted: Fitted, record: Record, smooth: Smooth) -> Array:

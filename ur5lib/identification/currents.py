@@ -272,18 +272,18 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
     return loss
 
 
-def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
+def band(fit: CurrentFit, record: Record, smooth: Smooth, friction: Array) -> Array:
     """Return half the 95 % band (N, 6) [A] of low-passed predictions on a day of its own.
 
-    Beside what recordings that were left out show, friction differs from day to day.
+    Beside what recordings that were left out show, friction differs from day to day; friction:
+    low-passed `friction_current`.
     """
     within, at_rest = (
         np.array([getattr(joint, name) for joint in fit.joints])
         for name in ("band_moving", "band_rest")
     )
     within = np.where(smoothed_moving(record, smooth), within, at_rest)
-    between = Z95 * BETWEEN_DAYS * smooth(friction_current(fit, record), record)
-    return np.hypot(within, between)
+    return np.hypot(within, Z95 * BETWEEN_DAYS * friction)
 
 
 def parameters(fit: CurrentFit) -> list[Parameter]:

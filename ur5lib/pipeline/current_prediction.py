@@ -43,16 +43,17 @@ def predicted_currents(
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = smoothed_external_torque(record, predicted, constant, smooth, cutoff)
+    friction = smooth(friction_current(fit, record), record)
     return Currents(
         time=signals.time,
         segment=signals.segment,
         predicted_current=predicted,
-        current_band=band(fit, record, smooth),
+        current_band=band(fit, record, smooth, friction),
         external_torque=external,
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
         observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
         gear_torque=smooth(record.torque, record),
-        friction_torque=smooth(constant * friction_current(fit, record), record),
+        friction_torque=constant * friction,
         load_loss=smooth(load_loss(fit, record), record),
     )
 
