@@ -27,9 +27,9 @@ from ur5lib.stand.engine import perform
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 SEEDS, PERIOD = 20, 0.008  # s
-WITHIN = 1.96  # standard deviations of a 95 % band
 POSTURE = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 KINDS = ("moves", "moves with pauses", "Fourier series")
 QUANTITIES = ("q", "qd", "qdd")
@@ -111,7 +111,7 @@ def judged(own: Simulated) -> tuple[Array, Array, Array]:
 
 def covered(motion: SmoothedMotion, own: Simulated, where: Array) -> Array:
     """Return the shares of q, q̇, q̈ (3,) within their bands, of joints and samples chosen (N, 6)."""
-    inside = np.abs(motion.state - own.truth) <= WITHIN * motion.std
+    inside = np.abs(motion.state - own.truth) <= NORMAL95 * motion.std
     chosen = np.where(np.tile(where, 3), inside, np.nan).reshape(len(where), 3, 6)
     return np.nanmean(chosen, axis=(0, 2)) if where.any() else np.full(3, np.nan)
 

@@ -9,8 +9,8 @@ import pandas as pd
 from ur5lib.comparing.changes import Comparison, compare_errors, compare_estimates
 from ur5lib.errors import InputError
 from ur5lib.tables import read_csv
+from ur5lib.timeseries.metrics import NORMAL95
 
-TWO_SIDED = 1.96  # standard errors of a 95 % interval
 UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
 SEVERE = ["stop", "error", "warning"]
 Compare = Callable[[Path, Path], list[Comparison]]
@@ -117,7 +117,7 @@ def _table(folder: Path, name: str) -> pd.DataFrame:
 
 def _halves(rows: pd.DataFrame) -> pd.DataFrame:
     """Add half the width of the 95 % intervals, from `std_error`."""
-    return rows.assign(**{f"half_{side}": TWO_SIDED * rows[f"std_error_{side}"] for side in "ab"})
+    return rows.assign(**{f"half_{side}": NORMAL95 * rows[f"std_error_{side}"] for side in "ab"})
 
 
 def _findings(folder: Path) -> dict[str, int]:

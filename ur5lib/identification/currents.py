@@ -38,6 +38,7 @@ from ur5lib.identification.selection import (
     left_out_residuals,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
@@ -45,7 +46,6 @@ CONFLICT = 3.0  # prior standard deviations
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DEVIATIONS, RATIO = 5.0, 1.75
 COVERED = 0.95
-Z95 = 1.96
 # Standard deviation of a joint's friction from day to day, relative. On the seven dates of a UR10e,
 # it is 0.06 on the most different date and 0.035 on all.
 BETWEEN_DAYS = 0.07
@@ -283,7 +283,7 @@ def band(fit: CurrentFit, record: Record, smooth: Smooth, friction: Array) -> Ar
         for name in ("band_moving", "band_rest")
     )
     within = np.where(smoothed_moving(record, smooth), within, at_rest)
-    return np.hypot(within, Z95 * BETWEEN_DAYS * friction)
+    return np.hypot(within, NORMAL95 * BETWEEN_DAYS * friction)
 
 
 def parameters(fit: CurrentFit) -> list[Parameter]:

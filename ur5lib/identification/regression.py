@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
-HUBER = 1.345  # standard deviations; 95 % as efficient as least squares on Gaussian noise
+HUBER = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 ROUNDS = 10
 
 

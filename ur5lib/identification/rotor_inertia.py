@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
+from ur5lib.identification.regression import HUBER
 from ur5lib.timeseries.arrays import Array
 
-HUBER = 1.345  # standard deviations: 95 % efficient where errors are normal (Huber 1964)
 PARTS = 8  # into which a single recording is divided
 
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.identification.friction import MOVING
 from ur5lib.timeseries.arrays import Array
 
 CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
-MOVING = 0.02  # rad/s of the fastest joint, beyond which the arm is in motion
 LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
 
 Differences = Callable[[float], Mapping[str, Array]]

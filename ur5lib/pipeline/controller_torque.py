@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.identification.samples import BLOCK
 from ur5lib.pipeline.carried import told_payload
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -16,7 +17,7 @@ from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment, unbroken
 
-BLOCK, STEP = 2.0, 0.032  # s: errors of one block are correlated; of a block, a sample each step
+STEP = 0.032  # s between samples of a block, whose errors are correlated
 
 
 class States(NamedTuple):

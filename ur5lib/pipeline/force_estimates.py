@@ -17,8 +17,8 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import NORMAL95
 
-ALIKE = 1.96  # standard errors between the masses of runs that may carry the same
 WHOLE = Ablation()
 
 
@@ -125,4 +125,4 @@ def _same_load(own: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -
     mass, error = (
         np.array([load[name] for load in (own, other)]) for name in ("carried", "std_error")
     )
-    return bool(abs(mass[1] - mass[0]) <= ALIKE * np.hypot(*error))
+    return bool(abs(mass[1] - mass[0]) <= NORMAL95 * np.hypot(*error))

@@ -12,6 +12,7 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, SHADE, WIDTH, Drawing, nothing_to_draw
+from ur5lib.timeseries.metrics import NORMAL95
 
 PANELS = {
     "coulomb": "Coulomb friction [Nm]",
@@ -21,7 +22,6 @@ PANELS = {
     "noise": "noise [A]",
     "temperature": "temperature [°C]",
 }
-TWO_SIDED = 1.96  # standard errors of a 95 % interval
 HEIGHT = 7.4  # inches, of six rows of panels
 PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
 
@@ -60,7 +60,7 @@ def _panel(axis: Axes, rows: pd.DataFrame) -> None:
     """Draw the values of a joint with their 95 % intervals."""
     days = [_place(day) for day in rows["date"]]
     colour = JOINTS[int(rows["joint"].iloc[0]) - 1] if len(rows) else "none"
-    half = TWO_SIDED * rows["std_error"].fillna(0.0)
+    half = NORMAL95 * rows["std_error"].fillna(0.0)
     axis.errorbar(
         days, rows["value"], half, fmt="o", markersize=2, linewidth=0.7, color=colour, zorder=3
     )

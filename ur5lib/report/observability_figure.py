@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
+from ur5lib.timeseries.metrics import NORMAL95
 
-ALIKE = 1.96  # standard errors of a 95 % interval
 MARKS = ("o", "s", "^", "v", "D", "P")
 SLOWEST = 0.003  # rad/s, where the axis begins
 
@@ -43,7 +43,7 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
             )
             axis.text(place, 0.94 * most, f"> {most:.0f}", ha="center", va="top")
         else:
-            half = ALIKE * row.std
+            half = NORMAL95 * row.std
             axis.errorbar(place, row.force, half, fmt="o", markersize=4, color=JOINTS[0])
     axis.set_xticks(range(len(rows)), [flange_speeds(row) for row in rows.itertuples()])
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")

@@ -22,10 +22,10 @@ from ur5lib.report.traces import (
 )
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
 
 Series = dict[str, tuple[Array, str]]  # values (N, M) and style, by label
-BAND = 1.96  # standard deviations that hold 95 %
 DRAWN = ("third", "first", "second", "fourth")  # styles of estimates; the first has the band's
 PUBLISHED_STYLES = {
     "Fu": ("controller's estimate", "first"),
@@ -174,7 +174,7 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
         series[label] = with_breaks(forces.wrench[name], forces.segment), style
     band = None
     if lead := next((name for name in ("Fmap", "static") if name in known), None):
-        whole, half = forces.wrench[lead], BAND * forces.std[lead]
+        whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
         band = low, high
     time, dark = (with_breaks(values, forces.segment) for values in (forces.time, hidden))

@@ -21,9 +21,9 @@ from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Robot
 from ur5lib.study.exported import payload_of, recorded
-from ur5lib.study.known_parameters import NORMAL95
 from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
 ROUNDS = 4  # in which predicted standard errors come within 3 % of those of the study

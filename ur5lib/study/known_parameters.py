@@ -11,9 +11,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.tables import read_json
+from ur5lib.timeseries.metrics import NORMAL95
 
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
-NORMAL95 = 1.96  # standard errors to either side of a 95 % interval
 FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "remarks")
 
 

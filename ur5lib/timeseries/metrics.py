@@ -5,6 +5,8 @@ from scipy.special import ndtri
 
 from ur5lib.timeseries.arrays import Array
 
+NORMAL95 = 1.96  # standard deviations to either side of the mean that hold 95 %
+
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:
     """Return the MAE of each column, over the rows where both are finite (Equations 5.1, 6.12)."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ur5lib.report.study_results import Row, StudyResults
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 
 COLUMNS = [
     "recording",
@@ -21,7 +22,6 @@ COLUMNS = [
 ]
 
 COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
-WITHIN = 1.96  # standard deviations of a 95 % band
 
 
 def rows(results: StudyResults) -> Iterator[Row]:
@@ -49,7 +49,7 @@ def band_rows(
                 continue
             std = np.sqrt(np.mean([part["square"] for part in known], axis=0))
             plain = summary["plain_ranges"][name][state]["square"]
-            held = _held(np.array(found["quantiles"]), WITHIN * std)
+            held = _held(np.array(found["quantiles"]), NORMAL95 * std)
             for index, (component, unit) in enumerate(COMPONENTS.items()):
                 yield {
                     "recording": recording,
