@@ -3,11 +3,12 @@
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from benchmarks.motion import judged, simulated, with_imu
+from tests.made_tables import table
 from ur5lib.pipeline.acceleration_ranges import by_range
-from ur5lib.report.tables.acceleration_bands import band_rows
 from ur5lib.signals.innovations import innovation_test
 from ur5lib.signals.smoothing import widening
 from ur5lib.timeseries.arrays import Array
@@ -31,24 +32,32 @@ def of_noise(deviation: float, seed: int) -> dict[str, Any]:
     return by_range(differences, np.where(moving, 0.5, 0.0) * np.ones(6))
 
 
+def bands(own: dict[str, Any], *others: dict[str, Any]) -> pd.DataFrame:
+    """Rows of the first recording, calibrated on all."""
+    every = {str(k): summary for k, summary in enumerate((own, *others))}
+    calibrated = {name: summary | {"calibrated_on": [*every]} for name, summary in every.items()}
+    rows = table("acceleration_bands", accelerations=calibrated)
+    return rows[rows["recording"] == "0"]
+
+
 def test_a_band_is_that_of_the_other_recordings() -> None:
     others = [of_noise(0.1, seed) for seed in (1, 2)]
-    rows = list(band_rows("a", of_noise(0.1, 3), others))
+    rows = bands(of_noise(0.1, 3), *others)
     assert len(rows) == 3 * 2 * 6
-    for row in rows:
+    for _, row in rows.iterrows():
         size = 0.1 * (2 if row["during"] == "motion" else 1)
         size *= 3 if row["range"] == "5 to 20 Hz" else 1
         assert row["rms"] == pytest.approx(size, rel=0.05)
         assert row["std"] == pytest.approx(size, rel=0.05)
         assert row["held"] == pytest.approx(0.95, abs=0.015)
         assert row["filterpy_rms"] == pytest.approx(2 * row["rms"])
-    narrow = list(band_rows("a", of_noise(0.2, 3), others))
-    assert all(row["held"] == pytest.approx(0.673, abs=0.03) for row in narrow)
+    narrow = bands(of_noise(0.2, 3), *others)
+    assert all(held == pytest.approx(0.673, abs=0.03) for held in narrow["held"])
 
 
 def test_a_recording_alone_has_no_band() -> None:
-    assert not list(band_rows("a", of_noise(0.1, 1), []))
-    assert not list(band_rows("a", {"errors": {}}, [of_noise(0.1, 1)]))
+    assert bands(of_noise(0.1, 1)).empty
+    assert bands({"errors": {}}, of_noise(0.1, 1)).empty
 
 
 def test_colour_widens_by_what_averages_out_less() -> None:

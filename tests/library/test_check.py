@@ -5,10 +5,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from tests.made_tables import table
 from tests.synthetic import write_recording
 from ur5lib import cli
 from ur5lib.report.findings import group_findings
-from ur5lib.report.tables.quality import finding_rows
 from ur5lib.study.check import unfiltered
 from ur5lib.study.model import Settings, Study
 
@@ -120,9 +120,10 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     forces["two"]["offset_doubt"] = "a push"
-    rows = finding_rows({"one": quality, "two": stale}, clocks, forces, {})
-    table = group_findings(pd.DataFrame(rows))
-    told = table.set_index(["recording", "finding"])["detail"].to_dict()
+    qualities = {"one": quality, "two": stale}
+    rows = table("quality", quality=qualities, clocks=clocks, forces=forces, loads={})
+    grouped = group_findings(rows)
+    told = grouped.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
     assert told["one", "same file"] == "identical to the file of two; used here"
     assert told["two", "same file"] == "identical to the file of one; not used here"
@@ -133,7 +134,7 @@ def test_copies_and_poor_clocks_are_findings() -> None:
         "the arm rests; accurate to 0.1 s at the start and 0.2 s at the end"
     )
     assert "accurate to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
-    assert list(table["finding"]).count("unknown drift") == 1
+    assert list(grouped["finding"]).count("unknown drift") == 1
 
 
 def test_findings_of_two_meanings_keep_both() -> None:

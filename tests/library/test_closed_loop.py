@@ -10,6 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter, lsim
 from scipy.stats import f as fisher
 
+from tests.made_tables import table
 from tests.real_arms import RealRecording, RealStudy
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
@@ -22,7 +23,6 @@ from ur5lib.identification.closed_loop import (
 )
 from ur5lib.pipeline.closed_loop import gain_summary, published_gains, simulated, tracking_of
 from ur5lib.pipeline.records.torques import ClosedLoop
-from ur5lib.report.tables.published_gains import published_gain_rows
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.interpolation import interpolated
@@ -275,7 +275,7 @@ def test_a_joint_whose_target_rests_determines_nothing_whatever_it_does() -> Non
     recording = replace(moving, **rest, actual_q=wandering)
     found = estimate_gains(recording)
     summary = gain_summary(recording, found, {"some": (K0, K1)})
-    assert [row["joint"] for row in published_gain_rows("one", summary)] == [1, 2, 4, 5, 6]
+    assert [*table("published_gains", gains={"one": summary})["joint"]] == [1, 2, 4, 5, 6]
     for gain in (found[2].position, found[2].velocity):
         assert not gain.determined
         assert (gain.low, gain.high) == (gain.grid[0], gain.grid[-1])

@@ -5,16 +5,12 @@ from functools import cache
 from itertools import combinations
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
 from benchmarks.stand_seeds import MOTION, fitted_map, rotors, taken
+from tests.made_tables import empty, table
 from ur5lib.comparing.changes import Comparison
 from ur5lib.comparing.topics import TOPICS, compare
-from ur5lib.report.tables import current_rmse, force_mae, payload, quality
-from ur5lib.report.tables import friction as friction_table
-from ur5lib.report.tables import parameters as parameter_table
-from ur5lib.report.tables import rotor_inertia as rotor_table
 from ur5lib.robots.description import load_robot, robot_path
 
 pytestmark = pytest.mark.slow
@@ -35,14 +31,15 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
             taken(plan(path, seed, coulomb_3), folder / f"raw_{path}") for path in range(PATHS)
         ]
         robot = load_robot(robot_path("ur5"))
+        arm = {"arm": {"ur5": robot}, "friction": {"ur5": fitted_map(recordings)}}
         known = {
-            friction_table: friction_table.friction_rows("ur5", robot, fitted_map(recordings)),
-            rotor_table: rotor_table.rotor_rows("ur5", rotors(recordings)),
+            "friction": table("friction", **arm),
+            "rotor_inertia": table("rotor_inertia", rotors={"ur5": rotors(recordings)}),
         }
         (folder / "tables").mkdir()
-        for table in (*known, parameter_table, payload, current_rmse, force_mae, quality):
-            rows = pd.DataFrame(known.get(table, []), columns=table.COLUMNS)
-            rows.to_csv(folder / "tables" / f"{table.__name__.rpartition('.')[2]}.csv", index=False)
+        for name in (*known, "parameters", "payload", "current_rmse", "force_mae", "quality"):
+            rows = known.get(name, empty(name))
+            rows.to_csv(folder / "tables" / f"{name}.csv", index=False)
         return folder
 
     return build

@@ -12,8 +12,9 @@ from ur5lib.report.compose import MENTION, SENTENCE_END, compose, view
 from ur5lib.report.contents import Contents, Figure, Part, Repeated, Single, Tabular, Text, contents
 from ur5lib.report.document import Document, Paragraph, Reference, Table
 from ur5lib.report.results import Results
+from ur5lib.report.tables.making import declarations
 
-TABLES_MADE = {path.stem for path in (PROJECT / "ur5lib/report/tables").glob("[!_]*.py")}
+TABLES_MADE = declarations().tables()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 

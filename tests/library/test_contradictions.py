@@ -19,6 +19,7 @@ from tests.library.current_study import (
     smooth,
     with_noise,
 )
+from tests.made_tables import empty, table
 from ur5lib.identification.currents import (
     CurrentFit,
     fit_currents,
@@ -38,7 +39,7 @@ from ur5lib.pipeline.friction_fit import (
 )
 from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.report.results import Results
-from ur5lib.report.tables import quality, remarks
+from ur5lib.report.tables.files import stop_rows
 from ur5lib.report.views.found import left_out_fits, stop_signs
 
 WRONG = "another arm"
@@ -126,12 +127,12 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    rows = [row for k in range(signs) for row in quality.stop_rows(f"run_{k}", [WRONG])]
+    rows = [{"recording": f"run_{k}"} | row for k in range(signs) for row in stop_rows([WRONG])]
     friction = {"from": []} | ({"stopped": stopped} if stopped else {"refused": "too short"})
-    remark = remarks.remark_rows("ur5", {"friction": friction})
+    fits = {"identification": {}, "friction": {"ur5": friction}, "residuals": {}}
     tables = {
-        "quality": pd.DataFrame(rows, columns=quality.COLUMNS),
-        "remarks": pd.DataFrame(remark, columns=remarks.COLUMNS),
+        "quality": pd.concat([empty("quality"), pd.DataFrame(rows)]),
+        "remarks": table("remarks", arm={"ur5": {}}, **fits),
     }
     return Results({}, tables, Path())
 

@@ -19,6 +19,7 @@ from tests.library.current_study import (
     smooth,
     with_noise,
 )
+from tests.made_tables import table
 from ur5lib.identification import bootstrap, friction
 from ur5lib.identification.currents import (
     FOLDS,
@@ -70,7 +71,6 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
-from ur5lib.report.tables.friction_reversal import reversal_rows
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
 
@@ -133,11 +133,11 @@ def test_the_distance_that_made_the_current_is_chosen() -> None:
 def test_the_table_names_how_friction_reverses() -> None:
     joint = {"presliding": 1e-3, "reversal_errors": [0.3, 0.2, 0.4, 0.5]}
     alone = {"presliding": 3e-4, "reversal_errors": []}
-    rows = [*reversal_rows("ur5", {"fit": {"joints": [joint, alone]}})]
-    assert [row["rmse"] for row in rows] == joint["reversal_errors"]
-    assert [row["chosen"] for row in rows] == ["no", "yes", "no", "no"]
-    assert rows[-1]["model"] == "karnopp"
-    assert {row["joint"] for row in rows} == {1}
+    rows = table("friction_reversal", friction={"ur5": {"fit": {"joints": [joint, alone]}}})
+    assert [*rows["rmse"]] == joint["reversal_errors"]
+    assert [*rows["chosen"]] == ["no", "yes", "no", "no"]
+    assert [*rows["model"]][-1] == "karnopp"
+    assert {*rows["joint"]} == {1}
 
 
 def test_karnopp_is_chosen_only_where_it_made_the_current() -> None:

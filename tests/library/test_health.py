@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from tests.library.current_study import (
@@ -19,6 +18,7 @@ from tests.library.current_study import (
     prior,
     smooth,
 )
+from tests.made_tables import table
 from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
 from ur5lib.identification.friction import BASE
@@ -26,8 +26,6 @@ from ur5lib.identification.samples import Record, design
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
 from ur5lib.report.health_figure import health_figure
 from ur5lib.report.results import Results
-from ur5lib.report.tables import health as health_table
-from ur5lib.report.tables import health_changes
 from ur5lib.report.verdicts import drift
 from ur5lib.report.views import health
 
@@ -166,18 +164,8 @@ def results(summary: dict[str, Any]) -> Results:
 
 def of_arm(summary: dict[str, Any]) -> Results:
     """The two tables of a study of one arm."""
-
-    class Health:
-        def each(self, kind: str) -> Iterator[tuple[str, Any]]:
-            yield "ur5", {"health": summary}[kind]
-
-    tables = {
-        table.__name__.rpartition(".")[2]: pd.DataFrame(
-            table.rows(Health()),  # type: ignore[arg-type]
-            columns=table.COLUMNS,
-        )
-        for table in (health_table, health_changes)
-    }
+    names = ("health", "health_changes")
+    tables = {name: table(name, health={"ur5": summary}) for name in names}
     return Results({"recordings": []}, tables, Path())
 
 

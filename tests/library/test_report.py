@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from tests.made_tables import empty, table
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
@@ -28,18 +29,10 @@ from ur5lib.report.document import (
     Table,
 )
 from ur5lib.report.house_style import save
-from ur5lib.report.reference import Lookup, PrintedTable, read_reference
+from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import MOST_ROWS, Results
-from ur5lib.report.tables.ablation import ablation_rows
-from ur5lib.report.tables.contacts import COLUMNS as CONTACTS
-from ur5lib.report.tables.contacts import LINKS, contact_rows
-from ur5lib.report.tables.detection import detection_rows
-from ur5lib.report.tables.fixed_threshold import fixed_threshold_rows
-from ur5lib.report.tables.force_mae import force_errors
-from ur5lib.report.tables.payload import payload_rows
-from ur5lib.report.tables.remarks import remark_rows
-from ur5lib.report.tables.torque_mae import torque_errors
+from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.closed_loop import contradictions, gains
 from ur5lib.report.views.contacts import (
@@ -200,8 +193,14 @@ def torque_tables() -> tuple[Signals, Torques, ClosedLoop]:
     )
 
 
+def torque_errors(recording: str, printed: Printed | None) -> pd.DataFrame:
+    known = {"signals": 0, "torques": 1, "closed_loop": 2}
+    found = {kind: {recording: torque_tables()[index]} for kind, index in known.items()}
+    return table("torque_mae", printed, **found)
+
+
 def test_torque_errors_leave_out_invented_frames() -> None:
-    rows = pd.DataFrame(torque_errors("run", *torque_tables(), None))
+    rows = torque_errors("run", None)
     mae = rows.groupby("model")["mae"]
     assert mae.max().to_dict() == {"A": 0.0, "B": 0.5}
     assert rows["zero_mae"].eq(1.0).all()
@@ -215,11 +214,11 @@ def test_published_values_stand_at_their_recording_only() -> None:
         rebuilt=Lookup(table="torque_mae", value="mae"),
         values={"A": tuple(range(6)), "old": (9,) * 6},
     )
-    rows = pd.DataFrame(torque_errors("run", *torque_tables(), printed))
+    rows = torque_errors("run", Printed(torque_mae=printed))
     at_target = rows[(rows["model"] == "A") & (rows["motion"] == "target")]
     assert at_target["printed"].tolist() == [*range(6)]
     assert rows[rows["model"] == "old"]["mae"].isna().all()
-    elsewhere = pd.DataFrame(torque_errors("other", *torque_tables(), printed))
+    elsewhere = torque_errors("other", Printed(torque_mae=printed))
     assert elsewhere["printed"].isna().all()
 
 
@@ -234,18 +233,23 @@ def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
 # Contacts
 
 
-def searched(name: str, contacts: object) -> Results:
+def searched(name: str, contacts: pd.DataFrame) -> Results:
     """One contact recording without a force sensor, and the contacts found on it."""
     tables = {
-        "contacts": pd.DataFrame(contacts, columns=CONTACTS),
+        "contacts": contacts,
         "force_mae": pd.DataFrame({"recording": []}),
         "detection": pd.DataFrame([{"recording": name, "estimate": "Fmap"}]),
     }
     return Results({"recordings": [{"name": name, "role": "contact"}]}, tables, Path())
 
 
+def contact_rows(name: str, alarms: list, links: list | None = None) -> pd.DataFrame:
+    places = {name: {"Fmap": links}} if links else {}
+    return table("contacts", detection={name: {"Fmap": {"raised": alarms}}}, links=places)
+
+
 def test_a_recording_without_contacts_is_told_too() -> None:
-    results = searched("quiet", [])
+    results = searched("quiet", empty("contacts"))
     assert [*counted(results)] == ["On quiet, which has no force sensor, F̂ᵐᵃᵖ finds no contact."]
     assert [*largest_contacts(results)] == []
 
@@ -255,7 +259,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
         {"start": 1.0, "end": 2.0, "peak": 1.5, "force": [3.0, 0.0, -4.04], "force_std": [1, 2, 3]},
         {"start": 7.0, "end": 8.0, "peak": 7.5, "force": [1.0, 0.0, 0.0], "force_std": [1, 2, 3]},
     ]
-    rows = contact_rows("pushed", {"Fmap": {"raised": alarms}}, {})
+    rows = contact_rows("pushed", alarms)
     results = searched("pushed", rows)
     assert [*counted(results), *largest_contacts(results)] == [
         "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts.",
@@ -272,7 +276,7 @@ def on_links(*probabilities: list[float]) -> Results:
     starts = map(float, range(len(probabilities)))
     alarms = [{"start": start, "end": start + 0.5, "peak": start + 0.2} | force for start in starts]
     links = [{"start": float(k), "links": own} for k, own in enumerate(probabilities)]
-    return searched("pushed", contact_rows("pushed", {"Fmap": {"raised": alarms}}, {"Fmap": links}))
+    return searched("pushed", contact_rows("pushed", alarms, links))
 
 
 FLANGE, OPEN = [0.0, 0, 0, 0, 0.02, 0.98], [0.0, 0, 0.1, 0.2, 0.3, 0.4]
@@ -286,8 +290,7 @@ def test_a_link_is_stated_only_where_the_torques_tell_it() -> None:
 
 
 def test_a_contact_whose_links_are_unknown_has_none() -> None:
-    rows = contact_rows("pushed", {"Fmap": {"raised": []}}, {"Fmap": []})
-    assert [*rows] == []
+    assert contact_rows("pushed", []).empty
     assert likely(pd.Series(dict.fromkeys(LINKS, math.nan))) == []
 
 
@@ -311,7 +314,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
         "force_std": [1] * 3,
     }
     load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
-    rows = contact_rows("grasp", {"Fmap": {"raised": [alarm, load]}}, {})
+    rows = contact_rows("grasp", [alarm, load])
     results = searched("grasp", rows)
     (told,) = counted(results)
     assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."
@@ -348,8 +351,8 @@ def force_results() -> Results:
     rebuilt = Lookup(table="force_mae", value="mae")
     values = {"Fu": (1.0,) * 6}
     printed = PrintedTable(source="6.1", recording="run", rebuilt=rebuilt, values=values)
-    rows = force_errors("run", force_summary(), printed, None)
-    return Results({}, {"force_mae": pd.DataFrame(rows)}, Path())
+    rows = table("force_mae", Printed(force_mae=printed), forces={"run": force_summary()})
+    return Results({}, {"force_mae": rows}, Path())
 
 
 def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
@@ -408,7 +411,7 @@ def test_contacts_are_counted_by_their_force() -> None:
     found |= {"threshold": 8.5}
     found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
-    rows = pd.DataFrame(detection_rows("run", {"Fmap": found, "Fu": found}))
+    rows = table("detection", detection={"run": {"Fmap": found, "Fu": found}})
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
     header, body = detections(Results({}, {"detection": rows}, Path()))
@@ -425,7 +428,7 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
         ("run", {"F*": {"axes": axes}, "Fmap": {"axes": axes}}),
         ("free", {"F*": {"axes": free}}),
     ]
-    rows = pd.DataFrame([row for one in found for row in fixed_threshold_rows(*one)])
+    rows = table("fixed_threshold", detection=dict(found))
     study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
     header, body = fixed_threshold(Results(study, {"fixed_threshold": rows}, Path()))
     assert header == ["recording", "role", "F̂*", "F̂ᵐᵃᵖ"]
@@ -443,14 +446,15 @@ def test_pushes_never_found_are_told_as_such() -> None:
     smallest = {
         axis: {"force": force} for axis, force in zip("xyz", (9.0, None, 20.0), strict=True)
     }
-    rows = detection_rows("free", {"Fmap": found | {"smallest_force_95": smallest}})
-    results = Results({}, {"detection": pd.DataFrame(rows), "payload": payloads()}, Path())
+    found |= {"smallest_force_95": smallest}
+    rows = table("detection", detection={"free": {"Fmap": found}})
+    results = Results({}, {"detection": rows, "payload": payloads()}, Path())
     assert [cell.text for cell in smallest_pushes(results).rows[0]] == ["free", "9", "–", "20"]
 
 
 def payloads() -> pd.DataFrame:
     loads = [load_of("free", 0.02, taken=False), load_of("heavy", 2.75, taken=True)]
-    return pd.DataFrame([row for name, found in loads for row in payload_rows(name, found)])
+    return table("payload", currents=dict(loads))
 
 
 def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
@@ -478,7 +482,7 @@ def test_what_a_run_carries_stands_in_a_table() -> None:
     heavy = payloads().set_index("recording").loc["heavy"]
     assert heavy["low"] < heavy["mass"] < heavy["high"]
     assert heavy["center_of_mass_z"] == 0.05
-    assert [*payload_rows("at rest", {"load": None})] == [*payload_rows("no currents", {})] == []
+    assert table("payload", currents={"at rest": {"load": None}, "no currents": {}}).empty
 
 
 def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
@@ -499,8 +503,7 @@ def test_parts_left_out_stand_beside_the_whole() -> None:
         "pushed": {"whole": whole, "repeat": whole, "least_squares": whole},
         "held": {"whole": whole, "least_squares": {"mae": [9.0, 8.0, 7.0]}},
     }
-    rows = [row for name, own in found.items() for row in ablation_rows(name, own)]
-    results = Results({}, {"ablation": pd.DataFrame(rows)}, Path())
+    results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
     header, body = ablation(results)
     assert header == ["variant", "pushed", "held"]
     texts = [[cell.text for cell in row] for row in body]
@@ -537,7 +540,9 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
 def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
     friction = {"fit": {"joints": [{"remarks": ["odd"]}, {"remarks": []}, {"remarks": ["odd"]}]}}
     steps = {"friction": friction, "identification": {"refused": "too little"}}
-    results = Results({}, {"remarks": pd.DataFrame(remark_rows("ur5", steps))}, Path())
+    fits = {kind: {"ur5": summary} for kind, summary in steps.items()}
+    rows = table("remarks", arm={"ur5": {}}, residuals={}, **fits)
+    results = Results({}, {"remarks": rows}, Path())
     assert [*remarks(results)] == ["ur5, joints 1, 3: odd."]
     assert left_out_fits(results) == ["Identification of ur5: too little."]
 

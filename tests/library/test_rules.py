@@ -8,11 +8,13 @@ import pytest
 from tests.conftest import PROJECT
 from tests.step_names import Declared, declared_names, differences, read_names
 from tests.synthetic import write_recording
+from ur5lib.report.tables.making import declarations
+from ur5lib.report.tables.models import FITS
 
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 DEVICES = ("force", "imu")
 TABLES = PROJECT / "ur5lib" / "report" / "tables"
-KINDS_READ = re.compile(r"""results\.(?:each|all|paths_of)\("(\w+)"\)""")
+KINDS_READ = re.compile(r'\bown(?:\.others)?[\[(]"(\w+)"[\])]')
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -90,11 +92,12 @@ def test_a_script_reads_what_its_rule_declares(step: str, declared: dict[str, De
 
 def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared]) -> None:
     """make_tables passes its inputs on, by kind, to the module of each table."""
-    modules = {path.stem: path for path in TABLES.glob("[!_]*.py")}
-    kinds = {kind for path in modules.values() for kind in KINDS_READ.findall(path.read_text())}
+    kinds = {kind for path in TABLES.glob("*.py") for kind in KINDS_READ.findall(path.read_text())}
+    tables = declarations().tables()
     names = declared["make_tables"].names
-    assert names["input"] - {"reference", "modules"} == kinds
-    assert names["output"] == modules.keys()
+    assert names["input"] - {"reference", "columns"} == kinds | {*FITS}
+    assert {one.of for _, one in tables.values()} <= kinds | {*FITS}
+    assert names["output"] == tables.keys()
 
 
 def test_a_script_that_reads_something_else_is_found(tmp_path: Path) -> None:

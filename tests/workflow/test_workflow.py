@@ -184,7 +184,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/report/views/found.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
         ("workflow/scripts/make_tables.py", REPORT),
-        ("ur5lib/report/tables/payload.py", REPORT),
+        ("ur5lib/report/tables/friction.py", REPORT),
     ],
 )  # fmt: skip
 def test_editing_code_reruns_its_users(

@@ -19,8 +19,8 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import group_findings
-from ur5lib.report.tables import clocks as clock_table
-from ur5lib.report.tables import quality as quality_table
+from ur5lib.report.tables.files import stop_rows
+from ur5lib.report.tables.making import made
 from ur5lib.robots.description import Robot
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.strict import read_yaml
@@ -68,12 +68,11 @@ def print_tables(
     console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
 ) -> int:
     """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
-    rows = quality_table.finding_rows(qualities, clocks, {}, {})
-    quality = pd.DataFrame(rows, columns=quality_table.COLUMNS)
+    kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "loads": {}}
+    quality = made("quality", kinds)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
-        found = pd.DataFrame(clock_table.clock_rows(clocks), columns=clock_table.COLUMNS)
-        console.print(_clocks(found))
+        console.print(_clocks(made("clocks", kinds)))
     return int(quality["severity"].isin(["stop", "error"]).sum())
 
 
@@ -117,7 +116,7 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
     signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
-    stops = [*quality_table.stop_rows(recording.name, signs)]
+    stops = [*stop_rows(signs)]
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality["period_s"])
     if recording.role != "contact" and (sensor := _force_of(intake)) is not None:

@@ -13,6 +13,7 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import robot_path
 from ur5lib.steps.workers import run_step
+from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
 
 try:

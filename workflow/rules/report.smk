@@ -26,7 +26,8 @@ COMPARED = [
     "current_rmse",
     "force_mae",
 ]
-TABLES = sorted(path.stem for path in Path("ur5lib/report/tables").glob("[!_]*.py"))
+COLUMNS = "ur5lib/report/tables/columns.yaml"
+TABLES = [name for tables in read_yaml(Path(COLUMNS)).values() for name in tables]
 
 
 rule draw_figures:
@@ -159,7 +160,7 @@ rule make_tables:
         ablation=results("ablation.json", TOUCHED),
         observability=parameters("observability.json"),
         audit=results("audit.json", WITH_WRIST_SENSOR),
-        modules=[f"ur5lib/report/tables/{name}.py" for name in TABLES],
+        columns=COLUMNS,
     output:
         **tables(TABLES),
     log:

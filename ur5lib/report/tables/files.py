@@ -1,14 +1,106 @@
-"""The files that each recording was read from."""
+"""Rows of tables about the recordings' files: their size, clocks and findings."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from ur5lib.report.study_results import Row, StudyResults
+import numpy as np
 
-COLUMNS = ["recording", "file", "sha256"]
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.report.tables.own import Own, Row
+
+REMEDY = "if one computer timestamps both this device and an IMU, list both under `hosts`"
+TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
-def rows(results: StudyResults) -> Iterator[Row]:
-    """Yield the table's rows."""
-    for recording, quality in results.each("quality"):
-        for file, checksum in quality["read"].items():
-            yield {"recording": recording, "file": file, "sha256": checksum}
+def recordings(own: Own) -> Iterator[Row]:
+    """Yield how long a recording is, how regular its frames, and which joints move."""
+    quality = own["quality"]
+    yield {
+        "rows_read": quality["rows"],
+        "jitter_s": quality["jitter_s"]["99 %"],
+        "devices": " ".join(quality["devices"]),
+        "moving_joints": " ".join(map(str, moving_joints(own["signals"]))),
+    } | {name: quality[name] for name in ("duration_s", "frames", "longest_step_s")}
+
+
+def moving_joints(signals: Signals) -> list[int]:
+    """Return the joints, from 1, that do not rest throughout a recording."""
+    travel = np.nanmax(signals.actual_q, axis=0) - np.nanmin(signals.actual_q, axis=0)
+    return [int(joint) + 1 for joint in np.flatnonzero(travel > TRAVEL)]
+
+
+def files(own: Own) -> Iterator[Row]:
+    """Yield the files that a recording was read from."""
+    for file, checksum in own["quality"]["read"].items():
+        yield {"file": file, "sha256": checksum}
+
+
+def clocks(own: Own) -> Iterator[Row]:
+    """Yield how each device's clock runs against the robot's."""
+    for device, clock in own["clocks"].items():
+        yield {
+            "device": device,
+            "offset_s": clock["offset"],
+            "offset_std_s": clock["offset_std"],
+            "drift_ppm": _ppm(clock["drift"]),
+            "drift_std_ppm": _ppm(clock["drift_std"]),
+            "method": clock["method"],
+            "end_std_s": clock["end_std"],
+        }
+
+
+def _ppm(drift: float | None) -> float | None:
+    return None if drift is None else 1e6 * drift
+
+
+def quality(own: Own) -> Iterator[Row]:
+    """Yield the findings about a recording's files, clocks and sensors."""
+    loads = own["loads"]
+    yield from stop_rows(loads.get("stop_signs", ()))
+    yield from own["quality"]["findings"]
+    yield from loads.get("findings", [])
+    yield from _copies(own)
+    yield from _poor_clocks(own)
+    yield from _doubted_sensor(own)
+
+
+def stop_rows(signs: Iterable[str]) -> Iterator[Row]:
+    """Yield the stop signs of a recording, each a sentence."""
+    for sign in signs:
+        yield _finding("robot", "contradiction", sign, "stop")
+
+
+def _finding(device: str, finding: str, detail: str, severity: str = "warning") -> Row:
+    about = {"device": device, "finding": finding, "detail": detail}
+    return about | {"severity": severity, "count": 1}
+
+
+def _poor_clocks(own: Own) -> Iterator[Row]:
+    """Yield devices whose clock is known from start stamps only."""
+    for device, clock in own["clocks"].items():
+        errors = clock["offset_std"], clock["end_std"]
+        accuracy = "accurate to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
+        if clock["warning"]:
+            yield _finding(device, "clock by stamps alone", f"{clock['warning']}; {accuracy}")
+        elif clock["drift"] is None:
+            detail = f"its clock is known from its start stamp only, {accuracy}; {REMEDY}"
+            yield _finding(device, "unknown drift", detail)
+
+
+def _doubted_sensor(own: Own) -> Iterator[Row]:
+    """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
+    may be a push.
+    """
+    for doubted in ("mounting", "offset"):
+        if doubt := own["forces"].get(f"{doubted}_doubt"):
+            yield _finding("force", doubted, doubt)
+
+
+def _copies(own: Own) -> Iterator[Row]:
+    """Yield device files that are identical to those of another recording."""
+    known = {name: quality["files"] for name, quality in own.others("quality").items()}
+    for device, checksum in own["quality"]["files"].items():
+        others = [name for name, files in known.items() if files.get(device) == checksum]
+        if others:
+            used = "used" if device in own["quality"]["devices"] else "not used"
+            detail = f"identical to the file of {', '.join(others)}; {used} here"
+            yield _finding(device, "same file", detail, "note") | {"count": len(others)}

@@ -1,53 +1,31 @@
-"""Torque constants, offsets and friction beside the thesis's."""
+"""Rows of tables about friction, currents and torque constants, and how they changed."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ur5lib.report.study_results import Row, StudyResults
-from ur5lib.robots.description import Robot, load_robot
+from ur5lib.identification.friction import KARNOPP, PRESLIDING
+from ur5lib.report.tables.own import Own, Row, by_joint
+from ur5lib.robots.description import Robot
 
-COLUMNS = [
-    "joint",
-    "parameter",
-    "value",
-    "std_error",
-    "prior_share",
-    "known",
-    "known_std",
-    "contradicted",
-    "thesis",
-    "low",
-    "high",
-    "determined",
-    "robot",
-]
+AS_PRINTED = "torque_on_current"
 
 
-def rows(results: StudyResults) -> Iterator[Row]:
-    """Yield the table's rows."""
-    arms = results.paths_of("arm")
-    for name, summary in results.each("friction"):
-        yield from friction_rows(name, load_robot(arms[name]), summary)
-
-
-def friction_rows(robot: str, arm: Robot, friction: Mapping[str, Any]) -> Iterator[Row]:
-    """Yield torque constants, offsets and friction, and the thesis's values, from friction.json."""
-    published = _published(arm)
-    for row in friction.get("parameters", []):
+def friction(own: Own) -> Iterator[Row]:
+    """Yield torque constants, offsets and friction, beside the thesis's."""
+    published = _published(own["arm"])
+    for row in own["friction"].get("parameters", []):
         name, joint = row["name"], row["joint"]
         low, high = row["interval"]
         yield {
-            "joint": joint,
             "parameter": name,
-            "value": row["value"],
-            "std_error": row["std_error"],
-            "prior_share": row["prior_share"],
-            **_known(friction, row),
             "thesis": published[name][joint - 1] if name in published else None,
             "low": low,
             "high": high,
-            "determined": "yes" if row["determined"] else "no",
-            "robot": robot,
+            **{
+                column: row[column]
+                for column in ("joint", "value", "std_error", "prior_share", "determined")
+            },
+            **_known(own["friction"], row),
         }
 
 
@@ -71,3 +49,85 @@ def _published(arm: Robot) -> dict[str, Sequence[float]]:
     if arm.friction is not None:
         values |= {"coulomb": arm.friction.coulomb, "viscous": arm.friction.viscous}
     return values
+
+
+def friction_reversal(own: Own) -> Iterator[Row]:
+    """Yield the cross-validated error [A] of Dahl's and Karnopp's friction at reversals."""
+    joints = own["friction"].get("fit", {}).get("joints", [])
+    for number, joint in enumerate(joints, start=1):
+        errors = joint["reversal_errors"]
+        for distance, error in zip((*PRESLIDING, KARNOPP), errors, strict=bool(errors)):
+            yield {
+                "joint": number,
+                "model": "karnopp" if distance == KARNOPP else "dahl",
+                "distance_rad": None if distance == KARNOPP else distance,
+                "rmse": error,
+                "chosen": distance == joint["presliding"],
+            }
+
+
+def cross_validation(own: Own) -> Iterator[Row]:
+    """Yield the RMSE of a fit to one recording, tested on another."""
+    names, tested = own["friction"]["from"], own["friction"].get("cross_validation", [])
+    for fitted_on, errors in zip(names, tested, strict=True):
+        for tested_on, rmse in zip(names, errors, strict=True):
+            about = {"fitted_on": fitted_on, "tested_on": tested_on}
+            yield from (about | row for row in by_joint({"rmse_2hz": rmse}))
+
+
+def current_rmse(own: Own) -> Iterator[Row]:
+    """Yield the errors of each model's prediction of a recording's currents."""
+    for model, scores in own["currents"]["scores"].items():
+        columns = {name: scores[name] for name in ("rmse", "mae", "r2")}
+        columns |= {"rmse_2hz": scores["rmse_lowpassed"], "coverage95": scores["coverage"]}
+        about = {"model": model, "fitted": own["currents"]["fitted"]}
+        yield from (about | row for row in by_joint(columns))
+
+
+def payload(own: Own) -> Iterator[Row]:
+    """Yield the undeclared payload on the flange; none at rest."""
+    if load := own["currents"].get("load"):
+        low, high = load["interval"]
+        yield (
+            {
+                f"{name}_{axis}": value
+                for name in ("center_of_mass", "center_of_mass_std")
+                for axis, value in zip("xyz", load[name], strict=True)
+            }
+            | {name: load[name] for name in ("mass", "std_error", "configured", "taken")}
+            | {
+                "low": low,
+                "high": high,
+            }
+        )
+
+
+def torque_constants(own: Own) -> Iterator[Row]:
+    """Yield torque constants and offsets by the thesis's regression and by its reverse, of the
+    joints that move, beside the print; none without published constants.
+    """
+    compared = own.printed.current_torque is not None
+    constants, printed = own["constants"], own.published("current_torque")
+    for regression, line in constants.get("lines", {}).items() if compared else ():
+        columns = {name: line[name] for name in ("torque_constant", "offset")}
+        columns |= {f"{name}_std_error": line[f"{name}_std"] for name in columns}
+        columns |= {
+            name: constants[name]
+            for name in ("mean_torque", "correlation", "correlation_without_friction")
+        }
+        if printed and regression == AS_PRINTED:
+            columns |= {"printed_torque_constant": printed["k"], "printed_offset": printed["b"]}
+        for row in by_joint(columns):
+            if row["torque_constant"] is not None:
+                yield {"regression": regression} | row
+
+
+def health(own: Own) -> Iterator[Row]:
+    """Yield each joint's condition on each date; `lost_frames` is of all joints."""
+    yield from own["health"]["dates"]
+
+
+def health_changes(own: Own) -> Iterator[Row]:
+    """Yield drifts and jumps of each joint's condition between dates."""
+    for change in own["health"]["changes"]:
+        yield change | {"by_temperature": change["explained"]}

@@ -5,7 +5,7 @@ import pandas as pd
 from ur5lib.report.cells import joints, rounded, sentence
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
-from ur5lib.report.tables.remarks import STOP
+from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts.drawings import bars
 
 TOPIC = "Torque constants"

@@ -11,7 +11,7 @@ from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, numbered, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
 from ur5lib.report.results import NOTHING, Body, Results
-from ur5lib.report.tables.contacts import LINKS
+from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
 
 UNITS = {"F": "N", "n": "Nm"}

@@ -9,7 +9,7 @@ from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.cells import fixed, rounded
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
-from ur5lib.report.tables.remarks import STOP
+from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts.link_model import compare, named
 from ur5lib.report.views import claimed, comparison, printed, sensed
 from ur5lib.report.views.audit import faults as wrist_sensor_faults

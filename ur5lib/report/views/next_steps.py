@@ -5,7 +5,7 @@ from itertools import islice
 
 from ur5lib.report.cells import joints, rounded
 from ur5lib.report.results import Results
-from ur5lib.report.tables.remarks import STOP
+from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts.data_quality import lost_shares
 from ur5lib.report.views import health, sensed
 from ur5lib.report.views.currents import loaded

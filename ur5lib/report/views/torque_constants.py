@@ -8,7 +8,7 @@ import pandas as pd
 from ur5lib.report.cells import fixed, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
-from ur5lib.report.tables.torque_constants import AS_PRINTED
+from ur5lib.report.tables.friction import AS_PRINTED
 
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
 

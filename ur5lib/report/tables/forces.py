@@ -1,0 +1,151 @@
+"""Rows of tables about forces: errors beside a sensor, alarms, contacts, the wrist sensor."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ur5lib.force.contact_link import touched_link
+from ur5lib.report.tables.own import Own, Row, transposed
+
+LINKS = [f"on_link_{link}" for link in range(1, 7)]
+FORCES = ("Fx", "Fy", "Fz")
+STDS = ("Fx_std", "Fy_std", "Fz_std")
+
+
+def force_mae(own: Own) -> Iterator[Row]:
+    """Yield the errors of the force estimates against the sensor."""
+    tables = {figure: own.published(f"force_{figure}") for figure in ("mae", "max")}
+    for kind, estimates in own["forces"]["errors"].items():
+        for estimate, periods in estimates.items():
+            known = _determined(periods.get("contact"))
+            for during, figures in periods.items():
+                printed = {
+                    f"printed_{figure}": table[estimate]
+                    for figure, table in tables.items()
+                    if (kind, during) == ("printed", "all") and estimate in table
+                }
+                about = {"kind": kind, "estimate": estimate, "during": during}
+                for i, component in enumerate(figures["mae"]):
+                    yield about | {
+                        "component": component,
+                        "determined": known.get(component),
+                        **{name: values[component] for name, values in figures.items()},
+                        **{name: values[i] for name, values in printed.items()},
+                    }
+
+
+def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, bool]:
+    """Return which components are determined: the skill in contact is significantly above zero."""
+    if not in_contact:
+        return {}
+    skills = in_contact.get("skill_low", in_contact["skill"])
+    return {name: (skill or 0) > 0 for name, skill in skills.items()}
+
+
+def contact_errors(own: Own) -> Iterator[Row]:
+    """Yield the errors of each estimate in each contact that the sensor saw."""
+    for estimate, contacts in own["forces"].get("contacts", {}).items():
+        yield from ({"estimate": estimate} | row for row in contacts)
+
+
+def sensed(own: Own) -> Iterator[Row]:
+    """Yield what a force sensor reads, whether or not a force was estimated beside it."""
+    if felt := own["forces"].get("felt"):
+        yield {
+            "largest_force_n": felt["largest"],
+            "at_s": felt["at_s"],
+            "share_in_contact": felt["contact"],
+            "contacts": felt["contacts"],
+        }
+
+
+def ablation(own: Own) -> Iterator[Row]:
+    """Yield the error in contact with each part of the estimate left out."""
+    for variant, figures in own["ablation"].items():
+        rows = transposed(figures, "component", FORCES)
+        yield from ({"variant": variant} | row for row in rows)
+
+
+def detection(own: Own) -> Iterator[Row]:
+    """Yield contacts detected by each estimate, by the force they reach.
+
+    Without a force sensor, one row an estimate and no force.
+    """
+    same = ("threshold", "precision", "time_in_alarm", "free_time_in_alarm", "alarms_per_min")
+    for estimate, found in own["detection"].items():
+        smallest = found.get("smallest_force_95", {})
+        pushes = {f"smallest_force_95_{axis}": push["force"] for axis, push in smallest.items()}
+        for i, part in enumerate(found.get("classes", [{}])):
+            yield {
+                "estimate": estimate,
+                "force_class_n": part.get("force"),
+                **{name: part.get(name) for name in ("contacts", "found", "recall")},
+                "median_delay_s": part.get("median_delay"),
+                "causal_delay_s": part.get("causal_delay"),
+                **(pushes if i == 0 else {}),
+                **{name: found.get(name) for name in (*same, "roc_area")},
+                "false_alarms_per_min": found.get("false_per_min"),
+                "extra_alarms": found.get("extra"),
+                "alarms": len(found["raised"]),
+            }
+
+
+def fixed_threshold(own: Own) -> Iterator[Row]:
+    """Yield the pushes found above the thesis's fixed threshold, and the share of time above it."""
+    for estimate, found in own["detection"].items():
+        for axis, figures in found["axes"].items():
+            yield {
+                "estimate": estimate,
+                "component": f"F{axis}",
+                "force_n": figures["force"],
+                **{name: figures.get(name) for name in ("pushes", "found", "time_above")},
+            }
+
+
+def contacts(own: Own) -> Iterator[Row]:
+    """Yield each alarm: when, the largest force in it, a load's mass, and where it may be."""
+    for estimate, found in own["detection"].items():
+        known = {one["start"]: one["links"] for one in own["links"].get(estimate, [])}
+        for alarm in found["raised"]:
+            yield {
+                "estimate": estimate,
+                "kind": alarm.get("kind", "contact"),
+                **{name: alarm.get(name) for name in ("load_mass", "load_mass_std")},
+                **{f"{name}_s": alarm[name] for name in ("start", "end", "peak")},
+                **_place(known.get(alarm["start"])),
+                **dict(zip(FORCES, alarm["force"], strict=True)),
+                **dict(zip(STDS, alarm["force_std"], strict=True)),
+            }
+
+
+def _place(probabilities: Sequence[float] | None) -> Row:
+    """Return the probability of each link, and the link, None where the torques cannot tell."""
+    if probabilities is None:
+        return {}
+    link = touched_link(dict(enumerate(probabilities, start=1)))
+    return {"link": link, **dict(zip(LINKS, probabilities, strict=True))}
+
+
+def observability(own: Own) -> Iterator[Row]:
+    """Yield what an arm's recordings let one observe; an empty speed_high: any faster one.
+
+    smallest_push_95: by speed of the flange; friction_in_band: share of the samples, by speed of
+    the joint; least_velocity: from which on, up to speed_high, that share suffices.
+    """
+    found, names = own["observability"], ("joint", "speed_low", "speed_high", "samples")
+    for push in found["pushes"]:
+        about = {"quantity": "smallest_push_95", "speed_unit": "m/s", "unit": "N"}
+        numbers = {"value": push["force"], "std_error": push["std"], "samples": push["tried"]}
+        yield about | numbers | {name: push[name] for name in ("speed_low", "speed_high")}
+    for share in found["shares"]:
+        about = {"quantity": "friction_in_band", "speed_unit": "rad/s", "unit": "1"}
+        yield about | {name: share[name] for name in names} | {"value": share["share"]}
+    for least in found["predicted"]:
+        about = {"quantity": "least_velocity", "speed_unit": "rad/s", "unit": "rad/s"}
+        yield about | least | {"value": least["speed_low"]}
+
+
+def audit(own: Own) -> Iterator[Row]:
+    """Yield what is wrong with a wrist's force sensor; one row where little time is free."""
+    if summary := own["audit"]:
+        yield {"quantity": "free_time", "value": summary["free_s"], "unit": "s"}
+        yield from summary["rows"]

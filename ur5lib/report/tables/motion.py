@@ -1,0 +1,161 @@
+"""Rows of tables about the motion: the closed loop, accelerations beside an IMU, the smoother."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from ur5lib.report.tables.own import Own, Row, by_joint
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95, largest_error, mean_absolute_error
+
+COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
+CALIBRATED = {"mounting": "rad", "tilt": "rad", "gyroscope_bias": "rad/s", "place": "m"}
+CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in range(1, 7)]
+CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
+
+
+def closed_loop_mae(own: Own) -> Iterator[Row]:
+    """Yield errors of positions and velocities in closed loop under each set of gains, and of the
+    targets themselves; interpolated frames are left out.
+    """
+    signals, loop = own["signals"], own["closed_loop"]
+    if not loop.qd:
+        return
+    received = ~signals.interpolated
+    for quantity in ("q", "qd"):
+        printed = own.published(f"closed_loop_{quantity}")
+        actual = getattr(signals, f"actual_{quantity}")[received]
+        target = {"target": getattr(signals, f"target_{quantity}")}
+        for model, states in (getattr(loop, quantity) | target).items():
+            columns = {
+                "mae": mean_absolute_error(states[received], actual),
+                "max": largest_error(states[received], actual),
+            } | ({"printed": printed[model]} if model in printed else {})
+            about = {"model": model, "quantity": quantity}
+            yield from (about | row for row in by_joint(columns))
+
+
+def gains(own: Own) -> Iterator[Row]:
+    """Yield the gains of the closed loop: a value only if the recording determines it.
+
+    low and high: of the range that fits equally well, empty where it reaches a search bound.
+    """
+    for joint, found in enumerate(own["gains"].get("joints", []), start=1):
+        for name, unit in (("position", "1/s2"), ("velocity", "1/s")):
+            gain = found[name]
+            known = gain["determined"]
+            bounds = gain["grid"][0], gain["grid"][-1]
+            yield {
+                "joint": joint,
+                "gain": name,
+                "unit": unit,
+                "value": gain["best"] if known else None,
+                "std_error": gain["std_error"] if known else None,
+                "determined": known,
+            } | {end: None if gain[end] in bounds else gain[end] for end in ("low", "high")}
+
+
+def published_gains(own: Own) -> Iterator[Row]:
+    """Yield whether published gains fit as well as the best ones, of joints whose target moves."""
+    for model, costs in own["gains"].get("published", {}).items():
+        for joint, (cost, found) in enumerate(
+            zip(costs, own["gains"]["joints"], strict=True), start=1
+        ):
+            if found["excited"]:
+                yield {
+                    "model": model,
+                    "joint": joint,
+                    "cost": cost,
+                    "least_cost": found["cost"],
+                    "limit": found["limit"],
+                    "fits": cost <= found["limit"],
+                }
+
+
+def acceleration_mae(own: Own) -> Iterator[Row]:
+    """Yield the MAE of the end effector's acceleration against the IMU."""
+    printed = own.published("acceleration_mae")
+    for estimate, errors in own["accelerations"]["errors"].items():
+        for index, (component, mae) in enumerate(errors["mae"].items()):
+            yield {
+                "estimate": estimate,
+                "component": component,
+                "mae": mae,
+                "printed": printed[estimate][index] if estimate in printed else None,
+                "zero_mae": errors["zero_mae"][component],
+            }
+
+
+def acceleration_bands(own: Own) -> Iterator[Row]:
+    """Yield differences from the IMU, the share within the band that the other recordings show for
+    the same range of frequency, in motion or at rest, and the differences of filterpy's plain
+    filter.
+
+    The band counts all errors of both: noise of encoders and IMU, its calibration, and links that
+    bend between them. No rows without another recording.
+    """
+    summary, others = own["accelerations"], own.others("accelerations")
+    known = [others[name] for name in summary.get("calibrated_on", ()) if name in others]
+    beside = [other["ranges"] for other in known if "ranges" in other]
+    for name, states in summary.get("ranges", {}).items():
+        for state, found in states.items():
+            squares = [part["square"] for one in beside if (part := one.get(name, {}).get(state))]
+            if squares:
+                std = np.sqrt(np.mean(squares, axis=0))
+                rows = _band(found, std, summary["plain_ranges"][name][state]["square"])
+                yield from ({"range": name, "during": state} | row for row in rows)
+
+
+def _band(found: Mapping[str, Any], std: Array, plain: list[float]) -> Iterator[Row]:
+    held = _held(np.array(found["quantiles"]), NORMAL95 * std)
+    for index, (component, unit) in enumerate(COMPONENTS.items()):
+        yield {
+            "component": component,
+            "unit": unit,
+            "rms": float(np.sqrt(found["square"][index])),
+            "std": float(std[index]),
+            "held": float(held[index]),
+            "filterpy_rms": float(np.sqrt(plain[index])),
+        }
+
+
+def _held(quantiles: Array, limits: Array) -> Array:
+    """Return the shares (6,) within limits (6,) of absolute values with quantiles (101, 6)."""
+    levels = np.linspace(0, 1, len(quantiles))
+    return np.array(
+        [np.interp(x, column, levels) for x, column in zip(limits, quantiles.T, strict=True)]
+    )
+
+
+def imu_calibration(own: Own) -> Iterator[Row]:
+    """Yield the calibration of an arm's IMU from all `fit` recordings.
+
+    `described` is the place in the arm's description; `held_out` the error on recordings left out
+    with the estimated place by that with the described one: below 1, the estimated place is used.
+    """
+    found = own["calibration"].get("all", {})
+    for quantity, unit in CALIBRATED.items() if found else ():
+        values, errors = found[quantity], found[f"{quantity}_std"]
+        for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
+            row = {"quantity": quantity, "axis": axis, "unit": unit}
+            row |= {"value": value, "std_error": std}
+            if quantity == "place":
+                row |= {"described": found["described"][i], "held_out": found["held_out"]}
+            yield row
+
+
+def innovations(own: Own) -> Iterator[Row]:
+    """Yield whether the smoother's innovations are as wide as stated, and white."""
+    for estimate, account in (own["motion"] | own["fused"]).items():
+        test = account["innovations"]
+        for index, channel in enumerate(CHANNELS[: len(test["variance"])]):
+            low, high = test["variance_limits"][index]
+            each = ("variance", "portmanteau", "consistent", "white", "colour")
+            yield {
+                "estimate": estimate,
+                "channel": channel,
+                "variance_low": low,
+                "variance_high": high,
+                "portmanteau_limit": test["portmanteau_limit"],
+            } | {name: test[name][index] for name in each}

@@ -1,0 +1,47 @@
+"""What a study's tables are made from: the results of one recording or arm."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ur5lib.report.reference import Printed, published
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Own:
+    """The results of a recording or an arm.
+
+    kinds: results by their kind, then by recording or arm; printed: published tables.
+    """
+
+    name: str
+    kinds: Mapping[str, Mapping[str, Any]]
+    printed: Printed = Printed()
+
+    def __getitem__(self, kind: str) -> Any:
+        """Return the own result of a kind, `{}` where there is none."""
+        return self.kinds[kind].get(self.name, {})
+
+    def others(self, kind: str) -> dict[str, Any]:
+        """Return the results of a kind of all other recordings."""
+        return {name: result for name, result in self.kinds[kind].items() if name != self.name}
+
+    def published(self, table: str) -> dict[str, Any]:
+        """Return a table's printed values of this recording; empty for any other recording."""
+        return published(getattr(self.printed, table), self.name)
+
+
+def transposed(columns: Mapping[str, Any], index: str, names: Sequence[Any]) -> list[Row]:
+    """Return rows from columns that hold one value for each name of an index."""
+    return [
+        {index: name} | {column: values[i] for column, values in columns.items()}
+        for i, name in enumerate(names)
+    ]
+
+
+def by_joint(columns: Mapping[str, Any]) -> Iterator[Row]:
+    """Yield a row for each joint, from 1, of columns that hold one value for each."""
+    count = max(map(len, columns.values()), default=0)
+    yield from transposed(columns, "joint", range(1, count + 1))
