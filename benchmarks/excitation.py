@@ -17,6 +17,7 @@ from pathlib import Path as File
 
 import numpy as np
 
+from ur5lib.commands.excite import Wish, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Effort, design
 from ur5lib.excitation.feasible import RATE, free_postures, random_path
@@ -28,7 +29,6 @@ from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.stand.plan import POSTURE, Movej
 from ur5lib.stand.trajectories import REST, plan_targets
-from ur5lib.study.excite import Wish, task_of
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.interpolation import interpolated
 

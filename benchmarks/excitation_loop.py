@@ -18,10 +18,10 @@ from typing import Any
 
 import yaml
 
+from ur5lib.commands.earlier import KEPT
+from ur5lib.commands.excite import Wish, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.problem import PER_JOINT
-from ur5lib.study.earlier import KEPT
-from ur5lib.study.excite import Wish, excite, known_load
 from ur5lib.tables import read_json
 
 STUDY = "excitation-loop"

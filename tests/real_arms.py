@@ -15,6 +15,7 @@ import pandas as pd
 import yaml
 
 from tests.conftest import PROJECT
+from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.sensor import SensorOffset
@@ -45,7 +46,6 @@ from ur5lib.signals.clocks import Clock
 from ur5lib.signals.host_drifts import read_clock
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
-from ur5lib.study.check import look_through, settled
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array

@@ -47,7 +47,7 @@ def check(
     ],
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
-    from ur5lib.study.check import print_findings
+    from ur5lib.commands.check import print_findings
 
     if print_findings(study):
         raise SystemExit(1)
@@ -110,8 +110,8 @@ def record(
     ] = False,
 ) -> None:
     """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
-    from ur5lib.study.check import text_console
-    from ur5lib.study.record import Wish, record
+    from ur5lib.commands.check import text_console
+    from ur5lib.commands.record import Wish, record
 
     wish = Wish(
         name,
@@ -199,7 +199,7 @@ def excite(
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
     """Design the motion that tells most about an arm, within its limits and its surroundings."""
-    from ur5lib.study.excite import Wish, excite, known_load
+    from ur5lib.commands.excite import Wish, excite, known_load
 
     load = None if payload is None else known_load(*payload)
     asked = question or ("model" if results is None else "undetermined")
@@ -214,7 +214,7 @@ def audit(
     ],
 ) -> None:
     """Say what is wrong with the wrist sensors of a study's recordings, and how to put it right."""
-    from ur5lib.study.answers import audit_answers
+    from ur5lib.commands.answers import audit_answers
 
     for line in audit_answers(study):
         typer.echo(line)
@@ -227,7 +227,7 @@ def payload(
     ],
 ) -> None:
     """Say what each recording's arm carries, by its motor currents and by its wrist sensor."""
-    from ur5lib.study.answers import payload_answers
+    from ur5lib.commands.answers import payload_answers
 
     for line in payload_answers(study):
         typer.echo(line)
@@ -249,7 +249,7 @@ def export(
     ] = "",
 ) -> None:
     """Print an arm for other programs: as a model, or all that is known of it (json)."""
-    from ur5lib.study.exported import exported
+    from ur5lib.commands.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))
 
@@ -279,7 +279,7 @@ def replay(
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
     """Replay a model along a recording in MuJoCo: how far its torques are from the currents."""
-    from ur5lib.study.replay import replayed
+    from ur5lib.commands.replay import replayed
 
     for line in replayed(file, results, recording):
         typer.echo(line)

@@ -1,12 +1,19 @@
-"""The results of a study that was run, as data frames for a notebook."""
+"""The results of a study that was run: as data frames for a notebook, as records for commands."""
 
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any, TypeVar
 
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.table import Table
+from ur5lib.robots.description import Payload, Robot, load_robot
+from ur5lib.study.model import Recording, Study
+from ur5lib.study.reading import read_study
 from ur5lib.tables import read_csv, read_json, read_table, read_units
+
+Record = TypeVar("Record", bound=Table)
 
 
 class FinishedStudy:
@@ -19,7 +26,7 @@ class FinishedStudy:
     def __init__(self, folder: str | Path) -> None:
         """folder: results/<study>. Raises InputError where it holds no results."""
         self.folder = Path(folder)
-        if not (self.folder / "recordings").is_dir():
+        if not any((self.folder / part).is_dir() for part in ("recordings", "tables")):
             raise InputError(
                 f"{folder} holds no results of a study; run snakemake first, and name the folder "
                 "results/<study>"
@@ -35,9 +42,39 @@ class FinishedStudy:
         """Return the names of the tables of results."""
         return sorted(path.stem for path in (self.folder / "tables").glob("*.csv"))
 
+    def configuration(self) -> Study:
+        """Return the study with every default filled in."""
+        return read_study(self._there("configuration.yaml"))
+
+    def recording(self, name: str) -> Recording:
+        """Return a recording's entry in the study."""
+        entries = {entry.name: entry for entry in self.configuration().recordings}
+        return entries[self._known(name, [*entries], "recording")]
+
+    def arm(self, robot: str) -> Robot:
+        """Return an arm with the link models that were identified."""
+        return load_robot(self._there("parameters", robot, "arm.yaml"))
+
+    def fitted(self, robot: str, name: str) -> dict[str, Any]:
+        """Return parameters/<robot>/<name>.json."""
+        return dict(read_json(self._there("parameters", robot, f"{name}.json")))
+
+    def summary(self, recording: str, name: str) -> dict[str, Any]:
+        """Return recordings/<recording>/<name>.json."""
+        return dict(read_json(self._there("recordings", recording, f"{name}.json")))
+
+    def payload(self, recording: str) -> Payload | None:
+        """Return what the arm carried."""
+        load = self.summary(recording, "torques")["payload"]
+        return Payload(**load) if load else None
+
+    def record(self, kind: type[Record], recording: str) -> Record:
+        """Return a recording's table as a record, e.g. `Motion` of motion.parquet."""
+        return kind.read(self._there("recordings", recording, f"{kind.__name__.lower()}.parquet"))
+
     def table(self, name: str) -> pd.DataFrame:
         """Return a table of results, as in tables/<name>.csv: one value a row, SI units."""
-        return read_csv(self.folder / "tables" / f"{_known(name, self.tables, 'table')}.csv")
+        return read_csv(self.folder / "tables" / f"{self._known(name, self.tables, 'table')}.csv")
 
     def signals(self, recording: str) -> pd.DataFrame:
         """Return what the devices recorded, on the robot's clock, under RTDE's names."""
@@ -68,24 +105,33 @@ class FinishedStudy:
 
     def frame(self, recording: str, name: str) -> pd.DataFrame:
         """Return recordings/<recording>/<name>.parquet."""
-        folder = self.folder / "recordings" / _known(recording, self.recordings, "recording")
+        folder = self.folder / "recordings" / self._known(recording, self.recordings, "recording")
         names = [path.stem for path in folder.glob("*.parquet")]
-        path = folder / f"{_known(name, names, 'file')}.parquet"
+        path = folder / f"{self._known(name, names, 'file')}.parquet"
         frame = read_table(path).set_index("time")
         frame.attrs["units"] = read_units(path)
         return frame
 
     def start(self, recording: str) -> float | None:
         """Return when a recording's `time` was zero, in seconds since 1970; None where unknown."""
-        name = _known(recording, self.recordings, "recording")
+        name = self._known(recording, self.recordings, "recording")
         quality = self.folder / "recordings" / name / "quality.json"
         return read_json(quality).get("start_epoch_s") if quality.is_file() else None
 
+    def _there(self, *parts: str) -> Path:
+        path = self.folder.joinpath(*parts)
+        if not path.is_file():
+            raise InputError(
+                f"{path} does not exist; check the folder and the names, and run snakemake"
+            )
+        return path
 
-def _known(name: str, names: list[str], kind: str) -> str:
-    """Return a name that is among those there are. Raises InputError with the closest one."""
-    if name in names:
-        return name
-    near = get_close_matches(name, names, n=1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(sorted(names)) or 'none'}"
-    raise InputError(f"no {kind} {name!r} in the results; {hint}")
+    def _known(self, name: str, names: list[str], kind: str) -> str:
+        """Return a name that is among those there are. Raises InputError with the closest one."""
+        if name in names:
+            return name
+        near = get_close_matches(name, names, n=1) or sorted(names) or ["none"]
+        raise InputError(
+            f"{self.folder} has no {kind} {name!r}, but {', '.join(near)}; correct the name, or "
+            "run snakemake again"
+        )

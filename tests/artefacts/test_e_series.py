@@ -9,8 +9,7 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib.study.check import read_study
-from ur5lib.study.reading import study_text
+from ur5lib.study.reading import read_study, study_text
 from ur5lib.tables import read_csv, read_json
 
 pytestmark = pytest.mark.slow

@@ -8,8 +8,8 @@ import pytest
 
 from tests.conftest import Workflow, copy_project
 from tests.library.test_benchmarks import run_benchmark
+from ur5lib.commands.excite import Wish, known_load, task_of
 from ur5lib.excitation.design import Effort, design
-from ur5lib.study.excite import Wish, known_load, task_of
 from ur5lib.tables import read_csv
 
 SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))

@@ -5,7 +5,7 @@ import re
 import pandas as pd
 import pytest
 
-from ur5lib.study.answers import _carried
+from ur5lib.commands.answers import _carried
 
 NOTHING = pd.DataFrame(columns=["quantity"])
 

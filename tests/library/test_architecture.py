@@ -19,20 +19,22 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "steps": {"errors"},
     "datasets": {"errors", "strict"},
     "tables": {"errors", "timeseries"},
-    "finished": {"errors", "tables"},
     "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
-    "comparing": BASE,
+    "comparing": BASE | {"finished"},
     "excitation": BASE | {"dynamics", "identification"},
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"excitation", "pipeline"},
-    "study": BASE | ROOMS | {"excitation", "pipeline", "recorder", "report"},
-    "importing": BASE | {"recordings", "study"},
-    "cli": BASE
+    "study": BASE | {"recorder", "recordings", "stand"},
+    "finished": {"errors", "pipeline", "robots", "study", "tables"},
+    "commands": BASE
     | ROOMS
-    | {"comparing", "datasets", "exporting", "importing", "recorder", "report", "study"},
+    | {"excitation", "finished", "pipeline", "recorder", "report", "study"},
+    "importing": BASE | {"commands", "recordings", "study"},
+    "cli": BASE
+    | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "study"},
 }
 LIGHT_STEPS = [
     "repair_frames",

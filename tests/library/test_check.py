@@ -8,8 +8,8 @@ import pytest
 from tests.made_tables import table
 from tests.synthetic import write_recording
 from ur5lib import cli
+from ur5lib.commands.check import unfiltered
 from ur5lib.report.findings import group_findings
-from ur5lib.study.check import unfiltered
 from ur5lib.study.model import Settings, Study
 
 

@@ -12,11 +12,11 @@ import pytest
 
 from tests.corpus import Case, corpus
 from tests.time_limit import time_limit
+from ur5lib.commands.check import print_tables, text_console, unusable
 from ur5lib.errors import InputError
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
-from ur5lib.study.check import print_tables, text_console, unusable
 
 pytestmark = pytest.mark.slow
 

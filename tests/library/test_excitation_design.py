@@ -18,6 +18,7 @@ from benchmarks.excitation import (
     unseen_error,
     worth,
 )
+from ur5lib.commands.excite import Wish, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Design, Effort, design
 from ur5lib.excitation.feasible import feasible, free_postures, random_path
@@ -29,7 +30,6 @@ from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.study.excite import Wish, task_of
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import coloured
 

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
+from ur5lib.commands import excite
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.path import Path as Motion
@@ -22,8 +23,7 @@ from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.trajectories import REST
-from ur5lib.study import excite
-from ur5lib.study.check import read_study
+from ur5lib.study.reading import read_study
 from ur5lib.tables import channel, read_json
 
 SECONDS = 6.0

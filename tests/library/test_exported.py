@@ -10,6 +10,8 @@ import pinocchio
 import pytest
 import yaml
 
+from ur5lib.commands.exported import exported
+from ur5lib.commands.replay import inverse_dynamics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.motion import Motion
@@ -20,8 +22,6 @@ from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
-from ur5lib.study.exported import exported
-from ur5lib.study.replay import inverse_dynamics
 from ur5lib.timeseries.arrays import Array
 
 RANDOM = np.random.default_rng(3)

@@ -98,7 +98,7 @@ def test_a_column_has_one_unit() -> None:
 @pytest.mark.parametrize(
     ("names", "to", "message"),
     [
-        (["pushd"], "mat", "did you mean pushed?"),
+        (["pushd"], "mat", "pushed"),
         ([], "xls", "available: mat, csv, mcap"),
     ],
 )

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from tests.conftest import PROJECT
 from tests.examples import examples
 from ur5lib.cli import app
+from ur5lib.commands.record import Wish, record
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
@@ -28,8 +29,7 @@ from ur5lib.stand.lab.controller import HOST, EmulatedController
 from ur5lib.stand.lab.delivery import Faults
 from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.study.check import read_study
-from ur5lib.study.record import Wish, record
+from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
 
 pytestmark = pytest.mark.slow

@@ -7,13 +7,12 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.comparing.changes import Comparison, compare_errors, compare_estimates
-from ur5lib.errors import InputError
-from ur5lib.tables import read_csv
+from ur5lib.finished import FinishedStudy
 from ur5lib.timeseries.metrics import NORMAL95
 
 UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
 SEVERE = ["stop", "error", "warning"]
-Compare = Callable[[Path, Path], list[Comparison]]
+Compare = Callable[[FinishedStudy, FinishedStudy], list[Comparison]]
 
 
 def compare(before: Path, after: Path) -> list[Comparison]:
@@ -21,13 +20,11 @@ def compare(before: Path, after: Path) -> list[Comparison]:
 
     Raises InputError where a folder holds no results.
     """
-    for folder in (before, after):
-        if not (folder / "tables").is_dir():
-            raise InputError(f"{folder} holds no results of a study; run snakemake first")
-    return [one for topic in TOPICS.values() for one in topic(before, after)]
+    studies = FinishedStudy(before), FinishedStudy(after)
+    return [one for topic in TOPICS.values() for one in topic(*studies)]
 
 
-def friction(before: Path, after: Path) -> list[Comparison]:
+def friction(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare torque constants, offsets and friction that the data determine."""
     keys = ["robot", "joint", "parameter"]
     rows = _both(before, after, "friction", keys)
@@ -41,7 +38,7 @@ def friction(before: Path, after: Path) -> list[Comparison]:
     )
 
 
-def model(before: Path, after: Path) -> list[Comparison]:
+def model(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare base parameters that the data determine, and rotor inertias."""
     rows = _both(before, after, "parameters", ["robot", "parameter"])
     rows = rows[(rows["determined_a"] == "yes") & (rows["determined_b"] == "yes")]
@@ -53,14 +50,14 @@ def model(before: Path, after: Path) -> list[Comparison]:
     return compare_estimates("model", found, names, units)
 
 
-def payload(before: Path, after: Path) -> list[Comparison]:
+def payload(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the masses that were found on the flange."""
     rows = _both(before, after, "payload", ["recording"])
     rows = _halves(rows.rename(columns={"mass_a": "value_a", "mass_b": "value_b"}))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
 
 
-def currents(before: Path, after: Path) -> list[Comparison]:
+def currents(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the errors of predicted currents below 2 Hz."""
     rows = _both(before, after, "current_rmse", ["model", "recording", "joint"])
     rows = rows[rows["model"] == "fitted"]
@@ -69,7 +66,7 @@ def currents(before: Path, after: Path) -> list[Comparison]:
     return compare_errors("currents", rows, names, "A")
 
 
-def force(before: Path, after: Path) -> list[Comparison]:
+def force(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the errors of F^map in contact by their intervals over contacts."""
     keys = ["recording", "kind", "estimate", "during", "component"]
     rows = _both(before, after, "force_mae", keys)
@@ -82,9 +79,9 @@ def force(before: Path, after: Path) -> list[Comparison]:
     return compare_estimates("force", rows, names, ["N"] * len(rows))
 
 
-def data(before: Path, after: Path) -> list[Comparison]:
+def data(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the findings about the recordings' files, notes excepted."""
-    found = [_findings(folder) for folder in (before, after)]
+    found = [_findings(study) for study in (before, after)]
     changed = []
     for key in sorted(found[0].keys() | found[1].keys()):
         one, other = (its.get(key, 0) for its in found)
@@ -102,17 +99,12 @@ TOPICS: dict[str, Compare] = {
 }
 
 
-def _both(before: Path, after: Path, table: str, keys: Sequence[str]) -> pd.DataFrame:
+def _both(
+    before: FinishedStudy, after: FinishedStudy, table: str, keys: Sequence[str]
+) -> pd.DataFrame:
     """Return the rows that a table has in both results, its columns with suffixes _a and _b."""
-    one, other = (_table(folder, table) for folder in (before, after))
+    one, other = before.table(table), after.table(table)
     return one.merge(other, on=list(keys), suffixes=("_a", "_b"))
-
-
-def _table(folder: Path, name: str) -> pd.DataFrame:
-    path = folder / "tables" / f"{name}.csv"
-    if not path.is_file():
-        raise InputError(f"{path} does not exist; run snakemake on this study again")
-    return read_csv(path)
 
 
 def _halves(rows: pd.DataFrame) -> pd.DataFrame:
@@ -120,8 +112,8 @@ def _halves(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(**{f"half_{side}": NORMAL95 * rows[f"std_error_{side}"] for side in "ab"})
 
 
-def _findings(folder: Path) -> dict[str, int]:
-    rows = _table(folder, "quality")
+def _findings(study: FinishedStudy) -> dict[str, int]:
+    rows = study.table("quality")
     rows = rows[np.isin(rows["severity"], SEVERE)]
     return {f"{r.recording}, {r.device}: {r.finding}": int(r.count) for r in rows.itertuples()}
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ur5lib.commands.check import look_through
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import Contents, contents
 from ur5lib.importing.entry import entries_yaml, entry, identifier, study_yaml
 from ur5lib.importing.proposal import propose
-from ur5lib.study.check import look_through
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 

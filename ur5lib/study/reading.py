@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from ur5lib.errors import InputError
 from ur5lib.stand import layout
-from ur5lib.strict import expect_few_values
+from ur5lib.strict import expect_few_values, read_yaml
 from ur5lib.study.explanation import explain, shown
 from ur5lib.study.model import Study
 
@@ -40,6 +40,29 @@ RENAMED = {  # settings of earlier versions, by step and key
     "compare_forces": {"bias_window_s": "sensor.bias_window_s"},
     "set_threshold": {"false_alarms_per_min": "alarms.false_per_min"},
 }
+
+
+def read_study(path: Path) -> Study:
+    """Read a study from its YAML file. Raises InputError with all that is wrong in it."""
+    return parse_study(read_plain(path), str(path))
+
+
+def read_plain(path: Path) -> dict[str, Any]:
+    """Return a study as plain data. Raises InputError where the file has no YAML mapping."""
+    try:
+        raw = read_yaml(path)
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be read ({error.strerror}); check its name and the current folder"
+        ) from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
+        place = f"{path}, line {mark.line + 1}" if mark else str(path)
+        reason = problem or str(error)
+        raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
+    if not isinstance(raw, dict):
+        raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
+    return raw
 
 
 def parse_study(raw: Mapping[str, Any], source: str) -> Study:

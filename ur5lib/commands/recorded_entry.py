@@ -6,9 +6,9 @@ from typing import Any
 import yaml
 from rich.console import Console
 
+from ur5lib.commands.check import print_findings_of
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.lab import Lab
-from ur5lib.study.check import print_findings_of
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
 

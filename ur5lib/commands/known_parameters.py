@@ -3,14 +3,12 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
-from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.joint_friction import JointFriction
-from ur5lib.tables import read_json
 from ur5lib.timeseries.metrics import NORMAL95
 
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
@@ -31,15 +29,16 @@ def described_arm(arm: Robot, model: str) -> dict[str, Any]:
     }
 
 
-def identified_parameters(folder: Path, friction: JointFriction | None) -> dict[str, Any]:
-    """Return what a study identified, with standard errors and intervals.
+def identified_parameters(
+    study: FinishedStudy, robot: str, friction: JointFriction | None
+) -> dict[str, Any]:
+    """Return what a study identified of an arm, with standard errors and intervals.
 
-    folder: results/<study>/parameters/<arm>; friction: as simulators know it. Empty where nothing
-    could be fitted. Raises InputError where a summary is missing.
+    friction: as simulators know it. Empty where nothing could be fitted. Raises InputError where a
+    summary is missing.
     """
     rotors, model, currents = (
-        _summary(folder / f"{name}.json")
-        for name in ("rotor_inertia", "identification", "friction")
+        study.fitted(robot, name) for name in ("rotor_inertia", "identification", "friction")
     )
     fit = currents.get("fit", {"joints": []})
     return {
@@ -53,10 +52,9 @@ def identified_parameters(folder: Path, friction: JointFriction | None) -> dict[
     }
 
 
-def provenance(results: Path, recordings: list[str]) -> dict[str, Any]:
+def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:
     """Return the files that a study read of some recordings, with their SHA-256."""
-    qualities = {name: results / "recordings" / name / "quality.json" for name in recordings}
-    return {name: _summary(path).get("read", {}) for name, path in qualities.items()}
+    return {name: study.summary(name, "quality").get("read", {}) for name in recordings}
 
 
 def _base_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -79,9 +77,3 @@ def _rotor_rows(rotors: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 def _interval(value: float, error: float) -> dict[str, float]:
     return {"low": value - NORMAL95 * error, "high": value + NORMAL95 * error}
-
-
-def _summary(path: Path) -> dict[str, Any]:
-    if not path.is_file():
-        raise InputError(f"{path} does not exist; run snakemake")
-    return dict(read_json(path))

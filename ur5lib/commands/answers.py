@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
 from ur5lib.report.views.audit import verdicts
-from ur5lib.study.check import read_study
-from ur5lib.tables import read_csv
+from ur5lib.study.reading import read_study
 
 RESULTS = Path("results")
 HEAVIEST = 35.0  # kg: more than the maker's largest arm carries
@@ -21,7 +21,7 @@ def audit_answers(study: Path) -> Iterator[str]:
 
     Raises InputError where the study was not run, or has no wrist sensor.
     """
-    rows = _table(study, "audit")
+    rows = _finished(study).table("audit")
     if rows.empty:
         raise InputError(
             f"{study}: no recording has a wrist sensor's reading (ft_raw_wrench or "
@@ -37,7 +37,8 @@ def payload_answers(study: Path) -> Iterator[str]:
 
     Raises InputError where the study was not run.
     """
-    loads, sensed = _table(study, "payload"), _table(study, "audit")
+    results = _finished(study)
+    loads, sensed = results.table("payload"), results.table("audit")
     for recording in read_study(study).recordings:
         own = [table[table["recording"] == recording.name] for table in (loads, sensed)]
         yield f"{recording.name}: {'; '.join(_carried(*own))}"
@@ -79,11 +80,11 @@ def _place(row: Any) -> str:
     return f"; {row.mass:.2f} kg are undeclared, at ({parts}) m in frame 6"
 
 
-def _table(study: Path, name: str) -> pd.DataFrame:
-    """Return a table of the last run of a study."""
-    path = RESULTS / read_study(study).study / "tables" / f"{name}.csv"
-    if not path.is_file():
+def _finished(study: Path) -> FinishedStudy:
+    """Return the results of the last run of a study."""
+    folder = RESULTS / read_study(study).study
+    if not (folder / "tables").is_dir():
         raise InputError(
-            f"{path} does not exist; first run snakemake --configfile {study} to make it"
+            f"{folder} has no tables; first run snakemake --configfile {study} to make them"
         )
-    return read_csv(path)
+    return FinishedStudy(folder)

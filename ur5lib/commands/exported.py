@@ -5,23 +5,22 @@ from pathlib import Path
 
 import numpy as np
 
+from ur5lib.commands.known_parameters import described_arm, identified_parameters, provenance
 from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.friction import MOVING
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.isaac import isaac
 from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
-from ur5lib.study.check import read_study
-from ur5lib.study.known_parameters import described_arm, identified_parameters, provenance
-from ur5lib.study.model import Recording
-from ur5lib.tables import json_text, read_json
+from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
 
 WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
@@ -42,23 +41,24 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     """
     if to not in FORMATS:
         raise InputError(f"unknown format {to!r}; available: {', '.join(FORMATS)}")
-    arm = described(robot) if results is None else identified(robot, results)
-    if as_in and results is None:
+    study = None if results is None else FinishedStudy(results)
+    arm = described(robot) if study is None else study.arm(robot)
+    if as_in and study is None:
         raise InputError("--as-in names a recording of a study; name its folder by --results")
-    if as_in and results is not None:
-        recording = recorded(results, as_in)
-        arm = arm.carrying(payload_of(results, as_in)).mounted(recording.known_gravity())
-    model = model or (arm.chosen_model if results is None else arm.fullest_model())
+    if as_in and study is not None:
+        gravity = study.recording(as_in).known_gravity()
+        arm = arm.carrying(study.payload(as_in)).mounted(gravity)
+    model = model or (arm.chosen_model if study is None else arm.fullest_model())
     if model not in arm.models:
         raise InputError(f"{robot} has no link model {model!r}; available: {', '.join(arm.models)}")
-    friction = None if results is None else simulator_friction(robot, model, results)
+    friction = None if study is None else simulator_friction(robot, model, study)
     if to in WRITERS:
         return WRITERS[to](arm, model, friction)
     known = described_arm(arm, model)
-    if results is not None:
-        known |= identified_parameters(results / "parameters" / robot, friction)
+    if study is not None:
+        known |= identified_parameters(study, robot, friction)
         fitted = known["fitted_on"].values()
-        known["files"] = provenance(results, sorted({name for names in fitted for name in names}))
+        known["files"] = provenance(study, sorted({name for names in fitted for name in names}))
     return json_text(known)
 
 
@@ -69,49 +69,24 @@ def described(robot: str) -> Robot:
     return load_robot(robot_path(robot))
 
 
-def identified(robot: str, results: Path) -> Robot:
-    """Return an arm with the models that a study identified. Raises InputError without them."""
-    return load_robot(_there(results / "parameters" / robot / "arm.yaml"))
-
-
-def recorded(results: Path, name: str) -> Recording:
-    """Return a recording of a study that was run. Raises InputError where there is none."""
-    recordings = read_study(_there(results / "configuration.yaml")).recordings
-    found = [recording for recording in recordings if recording.name == name]
-    if not found:
-        known = ", ".join(recording.name for recording in recordings)
-        raise InputError(f"no recording {name!r} in {results}; there are {known}")
-    return found[0]
-
-
-def payload_of(results: Path, recording: str) -> Payload | None:
-    """Return what an arm carried in a recording."""
-    load = read_json(_there(results / "recordings" / recording / "torques.json"))
-    return Payload(**load["payload"]) if load["payload"] else None
-
-
-def simulator_friction(robot: str, model: str, results: Path) -> JointFriction | None:
+def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:
     """Return the Coulomb and viscous friction nearest to the identified friction, which has more
     terms, on the recordings that it was fitted to. None where none was fitted.
     """
-    friction = read_json(_there(results / "parameters" / robot / "friction.json"))
+    friction = study.fitted(robot, "friction")
     if not friction["from"]:
         return None
     fit = CurrentFit.from_plain(friction["fit"])
-    motions, torques = [], []
-    for name in friction["from"]:
-        folder = results / "recordings" / name
-        motions.append(Motion.read(folder / "motion.parquet").qd)
-        torques.append(friction_torque(fit, folder, model))
-    qd, torque = np.concatenate(motions), np.concatenate(torques)
+    qd = np.concatenate([study.record(Motion, name).qd for name in friction["from"]])
+    torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction["from"]])
     found = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]
     return JointFriction(*np.array(found).T)
 
 
-def friction_torque(fit: CurrentFit, folder: Path, model: str) -> Array:
+def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model: str) -> Array:
     """Return the predicted torque of friction (N, 6) [Nm] in a recording, k i + b - τ."""
-    current = Currents.read(folder / "currents.parquet").predicted_current
-    torques = Torques.read(folder / "torques.parquet")
+    current = study.record(Currents, recording).predicted_current
+    torques = study.record(Torques, recording)
     assert current is not None
     return motor_torque(fit, current) - torques.measured[model] - torques.payload_torque
 
@@ -135,9 +110,3 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
         return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]
     return np.asarray(nnls(columns, torque[moving])[0])
-
-
-def _there(path: Path) -> Path:
-    if not path.is_file():
-        raise InputError(f"{path} does not exist; check the folder, the names, and run snakemake")
-    return path

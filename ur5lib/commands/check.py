@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-import yaml
 from rich.console import Console
 from rich.progress import track
 from rich.table import Table
@@ -23,9 +22,8 @@ from ur5lib.report.tables.files import stop_rows
 from ur5lib.report.tables.making import made
 from ur5lib.robots.description import Robot
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
-from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording, Study, arms_without_fit
-from ur5lib.study.reading import parse_study
+from ur5lib.study.reading import read_study
 
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
@@ -80,29 +78,6 @@ def is_there(recording: Recording) -> bool:
     """Return whether a recording can be checked; a simulated one may not exist yet."""
     files = [Path(recording.folder) / name for name in recording.file_names()]
     return getattr(recording, "simulate", None) is None or all(file.is_file() for file in files)
-
-
-def read_study(path: Path) -> Study:
-    """Read a study from its YAML file. Raises InputError with all that is wrong in it."""
-    return parse_study(read_plain(path), str(path))
-
-
-def read_plain(path: Path) -> dict[str, Any]:
-    """Return a study as plain data. Raises InputError where the file has no YAML mapping."""
-    try:
-        raw = read_yaml(path)
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be read ({error.strerror}); check its name and the current folder"
-        ) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        mark, problem = getattr(error, "problem_mark", None), getattr(error, "problem", None)
-        place = f"{path}, line {mark.line + 1}" if mark else str(path)
-        reason = problem or str(error)
-        raise InputError(f"{place}: cannot be read as YAML ({reason}); correct it") from error
-    if not isinstance(raw, dict):
-        raise InputError(f"{path} is not a study: it needs `study`, `title` and `recordings`")
-    return raw
 
 
 def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:

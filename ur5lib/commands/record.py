@@ -11,6 +11,9 @@ import numpy as np
 from rich.console import Console
 from rich.live import Live
 
+from ur5lib.commands.emulated_lab import TRUTH, emulated_lab
+from ur5lib.commands.named_lab import arm_of, checked_name, lab_of
+from ur5lib.commands.recorded_entry import enter, entry_of
 from ur5lib.errors import InputError
 from ur5lib.recorder import live
 from ur5lib.recorder.arm_identity import identify
@@ -24,10 +27,7 @@ from ur5lib.recorder.move_program import is_program, plan, read_program
 from ur5lib.recorder.mover import Mover, move_to_start
 from ur5lib.recorder.session import Session
 from ur5lib.robots.description import Robot
-from ur5lib.study.check import read_plain
-from ur5lib.study.emulated_lab import TRUTH, emulated_lab
-from ur5lib.study.named_lab import arm_of, checked_name, lab_of
-from ur5lib.study.recorded_entry import enter, entry_of
+from ur5lib.study.reading import read_plain
 from ur5lib.timeseries.arrays import Array
 
 LOOK = 0.25  # s between looks at the devices

@@ -3,27 +3,23 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 
+from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import fit_for
 from ur5lib.identification.friction import MOVING
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.robots.description import load_robot
-from ur5lib.study.exported import motor_torque, recorded
-from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
-PARTS: dict[Any, str] = {Signals: "signals", Motion: "motion"}
-MORE: dict[Any, str] = {Torques: "torques", Currents: "currents"}
 DISABLED = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 ORDER, CUTOFF = 4, 2.0  # Hz; above, measured currents are mostly noise
 
@@ -36,11 +32,12 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     results/<study>. Root mean square [Nm] of the low-passed torque in motion. Raises InputError for
     what is not there.
     """
-    recording, folder = recorded(results, name), results / "recordings" / name
-    parameters = results / "parameters" / recording.arm.known_as
-    signals, motion = (kind.read(folder / f"{part}.parquet") for kind, part in PARTS.items())
-    torques, currents = (kind.read(folder / f"{part}.parquet") for kind, part in MORE.items())
-    friction, arm = read_json(parameters / "friction.json"), load_robot(parameters / "arm.yaml")
+    study = FinishedStudy(results)
+    recording = study.recording(name)
+    robot = recording.arm.known_as
+    arm, friction = study.arm(robot), study.fitted(robot, "friction")
+    signals, motion = study.record(Signals, name), study.record(Motion, name)
+    torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted_current is None or signals.actual_current is None:
         raise InputError(f"no current was predicted on {name}; the report of {results} says why")
     fit = fit_for(name, friction)

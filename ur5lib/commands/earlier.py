@@ -2,13 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.errors import InputError
 from ur5lib.excitation.problem import (
     INDEPENDENT,
     Maps,
@@ -17,11 +15,10 @@ from ur5lib.excitation.problem import (
     build_problem,
     nominal_maps,
 )
+from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Robot
-from ur5lib.study.exported import payload_of, recorded
-from ur5lib.tables import read_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -38,7 +35,7 @@ class Recorded(NamedTuple):
 
 
 def problem_after(
-    arm: Robot, model: LinkModel, results: Path, has_payload: bool
+    arm: Robot, model: LinkModel, study: FinishedStudy, has_payload: bool
 ) -> tuple[Problem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
@@ -46,12 +43,9 @@ def problem_after(
     that predicted standard errors are those of the study, which knows how its residuals are
     correlated and how recordings differ. Raises InputError where a file is missing.
     """
-    friction, base = (
-        _summary(results / "parameters" / arm.name / f"{name}.json")
-        for name in ("friction", "identification")
-    )
+    friction, base = (study.fitted(arm.name, name) for name in ("friction", "identification"))
     problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
-    recordings = [*_recorded(arm, results, sorted({*friction["from"], *base["from"]}))]
+    recordings = [*_recorded(arm, study, sorted({*friction["from"], *base["from"]}))]
     if friction["from"]:
         problem = _as_observed(problem, recordings, _observed(friction))
     return problem, _information(problem, recordings)
@@ -81,13 +75,13 @@ def _observed(friction: Any) -> Array:
     return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
 
 
-def _recorded(arm: Robot, results: Path, names: Sequence[str]) -> Iterator[Recorded]:
+def _recorded(arm: Robot, study: FinishedStudy, names: Sequence[str]) -> Iterator[Recorded]:
     """Yield the states of recordings."""
     for name in names:
-        as_then = arm.carrying(payload_of(results, name))
-        as_then = as_then.mounted(recorded(results, name).known_gravity())
+        as_then = arm.carrying(study.payload(name))
+        as_then = as_then.mounted(study.recording(name).known_gravity())
         model = LinkModel(as_then, as_then.fullest_model())
-        motion = Motion.read(results / "recordings" / name / "motion.parquet")
+        motion = study.record(Motion, name)
         every = max(1, round(INDEPENDENT / float(np.median(np.diff(motion.time)))))
         states = np.stack([motion.q, motion.qd, motion.qdd])[:, ::every]
         q, qd, qdd = states[:, np.isfinite(states).all(axis=(0, 2))]
@@ -114,9 +108,3 @@ def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
     for model, Y, qd in recordings:
         known += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
     return known
-
-
-def _summary(path: Path) -> Any:
-    if not path.is_file():
-        raise InputError(f"{path} does not exist; check --results and --robot, and run snakemake")
-    return read_json(path)

@@ -10,6 +10,8 @@ from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import Progress
 
+from ur5lib.commands.earlier import problem_after
+from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import USUAL, Design, Effort, design
@@ -19,6 +21,7 @@ from ur5lib.excitation.objective import Task
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.worth import Worth
+from ur5lib.finished import FinishedStudy
 from ur5lib.report.excitation_figure import excitation_figure
 from ur5lib.report.excitation_page import LOAD, excitation_page
 from ur5lib.report.house_style import save
@@ -26,8 +29,6 @@ from ur5lib.report.render import write_html
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload
 from ur5lib.strict import read_yaml
-from ur5lib.study.earlier import problem_after
-from ur5lib.study.exported import described, identified
 
 BEFORE = (
     "Look at the sweep, run stand.yaml, and go along the way-points slowly before the arm moves "
@@ -98,14 +99,15 @@ def _mounting(load: Payload) -> str:
 
 def task_of(wish: Wish) -> Task:
     """Return what is to be designed."""
-    arm = described(wish.robot) if wish.results is None else identified(wish.robot, wish.results)
+    study = None if wish.results is None else FinishedStudy(wish.results)
+    arm = described(wish.robot) if study is None else study.arm(wish.robot)
     cell = Cell.of(arm.carrying(wish.payload), surroundings(wish.table, wish.boxes))
     bare, seeks_load = LinkModel(arm, arm.fullest_model()), wish.question == "payload"
-    if wish.results is None:
+    if study is None:
         problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
         earlier = problem.prior
     else:
-        problem, earlier = problem_after(arm, bare, wish.results, seeks_load)
+        problem, earlier = problem_after(arm, bare, study, seeks_load)
     problem = problem.of_model(cell.model.parameters)
     return Task(cell, problem, QUESTIONS[wish.question](problem, cell.model), earlier, wish.seconds)
 
