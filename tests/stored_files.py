@@ -13,7 +13,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from tests.synthetic import write_recording
-from ur5lib.recordings.columns import SUFFIXES
+from ur5lib.channels import SUFFIXES
 from ur5lib.recordings.formats import read_recording
 
 Channels = dict[str, np.ndarray]  # (n, k) by channel of RTDE

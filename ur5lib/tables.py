@@ -21,67 +21,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from ur5lib.channels import CHANNELS
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # that are read or written at once
 Column = NDArray[Any]
-
-UNITS = {  # of a channel, by its name without suffix
-    "time": "s",
-    "segment": "1",
-    "interpolated": "1",
-    "filled": "1",
-    "actual_q": "rad",
-    "actual_qd": "rad/s",
-    "actual_current": "A",
-    "actual_TCP_force": "N, Nm",
-    "actual_TCP_speed": "m/s, rad/s",
-    "actual_TCP_pose": "m, rad",
-    "target_q": "rad",
-    "target_qd": "rad/s",
-    "target_qdd": "rad/s2",
-    "target_current": "A",
-    "target_moment": "Nm",
-    "received": "s",
-    "actual_execution_time": "s",
-    "actual_current_window": "A",
-    "actual_current_as_torque": "Nm",
-    "actual_joint_voltage": "V",
-    "actual_main_voltage": "V",
-    "actual_robot_voltage": "V",
-    "actual_robot_current": "A",
-    "actual_momentum": "kg m/s",
-    "actual_tool_accelerometer": "m/s2",
-    "actual_digital_input_bits": "1",
-    "actual_digital_output_bits": "1",
-    "elbow_position": "m",
-    "elbow_velocity": "m/s",
-    "ft_raw_wrench": "N, Nm",
-    "joint_control_output": "A",
-    "joint_mode": "1",
-    "joint_temperatures": "degC",
-    "payload": "kg",
-    "payload_cog": "m",
-    "payload_inertia": "kg m2",
-    "robot_mode": "1",
-    "robot_status_bits": "1",
-    "runtime_state": "1",
-    "safety_mode": "1",
-    "safety_status": "1",
-    "safety_status_bits": "1",
-    "speed_scaling": "1",
-    "target_speed_fraction": "1",
-    "target_TCP_pose": "m, rad",
-    "target_TCP_speed": "m/s, rad/s",
-    "tcp_force_scalar": "N",
-    "tcp_offset": "m, rad",
-    "ft_f": "N",
-    "ft_t": "Nm",
-    "imu_a": "m/s2",
-    "imu_g": "rad/s",
-    "imu_m": "1",
-}
 
 
 def unit(column: str) -> str:
@@ -91,7 +36,7 @@ def unit(column: str) -> str:
     """
     if not has_unit(column):
         raise ValueError(f"column {column!r} has no known unit")
-    return UNITS[max(_known_names(column), key=len)]
+    return CHANNELS[max(_known_names(column), key=len)].unit
 
 
 def has_unit(column: str) -> bool:
@@ -100,7 +45,7 @@ def has_unit(column: str) -> bool:
 
 
 def _known_names(column: str) -> list[str]:
-    return [name for name in UNITS if re.match(rf"{name}(_|[xyz]?$)", column)]
+    return [name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column)]
 
 
 def write_table(

@@ -11,14 +11,15 @@ import pytest
 from tests.conftest import PROJECT
 
 ROOMS = {"recordings", "signals", "dynamics", "identification", "force", "stand"}
-BASE = {"timeseries", "robots", "errors", "strict", "tables"}  # what every room may stand on
+BASE = {"timeseries", "robots", "channels", "errors", "strict", "tables"}  # below every room
 ARROWS = {  # what each part of ur5lib may import, besides itself
     "timeseries": set(),
+    "channels": set(),
     "errors": set(),
     "strict": {"errors"},
     "steps": {"errors"},
     "datasets": {"errors", "strict"},
-    "tables": {"errors", "timeseries"},
+    "tables": {"channels", "errors", "timeseries"},
     "exporting": {"errors", "finished", "tables"},
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),

@@ -13,10 +13,11 @@ from pydantic import TypeAdapter
 
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
+from ur5lib.channels import SIX, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
-from ur5lib.recordings.columns import FACTORS, SIX, SUFFIXES, expand
+from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.formats import READERS, read_recording
 from ur5lib.recordings.intake import Intake, read_and_repair

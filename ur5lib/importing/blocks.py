@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ur5lib.recordings.columns import SUFFIXES
+from ur5lib.channels import SUFFIXES
 from ur5lib.recordings.rosbag import JOINTS
 from ur5lib.timeseries.arrays import Array
 

@@ -6,11 +6,12 @@ from typing import Any
 
 import yaml
 
+from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.proposal import Proposal
 from ur5lib.importing.readings import IN_ORDER
-from ur5lib.recordings.columns import JOINT_CHANNELS, SKIPPED, SUFFIXES
+from ur5lib.recordings.columns import SKIPPED
 
 WRAPPED = 100  # characters a line
 Commented = tuple[dict[str, Any], Sequence[str]]  # an entry, and the comments above it

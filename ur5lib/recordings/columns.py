@@ -5,58 +5,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 
 SKIPPED = "-"
 RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
-SIX = [f"_{index}" for index in range(6)]
-XYZ = ["x", "y", "z"]
-SUFFIXES = {  # of vector channels; all other channels have one column
-    "actual_q": SIX,
-    "actual_qd": SIX,
-    "actual_current": SIX,
-    "actual_TCP_pose": SIX,
-    "actual_TCP_speed": SIX,
-    "actual_TCP_force": SIX,
-    "actual_joint_voltage": SIX,
-    "actual_current_as_torque": SIX,
-    "target_q": SIX,
-    "target_qd": SIX,
-    "target_qdd": SIX,
-    "target_current": SIX,
-    "target_moment": SIX,
-    "target_TCP_pose": SIX,
-    "target_TCP_speed": SIX,
-    "joint_temperatures": SIX,
-    "joint_control_output": SIX,
-    "ft_raw_wrench": SIX,
-    "actual_tool_accelerometer": SIX[:3],
-    "elbow_position": SIX[:3],
-    "elbow_velocity": SIX[:3],
-    "payload_cog": SIX[:3],
-    "payload_inertia": SIX,
-    "tcp_offset": SIX,
-    "ft": ["_fx", "_fy", "_fz", "_tx", "_ty", "_tz"],
-    "ft_f": XYZ,
-    "ft_t": XYZ,
-    "imu_a": XYZ,
-    "imu_g": XYZ,
-    "imu_m": XYZ,
-}
-JOINT_CHANNELS = [  # a column for each joint; the other vectors of six are poses and wrenches
-    "actual_q",
-    "actual_qd",
-    "actual_current",
-    "actual_joint_voltage",
-    "actual_current_as_torque",
-    "target_q",
-    "target_qd",
-    "target_qdd",
-    "target_current",
-    "target_moment",
-    "joint_temperatures",
-    "joint_control_output",
-]
 FACTORS = {  # from these units to SI
     "deg": np.pi / 180,
     "deg/s": np.pi / 180,
@@ -77,9 +30,9 @@ def expand(columns: Sequence[str]) -> list[str]:
     Raises InputError when a column is named twice or `time` is missing.
     """
     names = [
-        f"{SKIPPED}{index}" if column == SKIPPED else column + suffix
+        f"{SKIPPED}{index}" if column == SKIPPED else name
         for index, column in enumerate(columns)
-        for suffix in SUFFIXES.get(column, [""])
+        for name in columns_of(column)
     ]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice or "time" not in names:
@@ -95,7 +48,7 @@ def to_si(table: pd.DataFrame, units: Mapping[str, str]) -> pd.DataFrame:
     """
     table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
     for channel, unit in units.items():
-        names = [channel + suffix for suffix in SUFFIXES.get(channel, [""])]
+        names = columns_of(channel)
         if unit not in FACTORS or not set(names) <= set(table):
             raise InputError(
                 f"`units` in the study give {channel} in {unit}; "

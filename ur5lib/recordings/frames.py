@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
+from ur5lib.channels import SUFFIXES
 from ur5lib.errors import InputError
-from ur5lib.recordings.columns import SUFFIXES
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding

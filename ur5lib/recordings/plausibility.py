@@ -1,36 +1,19 @@
 """Detection of physically impossible frames: shifted bytes, wrong units, absurd times."""
 
-import re
+import math
 from collections.abc import Collection
 
 import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
+from ur5lib.channels import CHANNELS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.tables import unit
 from ur5lib.timeseries.arrays import Array, Mask
 
-BOUNDS = {  # SI units; far beyond the reach of any Universal Robots arm
-    "actual_q_": 4 * np.pi,
-    "target_q_": 4 * np.pi,
-    "actual_qd_": 20.0,
-    "target_qd_": 20.0,
-    "target_qdd_": 200.0,
-    r"actual_current_\d": 60.0,
-    "actual_current_as_torque_": 1000.0,
-    "target_current_": 60.0,
-    "target_moment_": 1000.0,
-    "actual_TCP_force_": 5000.0,
-    "actual_TCP_speed_": 50.0,
-    "actual_TCP_pose_": 20.0,
-    "ft_f": 5000.0,
-    "ft_t": 1000.0,
-    "imu_a": 500.0,
-    "imu_g": 50.0,
-}
 FEW = 0.05  # share of frames that may be discarded; more indicates a wrong unit, not damage
 PAUSE = 60.0  # s; a few frames beyond such a pause are strays
 SHORTEST_STEP, LONGEST_STEP = 2e-4, 1.0  # s; other steps mean that time is not in seconds
@@ -52,10 +35,10 @@ def drop_implausible(
     Raises InputError when so many are impossible that a unit or a column must be wrong.
     """
     wrong = np.zeros(len(frames), dtype=bool)
-    for prefix, bound in BOUNDS.items():
-        channels = [n for n in frames if re.match(prefix, n) and n not in unbounded]
-        if channels:
-            wrong |= _beyond(frames[channels], bound, source)
+    for name, spec in CHANNELS.items():
+        bounded = [n for n in columns(name) if n in frames and n not in unbounded]
+        if bounded and math.isfinite(spec.bound):
+            wrong |= _beyond(frames[bounded], spec.bound, source)
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
     if wrong.any():

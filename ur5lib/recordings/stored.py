@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings.channel_files import channel_file_arrays
 from ur5lib.recordings.columnar import feather_arrays, parquet_arrays
-from ur5lib.recordings.columns import JOINT_CHANNELS, SUFFIXES, to_si
+from ur5lib.recordings.columns import to_si
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.hdf5 import hdf5_arrays
 from ur5lib.recordings.mat import mat_arrays

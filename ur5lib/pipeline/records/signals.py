@@ -1,18 +1,27 @@
 """Signals of all devices."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, channel
+from ur5lib.channels import CHANNELS, columns
+from ur5lib.pipeline.records.table import SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
-FORCE_SENSOR = ("fx", "fy", "fz", "tx", "ty", "tz")
-ACCELEROMETER, GYROSCOPE = ("ax", "ay", "az"), ("gx", "gy", "gz")
 SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
-    "force": [f"ft_{axis}" for axis in FORCE_SENSOR],
-    "imu": [f"imu_{axis}" for axis in ACCELEROMETER + GYROSCOPE],
+    "force": columns("ft"),
+    "imu": [*columns("imu_a"), *columns("imu_g")],
 }
+
+
+def recorded(name: str, optional: bool = True) -> Any:
+    """Declare a field of a channel of recordings, which by default may be absent."""
+    unit, named = CHANNELS[name].unit, columns(name)
+    if named == [name]:
+        return channel(name, unit, optional=optional)
+    stem, labels = named[0].rpartition("_")[0], (own.rpartition("_")[2] for own in named)
+    return channel(stem, unit, tuple(labels), optional=optional)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,26 +39,24 @@ class Signals(SegmentedTable):
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)
-    actual_q: Array = channel("actual_q", "rad", JOINTS)
-    actual_qd: Array | None = channel("actual_qd", "rad/s", JOINTS, optional=True)
-    actual_current: Array | None = channel("actual_current", "A", JOINTS, optional=True)
-    target_q: Array | None = channel("target_q", "rad", JOINTS, optional=True)
-    target_qd: Array | None = channel("target_qd", "rad/s", JOINTS, optional=True)
-    target_qdd: Array | None = channel("target_qdd", "rad/s2", JOINTS, optional=True)
-    target_current: Array | None = channel("target_current", "A", JOINTS, optional=True)
-    target_moment: Array | None = channel("target_moment", "Nm", JOINTS, optional=True)
-    actual_TCP_force: Array | None = channel(  # noqa: N815 - RTDE's name
-        "actual_TCP_force", "N, Nm", JOINTS, optional=True
-    )
-    ft_raw_wrench: Array | None = channel("ft_raw_wrench", "N, Nm", JOINTS, optional=True)
-    joint_temperatures: Array | None = channel("joint_temperatures", "degC", JOINTS, optional=True)
-    payload: Array | None = channel("payload", "kg", optional=True)
-    payload_cog: Array | None = channel("payload_cog", "m", XYZ, optional=True)
-    payload_inertia: Array | None = channel("payload_inertia", "kg m2", JOINTS, optional=True)
-    tcp_offset: Array | None = channel("tcp_offset", "m, rad", JOINTS, optional=True)
-    force_sensor: Array | None = channel("ft", "N, Nm", FORCE_SENSOR, optional=True)
-    accelerometer: Array | None = channel("imu", "m/s2", ACCELEROMETER, optional=True)
-    gyroscope: Array | None = channel("imu", "rad/s", GYROSCOPE, optional=True)
+    actual_q: Array = recorded("actual_q", optional=False)
+    actual_qd: Array | None = recorded("actual_qd")
+    actual_current: Array | None = recorded("actual_current")
+    target_q: Array | None = recorded("target_q")
+    target_qd: Array | None = recorded("target_qd")
+    target_qdd: Array | None = recorded("target_qdd")
+    target_current: Array | None = recorded("target_current")
+    target_moment: Array | None = recorded("target_moment")
+    actual_TCP_force: Array | None = recorded("actual_TCP_force")  # noqa: N815 - RTDE's name
+    ft_raw_wrench: Array | None = recorded("ft_raw_wrench")
+    joint_temperatures: Array | None = recorded("joint_temperatures")
+    payload: Array | None = recorded("payload")
+    payload_cog: Array | None = recorded("payload_cog")
+    payload_inertia: Array | None = recorded("payload_inertia")
+    tcp_offset: Array | None = recorded("tcp_offset")
+    force_sensor: Array | None = recorded("ft")
+    accelerometer: Array | None = recorded("imu_a")
+    gyroscope: Array | None = recorded("imu_g")
 
     @property
     def imu(self) -> Array:

@@ -1,0 +1,90 @@
+"""The channels of recordings, under RTDE's names: unit, columns, and the largest possible value."""
+
+import math
+from typing import NamedTuple
+
+SIX = tuple(f"_{index}" for index in range(6))
+AXES = ("x", "y", "z")
+
+
+class ChannelSpec(NamedTuple):
+    """A channel in SI units.
+
+    suffixes: of its columns, the empty one where it has a single column; bound: a magnitude far
+    beyond the reach of any Universal Robots arm; of_joints: whether its columns belong to joints 1
+    to 6, as those of poses and wrenches do not.
+    """
+
+    unit: str
+    suffixes: tuple[str, ...] = ("",)
+    bound: float = math.inf
+    of_joints: bool = False
+
+
+def _of_joints(unit: str, bound: float = math.inf) -> ChannelSpec:
+    return ChannelSpec(unit, SIX, bound, of_joints=True)
+
+
+CHANNELS = {
+    "time": ChannelSpec("s"),
+    "segment": ChannelSpec("1"),
+    "interpolated": ChannelSpec("1"),
+    "filled": ChannelSpec("1"),
+    "received": ChannelSpec("s"),
+    "actual_q": _of_joints("rad", 4 * math.pi),
+    "target_q": _of_joints("rad", 4 * math.pi),
+    "actual_qd": _of_joints("rad/s", 20.0),
+    "target_qd": _of_joints("rad/s", 20.0),
+    "target_qdd": _of_joints("rad/s2", 200.0),
+    "actual_current": _of_joints("A", 60.0),
+    "actual_current_as_torque": _of_joints("Nm", 1000.0),
+    "target_current": _of_joints("A", 60.0),
+    "target_moment": _of_joints("Nm", 1000.0),
+    "joint_control_output": _of_joints("A"),
+    "joint_temperatures": _of_joints("degC"),
+    "actual_joint_voltage": _of_joints("V"),
+    "actual_current_window": ChannelSpec("A"),
+    "joint_mode": ChannelSpec("1"),
+    "actual_TCP_force": ChannelSpec("N, Nm", SIX, 5000.0),
+    "actual_TCP_speed": ChannelSpec("m/s, rad/s", SIX, 50.0),
+    "actual_TCP_pose": ChannelSpec("m, rad", SIX, 20.0),
+    "target_TCP_pose": ChannelSpec("m, rad", SIX),
+    "target_TCP_speed": ChannelSpec("m/s, rad/s", SIX),
+    "ft_raw_wrench": ChannelSpec("N, Nm", SIX),
+    "tcp_force_scalar": ChannelSpec("N"),
+    "tcp_offset": ChannelSpec("m, rad", SIX),
+    "payload": ChannelSpec("kg"),
+    "payload_cog": ChannelSpec("m", SIX[:3]),
+    "payload_inertia": ChannelSpec("kg m2", SIX),
+    "actual_tool_accelerometer": ChannelSpec("m/s2", SIX[:3]),
+    "elbow_position": ChannelSpec("m", SIX[:3]),
+    "elbow_velocity": ChannelSpec("m/s", SIX[:3]),
+    "actual_execution_time": ChannelSpec("s"),
+    "actual_main_voltage": ChannelSpec("V"),
+    "actual_robot_voltage": ChannelSpec("V"),
+    "actual_robot_current": ChannelSpec("A"),
+    "actual_momentum": ChannelSpec("kg m/s"),
+    "actual_digital_input_bits": ChannelSpec("1"),
+    "actual_digital_output_bits": ChannelSpec("1"),
+    "robot_mode": ChannelSpec("1"),
+    "robot_status_bits": ChannelSpec("1"),
+    "runtime_state": ChannelSpec("1"),
+    "safety_mode": ChannelSpec("1"),
+    "safety_status": ChannelSpec("1"),
+    "safety_status_bits": ChannelSpec("1"),
+    "speed_scaling": ChannelSpec("1"),
+    "target_speed_fraction": ChannelSpec("1"),
+    "ft": ChannelSpec("N, Nm", ("_fx", "_fy", "_fz", "_tx", "_ty", "_tz")),
+    "ft_f": ChannelSpec("N", AXES, 5000.0),
+    "ft_t": ChannelSpec("Nm", AXES, 1000.0),
+    "imu_a": ChannelSpec("m/s2", AXES, 500.0),
+    "imu_g": ChannelSpec("rad/s", AXES, 50.0),
+    "imu_m": ChannelSpec("1", AXES),
+}
+SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
+JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
+
+
+def columns(channel: str) -> list[str]:
+    """Return the names of a channel's columns: actual_q_0 .. actual_q_5, or its own name."""
+    return [channel + suffix for suffix in SUFFIXES.get(channel, ("",))]
