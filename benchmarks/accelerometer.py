@@ -301,7 +301,7 @@ def recorded(folder: Path, entry: Mapping[str, Any]) -> Run:
 
 def passed(motion: Motion) -> Passed:
     """Return a motion's states, by which paths are compared."""
-    return Passed.of(motion.q, motion.qd, max(1, round(EVERY / motion.period)))
+    return Passed.from_motion(motion.q, motion.qd, max(1, round(EVERY / motion.period)))
 
 
 def rms(values: Array) -> float:

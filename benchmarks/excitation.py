@@ -17,7 +17,7 @@ from pathlib import Path as File
 
 import numpy as np
 
-from ur5lib.commands.excite import Wish, task_of
+from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Effort, design
 from ur5lib.excitation.feasible import RATE, free_postures, random_path
@@ -64,7 +64,7 @@ def main() -> None:
         return print_cells(given.cells)
     effort, count = (QUICK, 3) if given.quick else (USUAL, given.random)
     for robot in ROBOTS[-1:] if given.quick else ROBOTS:
-        task = task_of(Wish(robot, SECONDS, "model", None, None, None, 0))
+        task = task_of(ExciteOptions(robot, SECONDS, "model", None, None, None, 0))
         task = free(task) if given.free else task
         compared(robot, task, effort, count, given.other)
 
@@ -210,12 +210,12 @@ def keeps_limits(seed: int) -> bool:
 def random_task(random: np.random.Generator) -> Task:
     """Return the task of a random arm among random things, with random shares of its limits."""
     robot = str(random.choice(robot_names()))
-    task = task_of(Wish(robot, CELL_SECONDS, "model", None, None, None, 0))
+    task = task_of(ExciteOptions(robot, CELL_SECONDS, "model", None, None, None, 0))
     things = Surroundings(
         table=float(random.uniform(-0.3, 0.0)) if random.random() < 0.7 else None,
         boxes=[random_box(random) for _ in range(random.integers(4))],
     )
-    cell = Cell.of(load_robot(robot_path(robot)), things)
+    cell = Cell.around(load_robot(robot_path(robot)), things)
     limits = replace(
         cell.limits,
         velocity=cell.limits.velocity * random.uniform(0.2, 1.5),

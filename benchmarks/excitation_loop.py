@@ -19,7 +19,7 @@ from typing import Any
 import yaml
 
 from ur5lib.commands.earlier import KEPT
-from ur5lib.commands.excite import Wish, excite, known_load
+from ur5lib.commands.excite import ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.problem import PER_JOINT
 from ur5lib.tables import read_json
@@ -60,11 +60,11 @@ def main() -> None:
 
 def designed(robot: str, number: int, effort: Effort) -> list[dict[str, Any]]:
     """Write the files of the next motion; return the predicted standard errors."""
-    wish = Wish(robot, SECONDS, "model", None, None, None, number)
+    options = ExciteOptions(robot, SECONDS, "model", None, None, None, number)
     if number > 1:
         load = known_load(*LOAD)
-        wish = replace(wish, question="undetermined", results=RESULTS, payload=load)
-    for line in excite(wish, folder_of(number), effort):
+        options = replace(options, question="undetermined", results=RESULTS, payload=load)
+    for line in excite(options, folder_of(number), effort):
         print(line)
     found: list[dict[str, Any]] = read_json(folder_of(number) / "excitation.json")["parameters"]
     return found

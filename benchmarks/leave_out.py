@@ -144,7 +144,9 @@ def read_study(folder: Path, robot: str) -> Study:
     loads = [read_json(own / "currents.json").get("load") for own in folders]
     free = [load is None or not load.get("taken", False) for load in loads]
     motions = [Motion.read(own / "motion.parquet") for own in folders]
-    passed = [Passed.of(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions]
+    passed = [
+        Passed.from_motion(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions
+    ]
     labels = group_by_path(passed).tolist()
     found = zip(entries, folders, labels, free, strict=True)
     recordings = [Recording(entry, own, path) for entry, own, path, unloaded in found if unloaded]

@@ -111,9 +111,9 @@ def record(
 ) -> None:
     """Record arm, force sensor and IMU together into raw/, and print the study's entry."""
     from ur5lib.commands.check import text_console
-    from ur5lib.commands.record import Wish, record
+    from ur5lib.commands.record import RecordOptions, record
 
-    wish = Wish(
+    options = RecordOptions(
         name,
         _role(role),
         seconds,
@@ -126,7 +126,7 @@ def record(
         add,
         emulate,
     )
-    if record(study, wish, text_console()):
+    if record(study, options, text_console()):
         raise SystemExit(1)
 
 
@@ -199,11 +199,13 @@ def excite(
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
     """Design the motion that tells most about an arm, within its limits and its surroundings."""
-    from ur5lib.commands.excite import Wish, excite, known_load
+    from ur5lib.commands.excite import ExciteOptions, excite, known_load
 
     load = None if payload is None else known_load(*payload)
     asked = question or ("model" if results is None else "undetermined")
-    for line in excite(Wish(robot, seconds, asked, results, table, boxes, seed, load), write):
+    for line in excite(
+        ExciteOptions(robot, seconds, asked, results, table, boxes, seed, load), write
+    ):
         typer.echo(line)
 
 

@@ -129,6 +129,6 @@ def ready_estimates(folder: Path) -> dict[str, Estimate]:
 
 def label_paths(runs: list[Run]) -> list[Run]:
     """Return the runs with the labels of their trajectories."""
-    passed = [Passed.of(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs]
+    passed = [Passed.from_motion(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs]
     labels = group_by_path(passed) if runs else np.empty(0, int)
     return [replace(run, path=int(label)) for run, label in zip(runs, labels, strict=True)]

@@ -8,7 +8,7 @@ import pytest
 
 from tests.conftest import Workflow, copy_project
 from tests.library.test_benchmarks import run_benchmark
-from ur5lib.commands.excite import Wish, known_load, task_of
+from ur5lib.commands.excite import ExciteOptions, known_load, task_of
 from ur5lib.excitation.design import Effort, design
 from ur5lib.tables import read_csv
 
@@ -37,8 +37,8 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
     """Of the thesis's UR5, without moving it."""
     monkeypatch.chdir(thesis_results.parents[1])
     load = known_load(2.0, 0.06, 0.0, 0.05)
-    wish = Wish("ur5", 20.0, "undetermined", thesis_results, None, None, 0, load)
-    task = task_of(wish)
+    options = ExciteOptions("ur5", 20.0, "undetermined", thesis_results, None, None, 0, load)
+    task = task_of(options)
     before, after = (
         dict(zip(task.problem.names(), task.problem.standard_errors(known), strict=True))
         for known in (task.earlier, design(task, 0, SHORT).information)

@@ -18,7 +18,7 @@ from benchmarks.excitation import (
     unseen_error,
     worth,
 )
-from ur5lib.commands.excite import Wish, task_of
+from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import Design, Effort, design
 from ur5lib.excitation.feasible import feasible, free_postures, random_path
@@ -40,7 +40,7 @@ RANDOM, CELLS, SEEDS = 10, 50, 300
 
 @functools.cache
 def task(robot: str = "ur5e", question: str = "model", seconds: float = 20.0) -> Task:
-    return task_of(Wish(robot, seconds, question, None, TABLE, None, 0))
+    return task_of(ExciteOptions(robot, seconds, question, None, TABLE, None, 0))
 
 
 @functools.cache
@@ -186,7 +186,7 @@ def test_each_question_is_answered_best_by_its_own_design() -> None:
 
 def test_a_box_around_the_arm_leaves_no_room() -> None:
     cage = Surroundings(boxes=[Box(center=(0.0, 0.0, 0.5), size=(3.0, 3.0, 3.0))])
-    cell = Cell.of(load_robot(robot_path("ur5e")), cage)
+    cell = Cell.around(load_robot(robot_path("ur5e")), cage)
     with pytest.raises(InputError, match=r"no room to move: in 100% .* link_\d come within 0.03 m"):
         free_postures(cell, np.random.default_rng(0))
 

@@ -10,7 +10,7 @@ from tests.library.current_study import make_record, prior, smooth, with_noise
 from ur5lib.identification.currents import CurrentFit, fit_currents, predict
 from ur5lib.identification.payload import (
     Load,
-    Payload,
+    PayloadEstimate,
     estimate_payload,
     joint_gains,
     judge,
@@ -135,9 +135,11 @@ def test_what_is_lost_in_noise_is_not_told() -> None:
 # What a mass is worth
 
 
-def a_payload(mass: float, std: float = 0.02, parts: tuple[float, ...] | None = None) -> Payload:
+def a_payload(
+    mass: float, std: float = 0.02, parts: tuple[float, ...] | None = None
+) -> PayloadEstimate:
     masses = np.full(3, mass) if parts is None else np.array(parts)
-    return Payload(np.array([mass, 0.0]), np.array([std, 0.1]), masses)
+    return PayloadEstimate(np.array([mass, 0.0]), np.array([std, 0.1]), masses)
 
 
 def test_an_interval_counts_runs_that_differ_and_gears() -> None:
@@ -159,7 +161,7 @@ def test_an_interval_counts_runs_that_differ_and_gears() -> None:
     ],
 )
 def test_a_load_is_certain_beyond_its_errors_and_in_every_part(
-    payload: Payload, spread: float, certain: bool
+    payload: PayloadEstimate, spread: float, certain: bool
 ) -> None:
     assert judge(payload, spread).certain == certain
 

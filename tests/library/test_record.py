@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from tests.conftest import PROJECT
 from tests.examples import examples
 from ur5lib.cli import app
-from ur5lib.commands.record import Wish, record
+from ur5lib.commands.record import RecordOptions, record
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
@@ -79,8 +79,8 @@ def said(console: Console) -> str:
 def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> None:
     pytest.importorskip("serial")
     screen = console()
-    wish = Wish("pushed", "contact", seconds=4, add=True, emulate=True)
-    assert record(study, wish, screen) == 0
+    options = RecordOptions("pushed", "contact", seconds=4, add=True, emulate=True)
+    assert record(study, options, screen) == 0
     (recording,) = read_study(study).recordings
     assert (recording.name, recording.role, recording.format) == ("pushed", "contact", "rtde-csv")
     assert yaml.safe_load(study.read_text())["devices"] == yaml.safe_load(STUDY)["devices"]
@@ -88,7 +88,7 @@ def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> No
     assert recording.truth == "truth"
     expect_truth(Path("raw/lab/pushed"), recording.model_dump())
     with pytest.raises(InputError, match="raw/lab/pushed exists"):
-        record(study, wish, console())
+        record(study, options, console())
 
 
 def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
@@ -111,12 +111,12 @@ def test_the_arm_follows_a_file_and_the_recording_ends_with_it(study: Path) -> N
     time = np.arange(0, 4, 0.02)
     swing = 0.3 * np.sin(np.pi * time / 4) ** 2
     np.savetxt("swing.csv", np.column_stack([time, HOME + swing[:, None]]), delimiter=",")
-    wish = Wish(
+    options = RecordOptions(
         "swing", "fit", without=("imu", "force_sensor"), move=Path("swing.csv"), speed=1.0,
         yes=True, emulate=True,
     )  # fmt: skip
     screen = console()
-    record(study, wish, screen)
+    record(study, options, screen)
     moved = pd.read_csv("raw/lab/swing/robot.csv")
     assert np.ptp(moved["actual_q_0"]) == pytest.approx(0.3, abs=0.02)
     assert moved["actual_q_0"].iloc[-1] == pytest.approx(HOME[0], abs=0.01)
@@ -133,7 +133,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
     plan = at(HOME).model_dump() | {"contacts": [pull | {"start_s": 2 * k} for k in range(30)]}
     screen = console()
     with EmulatedController("ur5e", plan=SimulatedRecording.model_validate(plan)) as arm:
-        record(study, Wish("led", "contact", seconds=6, by_hand=True, yes=True), screen)
+        record(study, RecordOptions("led", "contact", seconds=6, by_hand=True, yes=True), screen)
         assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
     led = pd.read_csv("raw/lab/led/robot.csv")
     turned = np.abs(led[[f"actual_q_{joint}" for joint in range(6)]].to_numpy() - HOME)
@@ -151,9 +151,9 @@ def test_nothing_moves_without_a_yes(study: Path, monkeypatch: pytest.MonkeyPatc
     screen = console()
     monkeypatch.setattr(screen, "input", lambda *_: "y")
     for way in ({"move": Path("points.csv")}, {"by_hand": True}):
-        wish = Wish("points", "fit", emulate=True, **way)  # type: ignore[arg-type]
+        options = RecordOptions("points", "fit", emulate=True, **way)  # type: ignore[arg-type]
         with pytest.raises(InputError, match="not confirmed; the arm was not moved"):
-            record(study, wish, screen)
+            record(study, options, screen)
         assert not Path("raw").exists()
 
 
@@ -167,9 +167,9 @@ def test_what_cannot_be_planned_is_refused_before_anything_moves(study: Path) ->
         ("moves.txt", 0.0, "line 2: the straight line passes a singularity"),
         ("points.csv", 3.0, "--wait: points.csv has no commands"),
     ):
-        wish = Wish("run", "fit", move=Path(name), wait=wait, yes=True, emulate=True)
+        options = RecordOptions("run", "fit", move=Path(name), wait=wait, yes=True, emulate=True)
         with pytest.raises(InputError, match=sentence):
-            record(study, wish, console())
+            record(study, options, console())
         assert not Path("raw").exists()
 
 
@@ -227,7 +227,11 @@ def test_the_arm_stops_when_a_device_dies(study: Path) -> None:
         devices["force_sensor"] = {"address": HOST, "port": box.port, "http_port": box.http_port}
         study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | {"devices": devices}))
         screen = console()
-        record(study, Wish("far", "contact", move=Path("far.csv"), speed=0.1, yes=True), screen)
+        record(
+            study,
+            RecordOptions("far", "contact", move=Path("far.csv"), speed=0.1, yes=True),
+            screen,
+        )
         at_the_end = arm.truth.part("qd", arm.truth.latest())
     moved = pd.read_csv("raw/lab/far/robot.csv")["actual_q_0"].to_numpy()
     assert HOME[0] + 0.05 < moved[-1] < far[0] - 0.1
@@ -252,19 +256,19 @@ def test_a_study_that_lacks_something_is_refused(
 ) -> None:
     study.write_text(yaml.safe_dump(yaml.safe_load(STUDY) | change))
     with pytest.raises(InputError, match=sentence):
-        record(study, Wish("run", "contact", seconds=1), console())
+        record(study, RecordOptions("run", "contact", seconds=1), console())
     assert not Path("raw").exists()
 
 
 def test_a_study_without_devices_shows_what_to_add(study: Path) -> None:
     study.write_text("study: lab\ntitle: Lab\nrobot: ur5e\n")
     with pytest.raises(InputError, match=r"has no `devices`; add, for example, devices: \{robot"):
-        record(study, Wish("run", "contact"), console())
+        record(study, RecordOptions("run", "contact"), console())
 
 
 def test_a_name_that_is_no_folder_is_refused(study: Path) -> None:
     with pytest.raises(InputError, match="cannot name a recording"):
-        record(study, Wish("../run", "contact"), console())
+        record(study, RecordOptions("../run", "contact"), console())
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ import pytest
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.device import Samples
+from ur5lib.recorder.device import NewSamples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.manifest import NAME, write_manifest
 from ur5lib.recorder.session import Session
@@ -167,13 +167,13 @@ class MadeUp:
     def open(self) -> dict[str, Any]:
         return {"rate_hz": 100.0}
 
-    def read(self) -> Samples:
+    def read(self) -> NewSamples:
         time.sleep(0.01)
         self.count += 1
         if self.count == 100 and self.hangs_in == "read":
             time.sleep(60)
         values = np.random.default_rng(self.count).random((1, len(self.columns)))
-        return Samples(np.array([time.monotonic()]), values, 0)
+        return NewSamples(np.array([time.monotonic()]), values, 0)
 
     def close(self) -> None:
         if self.hangs_in == "close":

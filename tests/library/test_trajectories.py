@@ -29,7 +29,7 @@ def joined(*motions: Motion) -> Motion:
 
 
 def labels(*motions: Motion) -> list[int]:
-    return group_by_path([Passed.of(*motion) for motion in motions]).tolist()
+    return group_by_path([Passed.from_motion(*motion) for motion in motions]).tolist()
 
 
 def test_each_trajectory_has_a_label_of_its_own() -> None:
@@ -52,7 +52,7 @@ def test_a_fast_run_is_known_again_from_thinned_samples() -> None:
     fast = [wave(0, start, seconds=10.0) for start in (0.0, 0.05)]
     steps = np.linalg.norm(np.diff(fast[0][0][::every], axis=0), axis=1)
     assert np.median(steps) > 2 * NEAR_POSITION
-    runs = [Passed.of(*motion, every) for motion in (*fast, wave(1))]
+    runs = [Passed.from_motion(*motion, every) for motion in (*fast, wave(1))]
     assert group_by_path(runs).tolist() == [0, 0, 1]
 
 
@@ -63,9 +63,9 @@ def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
     def fast(start: float, seconds: float = 6.0) -> Passed:
         time = np.arange(start, start + seconds, 0.008)[:, None]
         angle = 4 * time + np.arange(6)
-        return Passed.of(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
+        return Passed.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
 
-    slow = Passed.of(*wave(0), every=5)
+    slow = Passed.from_motion(*wave(0), every=5)
     runs = [fast(0.0), slow, fast(start), fast(start, seconds=2.0)]
     assert group_by_path(runs).tolist() == [0, 1, 0, 0]
 

@@ -17,8 +17,7 @@ from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
-from ur5lib.identification.payload import LEFT
-from ur5lib.identification.payload import Payload as FoundLoad
+from ur5lib.identification.payload import LEFT, PayloadEstimate
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.force_estimates import repeated_runs
 from ur5lib.pipeline.force_input import passed
@@ -345,7 +344,7 @@ def test_at_rest_no_load_is_told(friction: dict[str, Any], tmp_path: Path) -> No
 
 def test_without_unloaded_runs_the_mass_stands_alone() -> None:
     """No recording to fit on moves: nothing tells how far runs differ."""
-    found = FoundLoad(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
+    found = PayloadEstimate(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
     known = {"source": "none", "payload": None}
     load = judged_load(found, [{}], paths=5, known=known, role="validate")
     assert np.isfinite(load["std_error"])

@@ -35,11 +35,11 @@ BEFORE = (
     "at full speed."
 )
 SHOWN = Console(stderr=True)
-MOST_TOLD = 6  # parameters whose standard errors are printed
+MAX_PRINTED = 6  # parameters whose standard errors are printed
 
 
 @dataclass(frozen=True)
-class Wish:
+class ExciteOptions:
     """What `ur5 excite` was asked: see its options. No table: nothing below the base is avoided."""
 
     robot: str
@@ -52,27 +52,27 @@ class Wish:
     payload: Payload | None = None
 
 
-def excite(wish: Wish, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
+def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
     """Design a trajectory, write its files into a folder, and yield what it is worth.
 
     Raises InputError for a wrong option, for results that are not there, and where a limit leaves
     no room.
     """
-    if wish.question not in QUESTIONS:
-        raise InputError(f"--question {wish.question!r}: give one of {', '.join(QUESTIONS)}")
+    if options.question not in QUESTIONS:
+        raise InputError(f"--question {options.question!r}: give one of {', '.join(QUESTIONS)}")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
-    task = task_of(wish)
-    found = _searched(task, wish.seed, effort)
-    worth = Worth.of(task, found.path)
-    asked = {"robot": wish.robot, "question": wish.question, "seed": wish.seed}
+    task = task_of(options)
+    found = _searched(task, options.seed, effort)
+    worth = Worth.along(task, found.path)
+    asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
     summary = asked | summary_of(task, found, worth)
     drawing = excitation_figure(task.cell.robot, found.path, found.margins, task.problem, worth)
-    write_files(folder, wish.robot, wish.payload, task, found.path, summary)
+    write_files(folder, options.robot, options.payload, task, found.path, summary)
     drawn = folder / "excitation.svg"
     save(drawing, drawn)
     command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
-    before = [] if wish.payload is None else [_mounting(wish.payload)]
+    before = [] if options.payload is None else [_mounting(options.payload)]
     told = excitation_page(asked, [*before, BEFORE], command, found, task.problem, worth, drawn)
     write_html(told, folder / "excitation.html")
     yield from found.margins.lines()
@@ -97,19 +97,21 @@ def _mounting(load: Payload) -> str:
     )
 
 
-def task_of(wish: Wish) -> Task:
+def task_of(options: ExciteOptions) -> Task:
     """Return what is to be designed."""
-    study = None if wish.results is None else FinishedStudy(wish.results)
-    arm = described(wish.robot) if study is None else study.arm(wish.robot)
-    cell = Cell.of(arm.carrying(wish.payload), surroundings(wish.table, wish.boxes))
-    bare, seeks_load = LinkModel(arm, arm.fullest_model()), wish.question == "payload"
+    study = None if options.results is None else FinishedStudy(options.results)
+    arm = described(options.robot) if study is None else study.arm(options.robot)
+    cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
+    bare, seeks_load = LinkModel(arm, arm.fullest_model()), options.question == "payload"
     if study is None:
         problem = build_problem(arm, bare, nominal_maps(arm), seeks_load)
         earlier = problem.prior
     else:
         problem, earlier = problem_after(arm, bare, study, seeks_load)
     problem = problem.of_model(cell.model.parameters)
-    return Task(cell, problem, QUESTIONS[wish.question](problem, cell.model), earlier, wish.seconds)
+    return Task(
+        cell, problem, QUESTIONS[options.question](problem, cell.model), earlier, options.seconds
+    )
 
 
 def known_load(mass: float, *center: float) -> Payload:
@@ -153,7 +155,7 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
     )
     yield "least determined so far, predicted standard errors before and after:"
     names, units = problem.names(), problem.units()
-    for k in worth.least_determined()[:MOST_TOLD]:
+    for k in worth.least_determined()[:MAX_PRINTED]:
         yield f"  {names[k]:<34} {worth.before[k]:>9.2g} {worth.after[k]:>9.2g} {units[k]}"
     worst = worth.least_determined()[0]
     if worth.hardly_lowered()[worst]:

@@ -35,7 +35,7 @@ BRAKING = 10.0  # s; an arm that does not answer for so long stops by its own wa
 
 
 @dataclass(frozen=True)
-class Wish:
+class RecordOptions:
     """What is to be recorded.
 
     name: of the recording; seconds: for how long, None until the motion ends or Ctrl-C; without:
@@ -57,7 +57,7 @@ class Wish:
     emulate: bool = False
 
 
-def record(path: Path, wish: Wish, console: Console) -> int:
+def record(path: Path, options: RecordOptions, console: Console) -> int:
     """Record with the devices of a study; returns how many stop signs and errors the files have.
 
     path: the study, which need not have recordings yet. Raises InputError when something is missing
@@ -65,35 +65,35 @@ def record(path: Path, wish: Wish, console: Console) -> int:
     """
     plain = read_plain(path)
     robot = arm_of(plain, path).description()
-    folder = Path("raw", checked_name(str(plain.get("study"))), checked_name(wish.name))
+    folder = Path("raw", checked_name(str(plain.get("study"))), checked_name(options.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
     laboratory: AbstractContextManager[Lab] = (
-        emulated_lab(robot, wish.role == "contact", folder)
-        if wish.emulate
+        emulated_lab(robot, options.role == "contact", folder)
+        if options.emulate
         else nullcontext(lab_of(plain, path))
     )
     with laboratory as lab:
-        devices = {n: d for n, d in lab.devices().items() if n not in wish.without}
+        devices = {n: d for n, d in lab.devices().items() if n not in options.without}
         address = lab.robot.address
         motion = None
-        if wish.move:
-            motion = _prepare(wish.move, robot, address, lab.table_m, wish, console)
-        elif wish.by_hand:
+        if options.move:
+            motion = _prepare(options.move, robot, address, lab.table_m, options, console)
+        elif options.by_hand:
             _expect_ready(address)
-            _confirm("the arm gives way to your hand; hold it. Type yes: ", wish, console)
-        mover = Mover(address, motion) if motion or wish.by_hand else None
+            _confirm("the arm gives way to your hand; hold it. Type yes: ", options, console)
+        mover = Mover(address, motion) if motion or options.by_hand else None
         with Session(devices, folder) as session:
             session.identities()["robot"].update(_identity(lab))
-            moved = f"{wish.move} at {wish.speed:g} of its speed" if motion else None
+            moved = f"{options.move} at {options.speed:g} of its speed" if motion else None
             write_manifest(folder, session.identities(), None, moved)
-            _watch(session, mover, wish.seconds, console)
+            _watch(session, mover, options.seconds, console)
         write_manifest(folder, session.identities(), session.statuses(), moved)
-    _say_what_is_left(session.statuses(), wish.role, mover, console)
-    entry = {"name": wish.name, "role": wish.role, "folder": str(folder)}
+    _say_what_is_left(session.statuses(), options.role, mover, console)
+    entry = {"name": options.name, "role": options.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
-    entry |= {"truth": TRUTH} if wish.emulate else {}
-    return enter(entry, path, plain, wish.add, console)
+    entry |= {"truth": TRUTH} if options.emulate else {}
+    return enter(entry, path, plain, options.add, console)
 
 
 def _identity(lab: Lab) -> dict[str, str]:
@@ -109,7 +109,7 @@ def _prepare(
     robot: Robot,
     address: str,
     table: float | None,
-    wish: Wish,
+    options: RecordOptions,
     console: Console,
 ) -> CommandedMotion:
     """Read and check a motion, ask, and move to its start.
@@ -117,13 +117,15 @@ def _prepare(
     Raises InputError where it must not be made.
     """
     state = _expect_ready(address)
-    motion = _planned(path, robot, state.q, wish)
+    motion = _planned(path, robot, state.q, options)
     forbidden = [*refusals(motion, robot, state.q, table)]
     if forbidden:
         raise InputError("\n".join(f"{path}: {reason}" for reason in forbidden))
     console.print(f"the arm is at    {_angles(state.q)}")
-    console.print(f"it will start at {_angles(motion.q[0])}, at {wish.speed:g} of the full speed")
-    _confirm("move the arm? Type yes: ", wish, console)
+    console.print(
+        f"it will start at {_angles(motion.q[0])}, at {options.speed:g} of the full speed"
+    )
+    _confirm("move the arm? Type yes: ", options, console)
     if np.abs(state.q - motion.q[0]).max() > AT_START:
         try:
             move_to_start(address, motion)
@@ -132,13 +134,13 @@ def _prepare(
     return motion
 
 
-def _planned(path: Path, robot: Robot, present: Array, wish: Wish) -> CommandedMotion:
+def _planned(path: Path, robot: Robot, present: Array, options: RecordOptions) -> CommandedMotion:
     """Return the motion that a file commands; present: the arm's posture (6,) [rad]."""
     if is_program(path):
-        return plan(read_program(path), robot, present, wish.speed, wish.wait)
-    if wish.wait:
+        return plan(read_program(path), robot, present, options.speed, options.wait)
+    if options.wait:
         raise InputError(f"--wait: {path} has no commands to wait between; leave it out")
-    return read_motion(path, wish.speed)
+    return read_motion(path, options.speed)
 
 
 def _expect_ready(address: str) -> ArmState:
@@ -152,9 +154,9 @@ def _expect_ready(address: str) -> ArmState:
     return state
 
 
-def _confirm(question: str, wish: Wish, console: Console) -> None:
+def _confirm(question: str, options: RecordOptions, console: Console) -> None:
     """Ask, unless the answer was given beforehand. Raises InputError without a yes."""
-    if not wish.yes and console.input(question).strip() != "yes":
+    if not options.yes and console.input(question).strip() != "yes":
         raise InputError("not confirmed; the arm was not moved")
 
 

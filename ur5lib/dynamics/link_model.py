@@ -43,20 +43,20 @@ class LinkModel:
     def momentum(self, q: Array, qd: Array) -> Array:
         """Return the generalised momentum p = D(q) q̇ (N, 6) [Nm s]."""
 
-        def of(q: Array, qd: Array) -> Array:
+        def product(q: Array, qd: Array) -> Array:
             inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
             return (inertia @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
 
-        return in_chunks(of, q, qd)
+        return in_chunks(product, q, qd)
 
     def coriolis_torque(self, q: Array, qd: Array) -> Array:
         """Return Cᵀ(q, q̇) q̇, a term of the momentum's rate: ṗ = τ + Cᵀ q̇ - g."""
 
-        def of(q: Array, qd: Array) -> Array:
+        def product(q: Array, qd: Array) -> Array:
             matrix = rigid_body.coriolis_matrix(self.arm, *map(torch.from_numpy, (q, qd)))
             return (matrix.mT @ torch.from_numpy(qd)[..., None])[..., 0].numpy()
 
-        return in_chunks(of, q, qd)
+        return in_chunks(product, q, qd)
 
     def gravity_torque(self, q: Array) -> Array:
         """Return g(q)."""

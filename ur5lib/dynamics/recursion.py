@@ -54,7 +54,7 @@ class Inertia(NamedTuple):
     tensor: Matrix
 
 
-class Motion(NamedTuple):
+class LinkMotion(NamedTuple):
     """Motion of a link: ω, α, the acceleration of its origin, and S(α) + S(ω)²."""
 
     omega: Vector
@@ -98,9 +98,9 @@ def link_inertia(parameters: Sequence[Number]) -> Inertia:
 
 def link_motions(
     chain: Sequence[Joint], gravity: Vector, qd: Sequence[Number], qdd: Sequence[Number]
-) -> Iterator[Motion]:
+) -> Iterator[LinkMotion]:
     """Yield the motion of links 1 to 6, outwards from the base, which accelerates by -g0."""
-    motion = Motion(ZERO, ZERO, scaled(-1.0, gravity), (ZERO, ZERO, ZERO))
+    motion = LinkMotion(ZERO, ZERO, scaled(-1.0, gravity), (ZERO, ZERO, ZERO))
     for joint, speed, change in zip(chain, qd, qdd, strict=True):
         # a_k = a_k-1 + (S(α) + S(ω)²) r, in the frame of link k-1; then all in that of link k
         acceleration = plus(motion.acceleration, times(motion.turning, joint.lever))
@@ -108,11 +108,11 @@ def link_motions(
         # α_k = α_k-1 + ω_k-1 × q̇ z + q̈ z, ω_k = ω_k-1 + q̇ z
         alpha = plus(alpha, cross(omega, (0.0, 0.0, speed)), (0.0, 0.0, change))
         omega = plus(omega, (0.0, 0.0, speed))
-        motion = Motion(omega, alpha, acceleration, turning(omega, alpha))
+        motion = LinkMotion(omega, alpha, acceleration, turning(omega, alpha))
         yield motion
 
 
-def needed_wrench(body: Inertia, motion: Motion) -> Wrench:
+def needed_wrench(body: Inertia, motion: LinkMotion) -> Wrench:
     """Return the wrench that a motion requires, by Newton and Euler about the frame's origin."""
     # F = m a + (S(α) + S(ω)²) m c
     force = plus(scaled(body.mass, motion.acceleration), times(motion.turning, body.moment))

@@ -14,11 +14,11 @@ from torch import Tensor
 from ur5lib.dynamics import recursion
 from ur5lib.dynamics.arm import Arm
 from ur5lib.dynamics.batches import batch_size, evaluate, in_batches
-from ur5lib.dynamics.recursion import ZERO, Inertia, Motion, Wrench, components, split
+from ur5lib.dynamics.recursion import ZERO, Inertia, LinkMotion, Wrench, components, split
 from ur5lib.dynamics.tracing import Geometry, Number, stacked
 
 STILL = (0.0,) * 6
-UNIT_TURN = Motion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.0, 1.0)))
+UNIT_TURN = LinkMotion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.0, 1.0)))
 
 
 def inverse_dynamics(

@@ -42,7 +42,7 @@ class Limits:
     singular_value: float = SINGULAR_VALUE
 
     @classmethod
-    def of(cls, robot: Robot) -> Self:
+    def from_robot(cls, robot: Robot) -> Self:
         """Return the limits of a trajectory: shares of the limits in the arm's description."""
         motors = [robot.motor(joint) for joint in range(1, 7)]
         return cls(
@@ -119,10 +119,10 @@ class Cell:
     capsules: Capsules
 
     @classmethod
-    def of(cls, robot: Robot, surroundings: Surroundings) -> Self:
+    def around(cls, robot: Robot, surroundings: Surroundings) -> Self:
         """Return an arm, with its fullest link model and its limits, in its surroundings."""
         model = LinkModel(robot, robot.fullest_model())
-        return cls(robot, model, Limits.of(robot), Capsules(robot, surroundings, REACH))
+        return cls(robot, model, Limits.from_robot(robot), Capsules(robot, surroundings, REACH))
 
     def margins(self, states: States) -> Margins:
         """Return how much of the limits a trajectory uses."""

@@ -24,13 +24,13 @@ def d_optimality(wanted: Mask) -> Criterion:
     """
     others = np.ix_(~wanted, ~wanted)
 
-    def of(information: Array) -> tuple[float, Array]:
+    def value_and_gradient(information: Array) -> tuple[float, Array]:
         gradient = np.asarray(np.linalg.inv(information), np.float64)
         gradient[others] -= np.linalg.inv(information[others])
         value = np.linalg.slogdet(information)[1] - np.linalg.slogdet(information[others])[1]
         return float(value), gradient
 
-    return of
+    return value_and_gradient
 
 
 def i_optimality(rows: Array) -> Criterion:
@@ -40,12 +40,12 @@ def i_optimality(rows: Array) -> Criterion:
     """
     weight, half = rows.T @ rows / len(rows), rows.shape[1] / 2
 
-    def of(information: Array) -> tuple[float, Array]:
+    def value_and_gradient(information: Array) -> tuple[float, Array]:
         covariance = np.linalg.inv(information)
         mean = float(np.sum(weight * covariance))
         return -half * float(np.log(mean)), half / mean * covariance @ weight @ covariance
 
-    return of
+    return value_and_gradient
 
 
 def conditioning(scale: Array) -> Criterion:
@@ -57,7 +57,7 @@ def conditioning(scale: Array) -> Criterion:
     kept = np.ix_(scale > 0, scale > 0)
     weight = np.outer(scale, scale)
 
-    def of(information: Array) -> tuple[float, Array]:
+    def value_and_gradient(information: Array) -> tuple[float, Array]:
         values, vectors = np.linalg.eigh((weight * information)[kept])
         gradient = np.zeros_like(information)
         if values[0] < RESOLVED * values[-1]:
@@ -66,7 +66,7 @@ def conditioning(scale: Array) -> Criterion:
         gradient[kept] = least - most
         return float(np.log(values[0] / values[-1])), weight * gradient
 
-    return of
+    return value_and_gradient
 
 
 def _model(problem: Problem, _: LinkModel) -> Criterion:
@@ -80,14 +80,14 @@ def _model(problem: Problem, _: LinkModel) -> Criterion:
     informed = d_optimality(np.full(len(problem.theta), True))
     conditioned = conditioning(of_base), conditioning(of_all)
 
-    def of(information: Array) -> tuple[float, Array]:
+    def value_and_gradient(information: Array) -> tuple[float, Array]:
         value, gradient = informed(information)
         for part in conditioned:
             own_value, own_gradient = part(information)
             value, gradient = value + CONDITION * own_value, gradient + CONDITION * own_gradient
         return value, gradient
 
-    return of
+    return value_and_gradient
 
 
 def _undetermined(problem: Problem, _: LinkModel) -> Criterion:

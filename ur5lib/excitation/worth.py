@@ -44,7 +44,7 @@ class Worth:
         return np.asarray(self.after > HARDLY * self.before)
 
     @classmethod
-    def of(cls, task: Task, path: Path) -> Self:
+    def along(cls, task: Task, path: Path) -> Self:
         """Return the worth of a path for a task."""
         problem, (_, states) = task.problem, path.sampled(1 / STEP)
         Y = task.cell.model.regressor(states.q, states.qd, states.qdd)

@@ -25,7 +25,7 @@ WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
 
 
 @dataclass(frozen=True)
-class Payload:
+class PayloadEstimate:
     """Estimated payload.
 
     parameters, std_error: (P,), of the regressor's columns [kg, kg m, ...], the mass first; errors
@@ -59,7 +59,7 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
 
 
-def judge(payload: Payload, spread: float) -> Load:
+def judge(payload: PayloadEstimate, spread: float) -> Load:
     """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
     error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
@@ -84,7 +84,7 @@ def joint_gains(left_over: Array, load: Array, count: int) -> Array:
 
 def estimate_payload(
     fit: CurrentFit, record: Record, regressor: Array, smooth: Smooth, seed: int = 0
-) -> Payload:
+) -> PayloadEstimate:
     """Estimate the payload that `record.torque` does not contain.
 
     regressor: (N, 6, P) torque [Nm] per mass [kg], first moment [kg m], ... of the payload; the
@@ -128,7 +128,7 @@ def estimate_payload(
         solve(fit, solution, np.where(np.isin(np.arange(len(once)), part), once, 0), nothing)[0]
         for part in np.array_split(np.unique(block), PARTS)
     ]
-    return Payload(solution, spread(np.array(draws)), np.array(parts))
+    return PayloadEstimate(solution, spread(np.array(draws)), np.array(parts))
 
 
 def _solution(columns: Array, torque: Array, block: Labels, count: Labels, known: Array) -> Array:

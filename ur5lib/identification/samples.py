@@ -153,7 +153,7 @@ def record_paths(records: Sequence[Record]) -> Labels:
 
 def passed(record: Record) -> Passed:
     """Return the states on the path of a recording."""
-    return Passed.of(record.q, record.qd, max(1, round(STEP / record.period)))
+    return Passed.from_motion(record.q, record.qd, max(1, round(STEP / record.period)))
 
 
 def design(

@@ -10,7 +10,7 @@ from ur5lib.importing import poses, readings
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block, names_joints
 from ur5lib.importing.contents import Contents
-from ur5lib.importing.motion import Motion
+from ur5lib.importing.motion import ImportedMotion
 from ur5lib.importing.readings import IN_ORDER, SURE, Order, Reading
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
@@ -22,7 +22,7 @@ PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 
 
 def identified(
     found: Contents,
-    moving: Motion,
+    moving: ImportedMotion,
     means: BlockMeans,
     efforts: Sequence[str],
     names: Sequence[str],
@@ -84,7 +84,7 @@ def _expect_agreement(likely: Sequence[Reading], found: Contents) -> None:
 
 
 def _by_pose(
-    found: Contents, moving: Motion, arms: Sequence[Robot], account: Account
+    found: Contents, moving: ImportedMotion, arms: Sequence[Robot], account: Account
 ) -> list[poses.Placed]:
     """Return the readings that put the flange where a recorded pose has it."""
     clock = moving.position.clock

@@ -25,7 +25,7 @@ NO_PAIR = (
 
 
 @dataclass(frozen=True)
-class Motion:
+class ImportedMotion:
     """Positions and velocities of the joints; units: by channel, those that are not SI."""
 
     position: Block
@@ -90,7 +90,7 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     return float(slope @ rate / (slope @ slope))
 
 
-def find_motion(found: Contents, account: Account) -> Motion:
+def find_motion(found: Contents, account: Account) -> ImportedMotion:
     """Return the positions, the velocities, and the targets of both.
 
     By their names, and proven by each other; without names, by each other alone. Raises InputError
@@ -109,7 +109,7 @@ def find_motion(found: Contents, account: Account) -> Motion:
         if (block := _beside(named.get(name), position)) is not None
     }
     units = _units(found, position, velocity, time, account)
-    return Motion(position, velocity, targets, units)
+    return ImportedMotion(position, velocity, targets, units)
 
 
 def _beside(block: Block | None, position: Block) -> Block | None:

@@ -12,7 +12,7 @@ from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents
 from ur5lib.importing.efforts import name_efforts
 from ur5lib.importing.identity import identified
-from ur5lib.importing.motion import Motion, find_motion
+from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.readings import Order, Reading
 from ur5lib.importing.wrenches import wrench_frame
 from ur5lib.recordings.arm_checks import described
@@ -83,7 +83,7 @@ def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
     )
 
 
-def _efforts(found: Contents, moving: Motion) -> list[Block]:
+def _efforts(found: Contents, moving: ImportedMotion) -> list[Block]:
     """Return the blocks that may be currents or torques."""
     taken = [block for blocks in moving.channels().values() for block in blocks]
     return [
@@ -111,7 +111,7 @@ def _wrench(found: Contents, clock: str) -> list[Block]:
 
 
 def _means(
-    found: Contents, moving: Motion, efforts: Mapping[str, Block], wrench: Sequence[Block]
+    found: Contents, moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
 ) -> BlockMeans:
     """Return the means over blocks of time, columns as in the file."""
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.identification.payload import Load, Payload, judge, run_to_run
+from ur5lib.identification.payload import Load, PayloadEstimate, judge, run_to_run
 from ur5lib.timeseries.arrays import Array
 
 
 def judged_load(
-    payload: Payload,
+    payload: PayloadEstimate,
     unloaded: Sequence[Mapping[str, Any]],
     paths: int,
     known: Mapping[str, Any],
@@ -33,7 +33,7 @@ def judged_load(
     return asdict(load) | account | {"taken": taken} | place
 
 
-def load_center(payload: Payload, load: Load, spread: Array) -> tuple[Array, Array]:
+def load_center(payload: PayloadEstimate, load: Load, spread: Array) -> tuple[Array, Array]:
     """Return the centre of mass (3,) [m] and its standard error; NaN of a load that is uncertain.
 
     spread: of mass and first moments from run to run, (4,).

@@ -11,7 +11,7 @@ class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
 
 
 @dataclass(frozen=True)
-class Samples:
+class NewSamples:
     """Samples of a device since the last call of `read`, in the order of its counter.
 
     received: the host's time.monotonic at the arrival of each sample (n,) [s];
@@ -43,7 +43,7 @@ class Device(Protocol):
         """
         ...
 
-    def read(self) -> Samples:
+    def read(self) -> NewSamples:
         """Return the samples since the last call, after waiting at most 0.1 s.
 
         Raises DeviceLost when the device has gone.

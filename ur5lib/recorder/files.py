@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any, Protocol
 
-from ur5lib.recorder.device import Samples
+from ur5lib.recorder.device import NewSamples
 
 HOST_TIME = "host_time"
 
@@ -33,7 +33,7 @@ class RowFile:
         self._file.write(",".join(names) + "\n")
         self._file.flush()
 
-    def write(self, samples: Samples, zero: float) -> None:
+    def write(self, samples: NewSamples, zero: float) -> None:
         """Append samples."""
         rows = zip((zero + samples.received).tolist(), samples.values.tolist(), strict=True)
         for arrived, values in rows:

@@ -13,7 +13,7 @@ import requests
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
 from ur5lib.recorder.counter import Counter
-from ur5lib.recorder.device import DeviceLost, Samples
+from ur5lib.recorder.device import DeviceLost, NewSamples
 from ur5lib.recorder.silence import Silence
 
 CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
@@ -86,7 +86,7 @@ class NetFT:
             "bias": self._bias,
         }
 
-    def read(self) -> Samples:
+    def read(self) -> NewSamples:
         """Return the samples that come within 0.05 s, and those that had come before.
 
         Raises DeviceLost when the last one is 1 s ago.
@@ -102,7 +102,7 @@ class NetFT:
                 lost += before
         self._silence.check(len(received))
         values = np.array(records, float).reshape(-1, len(self.columns)) * self._scale
-        return Samples(np.array(received), values, lost)
+        return NewSamples(np.array(received), values, lost)
 
     def close(self) -> None:
         """Stop the stream."""

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.recorder.device import DeviceLost, Samples
+from ur5lib.recorder.device import DeviceLost, NewSamples
 from ur5lib.recorder.rtde_client import PORT, RtdeClient
 from ur5lib.recorder.silence import Silence
 from ur5lib.robots.rtde_variables import all_columns
@@ -76,7 +76,7 @@ class RtdeArm:
             "missing": [name for name in OUTPUTS if name not in names],
         }
 
-    def read(self) -> Samples:
+    def read(self) -> NewSamples:
         """Return the samples since the last call, after waiting at most 0.1 s.
 
         Raises DeviceLost when the controller is silent for a second or closes the connection.
@@ -88,7 +88,7 @@ class RtdeArm:
         received = np.array([arrived for arrived, _ in packages], np.float64)
         values = np.array([numbers for _, numbers in packages], np.float64)
         values = values.reshape(len(packages), len(self.columns))
-        return Samples(received, values, self._count_lost(values[:, 0]))
+        return NewSamples(received, values, self._count_lost(values[:, 0]))
 
     def close(self) -> None:
         """Stop the packages; does nothing when closed or gone."""

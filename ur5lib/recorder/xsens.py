@@ -12,7 +12,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.recorder import mtdata
 from ur5lib.recorder.counter import Counter
-from ur5lib.recorder.device import DeviceLost, Samples
+from ur5lib.recorder.device import DeviceLost, NewSamples
 from ur5lib.recorder.mtdata import Measurement
 from ur5lib.recorder.silence import Silence
 from ur5lib.recorder.xbus import Message
@@ -75,7 +75,7 @@ class Xsens:
         self._silence = Silence(f"the motion tracker at {self._path}")
         return entry
 
-    def read(self) -> Samples:
+    def read(self) -> NewSamples:
         """Return the samples that come within 0.05 s, and those that had come before.
 
         Samples that come in one piece share their time of arrival. Raises DeviceLost when the last
@@ -95,7 +95,7 @@ class Xsens:
                     lost += before
         self._silence.check(len(received))
         values = np.array(rows, float).reshape(-1, len(self.columns))
-        return Samples(np.array(received), values, lost)
+        return NewSamples(np.array(received), values, lost)
 
     def close(self) -> None:
         """Stop the device and close the port."""

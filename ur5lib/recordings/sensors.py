@@ -30,7 +30,7 @@ STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
 
 @dataclass(frozen=True)
-class Samples:
+class SensorSamples:
     """A sensor's samples, and the timestamp [s] of the first one, damaged ones included."""
 
     table: pd.DataFrame
@@ -55,7 +55,7 @@ def read_device(
     device: Device,
     findings: list[Finding],
     units: Mapping[str, str] = MappingProxyType({}),
-) -> Samples | None:
+) -> SensorSamples | None:
     """Return a sensor's complete rows in order; None, and a finding, when there are none.
 
     units: of channels that are not in SI units. A damaged sensor file never makes the robot's data
@@ -129,7 +129,7 @@ def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding
 
 def repair_samples(
     table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
-) -> Samples | None:
+) -> SensorSamples | None:
     """Return the plausible samples in order, each once; None, and a finding, where there are none.
 
     Raises InputError for wrong units.
@@ -146,7 +146,7 @@ def repair_samples(
             f"{path}: has fewer than two samples with possible values; record it again"
         )
     _report_timing(whole["time"].to_numpy(), device, findings)
-    return Samples(whole, first_time(table["time"].to_numpy()))
+    return SensorSamples(whole, first_time(table["time"].to_numpy()))
 
 
 def _nothing(table: pd.DataFrame, path: Path, device: Device) -> str | None:

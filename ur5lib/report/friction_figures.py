@@ -27,7 +27,7 @@ class MovingSamples:
     predicted: Array
 
     @classmethod
-    def of(cls, record: Record, fit: CurrentFit, smooth: Smooth) -> Self:
+    def from_record(cls, record: Record, fit: CurrentFit, smooth: Smooth) -> Self:
         """Return a recording's samples where each joint moves."""
         every = max(1, round(STEP / record.period))
         moving = smoothed_moving(record, smooth)[::every]

@@ -16,7 +16,7 @@ class JointFriction:
     coulomb: Array
     viscous: Array
 
-    def of(self, joint: int) -> tuple[float, float] | None:
+    def coefficients(self, joint: int) -> tuple[float, float] | None:
         """Return coulomb and viscous friction of joint 1 to 6, None where it is unknown."""
         known = float(self.coulomb[joint - 1]), float(self.viscous[joint - 1])
         return None if any(map(math.isnan, known)) else known

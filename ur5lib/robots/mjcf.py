@@ -31,7 +31,7 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         joint.limited = np.isfinite(limit)
         if joint.limited:
             joint.range = (-limit, limit)
-        if friction is not None and (known := friction.of(k + 1)):
+        if friction is not None and (known := friction.coefficients(k + 1)):
             joint.frictionloss, viscous = known
             joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
         most = robot.motor(k + 1).torque_max

@@ -65,7 +65,7 @@ def _add_axis(joint: Element, k: int, robot: Robot, friction: JointFriction | No
     bounds = {"lower": -end, "upper": end} if math.isfinite(end) else {}
     limit = bounds | {"effort": motor.torque_max, "velocity": motor.velocity_max}
     _add_numbers(SubElement(axis, "limit"), limit)
-    if friction is not None and (known := friction.of(k)):
+    if friction is not None and (known := friction.coefficients(k)):
         coulomb, viscous = known
         _add_numbers(SubElement(axis, "dynamics"), {"damping": viscous, "friction": coulomb})
 

@@ -93,7 +93,7 @@ def _add_joint(root: Element, k: int, robot: Robot, friction: JointFriction | No
         effort=numbers([motor.torque_max]),
         velocity=numbers([motor.velocity_max]),
     )
-    if friction is not None and (known := friction.of(k)):
+    if friction is not None and (known := friction.coefficients(k)):
         coulomb, viscous = (numbers([value]) for value in known)
         SubElement(joint, "dynamics", damping=viscous, friction=coulomb)
 

@@ -94,7 +94,7 @@ def _joint_noise(
 
     def cost(parameters: Array) -> float:
         # -2 log L / n, maximised over the positions' noise σ² = mean(eᵀ S⁻¹ e) / 2
-        white, logdet = _whitened(_Ratios.of(parameters))
+        white, logdet = _whitened(_Ratios.from_parameters(parameters))
         return float(logdet + 2 * np.log(part.squares(white)[part.valid].mean() + NOTHING))
 
     best = minimize(
@@ -108,7 +108,7 @@ def _joint_noise(
             "fatol": 1e-3,
         },
     ).x
-    ratios = _Ratios.of(best)
+    ratios = _Ratios.from_parameters(best)
     square = part.squares(_whitened(ratios)[0])
     finest = max(quantum(q) / np.sqrt(12), RESOLUTION)
     position = max(float(np.sqrt(square[part.valid].mean() / 2)), finest)
@@ -151,7 +151,7 @@ class _Ratios(NamedTuple):
     frequency: float
 
     @classmethod
-    def of(cls, parameters: Array) -> "_Ratios":
+    def from_parameters(cls, parameters: Array) -> "_Ratios":
         """Return the ratios from the optimiser's parameters (6,)."""
         jerk, precision, lag, vibration, damping, frequency = parameters.tolist()
         powers = np.exp([jerk, precision, vibration, damping, frequency]).tolist()

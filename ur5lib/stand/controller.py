@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.drive import current_noise, stir
-from ur5lib.stand.engine import Experiment, Motion
+from ur5lib.stand.engine import Experiment, SimulatedMotion
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import STEP
 from ur5lib.stand.trajectories import Targets
@@ -113,7 +113,7 @@ def _at(targets: Targets, steps: Steps) -> Targets:
     return Targets(targets.q[steps], targets.qd[steps], targets.qdd[steps])
 
 
-def _encoders(motion: Motion, random: np.random.Generator | None) -> tuple[Array, Array]:
+def _encoders(motion: SimulatedMotion, random: np.random.Generator | None) -> tuple[Array, Array]:
     """Return measured positions and velocities (difference over WINDOW) at every step (N, 6)."""
     if random is None:
         return motion.q, motion.qd
@@ -140,7 +140,7 @@ def _force(external: Array, jacobian: Array, cycle: float) -> Array:
     return lfilter(b, a, wrench - wrench[0], axis=0) + wrench[0]
 
 
-def _pose(motion: Motion, steps: Steps) -> Array:
+def _pose(motion: SimulatedMotion, steps: Steps) -> Array:
     """Return origin [m] and rotation vector [rad] of frame 6 (N, 6)."""
     turn = Rotation.from_matrix(motion.rotation[steps].reshape(-1, 3, 3)).as_rotvec()
     return np.concatenate([motion.origin[steps], turn], axis=1)

@@ -41,7 +41,7 @@ class TrueMotion:
 
 
 @dataclass(frozen=True)
-class Motion(TrueMotion):
+class SimulatedMotion(TrueMotion):
     """The true motion and forces, and the targets that the arm was to follow."""
 
     targets: Targets
@@ -64,7 +64,7 @@ class Experiment:
     declared: Payload | None
     friction: FrictionParameters
     drive: Drive
-    motion: Motion
+    motion: SimulatedMotion
 
 
 def perform(
@@ -89,7 +89,7 @@ def perform(
     )
 
 
-def _move(rig: Rig, plan: SimulatedRecording) -> Motion:
+def _move(rig: Rig, plan: SimulatedRecording) -> SimulatedMotion:
     time: Array = STEP * np.arange(round(plan.seconds / STEP) + 1, dtype=np.float64)
     targets = plan_targets(plan.trajectory, rig.robot, time)
     kept = np.empty((len(time), sum(PARTS.values())))
@@ -100,4 +100,4 @@ def _move(rig: Rig, plan: SimulatedRecording) -> Motion:
         now = max(step, 0)
         rig.step(wanted[now], warmth[now], kept[now])
     parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
-    return Motion(time=time, targets=targets, **dict(zip(PARTS, parts, strict=True)))
+    return SimulatedMotion(time=time, targets=targets, **dict(zip(PARTS, parts, strict=True)))

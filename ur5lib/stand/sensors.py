@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 from scipy.signal import lfilter
 
-from ur5lib.stand.engine import Motion
+from ur5lib.stand.engine import SimulatedMotion
 from ur5lib.stand.plan import Clock, ForceSensor, Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.interpolation import interpolated
@@ -24,7 +24,7 @@ EARTH_FIELD = np.array([0.32, 0.05, -0.73])  # base axes, normalised
 
 
 def force_readings(
-    sensor: ForceSensor, motion: Motion, random: np.random.Generator, noise: bool
+    sensor: ForceSensor, motion: SimulatedMotion, random: np.random.Generator, noise: bool
 ) -> pd.DataFrame:
     """Return a force sensor's `time` [s] on its own clock, from its first sample, and ft_* [N, Nm].
 
@@ -40,7 +40,7 @@ def force_readings(
 
 
 def imu_readings(
-    imu: Imu, motion: Motion, random: np.random.Generator, noise: bool
+    imu: Imu, motion: SimulatedMotion, random: np.random.Generator, noise: bool
 ) -> pd.DataFrame:
     """Return an IMU's `time` [s] on its own clock, from its first sample, and imu_* in its axes.
 
@@ -64,7 +64,7 @@ def imu_readings(
 
 
 def _samples(
-    clock: Clock, rate: float, motion: Motion, random: np.random.Generator, noise: bool
+    clock: Clock, rate: float, motion: SimulatedMotion, random: np.random.Generator, noise: bool
 ) -> tuple[Array, Array]:
     """Return the timestamps of a device's samples and their true times (N,) [s].
 

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ur5lib.robots.description import Robot
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import Motion, perform
+from ur5lib.stand.engine import SimulatedMotion, perform
 from ur5lib.stand.faults import choose_hit, spoil
 from ur5lib.stand.files import WRITERS, write_files
 from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
@@ -56,7 +56,7 @@ def simulate(
 
 
 def _sensors(
-    plan: SimulatedRecording, motion: Motion, random: dict[str, np.random.Generator]
+    plan: SimulatedRecording, motion: SimulatedMotion, random: dict[str, np.random.Generator]
 ) -> dict[str, pd.DataFrame]:
     read = {}
     if plan.force_sensor is not None:

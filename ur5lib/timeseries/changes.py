@@ -96,7 +96,7 @@ class _Problem:
     adjusts: bool
 
     @classmethod
-    def of(cls, series: Series) -> "_Problem":
+    def from_series(cls, series: Series) -> "_Problem":
         # stated errors are uncertain: a date with a very small one would weigh too much
         error = np.maximum(series.std_error, np.median(series.std_error))
         variance = error**2 + variation(series.value, error)
@@ -126,7 +126,7 @@ def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
     """
     if len(series.day) < FEWEST:
         return []
-    problem = _Problem.of(series)
+    problem = _Problem.from_series(series)
     noise = np.random.default_rng(seed).standard_normal((DRAWS, len(series.day)))
     noise = coloured(noise, WORST)
     chosen, chances = list[int](), list[float]()

@@ -42,7 +42,7 @@ class Passed:
     every: int = 1
 
     @classmethod
-    def of(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
+    def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         known = np.isfinite(q + qd).all(axis=1)
         moving = known & (np.abs(qd) > SLOW).any(axis=1)

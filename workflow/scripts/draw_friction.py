@@ -26,6 +26,6 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
             tables = Signals.read(signals), Motion.read(motion), Torques.read(torques)
             record = current_record(name, *tables, model)
             if record is not None:
-                parts.append(MovingSamples.of(record, fit, smooth))
+                parts.append(MovingSamples.from_record(record, fit, smooth))
     for name, figure in friction_figures(MovingSamples.joined(parts), constant).items():
         save(figure, output[name])

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.identification.currents import fit_for
-from ur5lib.identification.payload import Payload
+from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_input import passed
@@ -31,7 +31,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):
-            payload = Payload(**{name: np.array(value) for name, value in found.items()})
+            payload = PayloadEstimate(**{name: np.array(value) for name, value in found.items()})
             unloaded = [*map(read_json, input.unloaded)]
             load = judged_load(payload, unloaded, friction["paths"], known, params.role)
             if load["taken"]:
