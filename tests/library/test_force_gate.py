@@ -21,7 +21,6 @@ from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.gears import Gears
-from ur5lib.force.hidden_markov import log_odds
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
@@ -76,7 +75,6 @@ def test_a_push_of_30_n_is_found(ur5: Robot, axis: int) -> None:
     during = (run.time > 12.2) & (run.time < 13.3)
     assert slope(estimate.wrench[during], wrench[during])[axis] == pytest.approx(1, abs=0.25)
     assert coverage(estimate.wrench, estimate.std, wrench)[:3].min() > 0.9
-    assert estimate.causal_log_odds[first:last].max() > 0
 
 
 def test_a_push_at_rest_is_found_and_so_is_the_next(ur5: Robot) -> None:
@@ -442,20 +440,6 @@ def test_a_contact_is_told_a_little_longer_than_the_gate_is_sure() -> None:
     ((first, last),) = contact_spans(sure, 0.05)
     assert (first, last) == (37, 63)
     assert contact_spans(0.4 * np.ones(100), 0.05) == []
-
-
-def test_odds_by_past_samples_alone_do_not_look_ahead(ur5: Robot) -> None:
-    """What comes after moves the background, hence the odds a little; but not beforehand."""
-    run = free_run(ur5, seed=80, seconds=14.0)
-    touched = run.pushed(push(run, 2, 60.0, 8.0, 12.0))
-    noise = Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape))
-    given = touched.torque, touched.jacobian, touched.states, PERIOD, noise
-    gate = find_contacts(*given, MODEL, PRIOR, Gears.without_friction(run.torque))
-    before, after = (run.time < 7.9), (run.time > 8.5) & (run.time < 11.5)
-    assert gate.causal[before].max() < 0.5
-    assert gate.causal[after].min() > 0.5
-    assert gate.probability[after].min() > 0.99
-    assert np.isfinite(log_odds(gate.causal)).all()
 
 
 def test_what_is_left_of_a_load_may_be_no_contact(ur5: Robot) -> None:

@@ -406,18 +406,24 @@ def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
 
 
 def test_contacts_are_counted_by_their_force() -> None:
-    part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay": 0.1, "causal_delay": np.nan}
+    part = {"contacts": 4, "found": 3, "recall": 0.75, "median_delay": 0.1}
     found = {"raised": [], "alarms_per_min": 1.0, "time_in_alarm": 0.5, "extra": 2}
     found |= {"threshold": 8.5}
     found |= {"false_per_min": 0.5, "free_time_in_alarm": 0.25}
     found |= {"classes": [{"force": 3.0, **part}, {"force": 15.0, **part, "found": 4}]}
-    rows = table("detection", detection={"run": {"Fmap": found, "Fu": found}})
+    late = {"alarms_per_min": 4.0, "false_per_min": 2.0}
+    late |= {"classes": [{"force": 3.0, **part, "found": 1}, {"force": 15.0, **part, "found": 0}]}
+    rows = table("detection", detection={"run": {"Fmap": found | {"causal": late}, "Fu": found}})
+    assert rows["causal_found"].tolist()[:2] == [1, 0]
+    assert rows["causal_false_alarms_per_min"].tolist()[:2] == [2, 2]
+    assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
     header, body = detections(Results({}, {"detection": rows}, Path()))
     cells = dict(zip(header, (cell.text for cell in body[0]), strict=True))
     assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
-    assert (cells["delay [s]"], cells["causal delay [s]"]) == ("0.10", "–")
+    assert (cells["delay [s]"], cells["causal: delay [s]"]) == ("0.10", "0.10")
+    assert (cells["causal: found"], cells["causal: false [1/min]"]) == ("1 of 4", "2.0")
     assert [row[header.index("from [N]")].text for row in body] == ["–", "8.5"]  # odds, N
 
 

@@ -19,7 +19,7 @@ from ur5lib.force.residual_model import ResidualModel, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
 from ur5lib.identification.payload import LEFT, PayloadEstimate
 from ur5lib.identification.validation import least_squares_coefficients
-from ur5lib.pipeline.force_estimates import repeated_runs
+from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.load_regressor import LINK_6
 from ur5lib.pipeline.payload_estimate import judged_load
@@ -57,7 +57,7 @@ class Recording:
         deviations = dict.fromkeys(("q_std", "qd_std", "qdd_std"), nothing)
         motion = Motion(**grid, q=run.q, qd=run.qd, qdd=nothing, motor_qd=run.qd, **deviations)
         motion.write(self.motion)
-        torques = dict.fromkeys(("external_torque", "observed_torque"), run.torque)
+        torques = dict.fromkeys(("external_torque", "observed_torque", "causal_torque"), run.torque)
         currents = Currents(**grid, load_doubt=nothing, **torques)
         currents.write(self.currents)
         SensorWrenches(**grid).write(self.sensor)
@@ -70,7 +70,10 @@ class Recording:
             smallest_singular_value=nothing[:, 0],
         ).write(self.kinematics)
         write_json({"load": load, "extent": passed(motion, currents)}, self.load)
-        write_json({name: MODEL.to_dict() for name in ("tau_ext", "tau_observer")}, self.residuals)
+        write_json(
+            {name: MODEL.to_dict() for name in ("tau_ext", "tau_observer", "tau_causal")},
+            self.residuals,
+        )
         write_json({"from": ["free"]}, self.friction)
         write_json({"stop_signs": []}, self.rigid)
         return self
@@ -179,12 +182,12 @@ def test_every_estimate_has_its_band_and_its_odds(
     forces = Recording(tmp_path).write(bare, BARE).estimate()
     count = len(bare.time)
     assert forces.wrench.keys() == forces.std.keys() == {"Fmap", "observer", "least_squares"}
-    assert forces.log_odds.keys() == forces.causal_log_odds.keys() == {"Fmap", "observer"}
+    assert forces.log_odds.keys() == {"Fmap", "observer"}
     shapes = [
         (forces.wrench, (count, 6)),
         (forces.std, (count, 6)),
         (forces.log_odds, (count,)),
-        (forces.causal_log_odds, (count,)),
+        ({"causal": forces.causal_log_odds}, (count,)),
         ({"background": forces.background}, (count, 6)),
     ]
     for arrays, shape in shapes:
@@ -432,7 +435,7 @@ def test_breakaway_is_the_friction_of_the_fit(
 
 
 def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
-    """Causal odds are no estimate of their own; F̂ᵘ pushes thrice, as long as the peaks."""
+    """Causal odds have a threshold of their own; F̂ᵘ pushes thrice, as long as the peaks."""
     paths, published = [], []
     for period, peaks in ((0.002, [2.0, 4.0, 6.0]), (0.01, [3.0, 5.0, 7.0])):
         odds = np.full(round(60 / period), -5.0)
@@ -440,7 +443,7 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
         known = {"Fmap": odds} if paths else {"Fmap": odds, "observer": odds + 1}
         grid = {"time": period * np.arange(len(odds)), "segment": np.zeros(len(odds), np.int64)}
         paths.append(str(tmp_path / f"{len(paths)}.parquet"))
-        Forces(**grid, log_odds=known, causal_log_odds={"Fmap": odds + 90}).write(paths[-1])
+        Forces(**grid, log_odds=known, causal_log_odds=odds - 1).write(paths[-1])
         published.append(str(tmp_path / f"published_{len(paths)}.parquet"))
         force = np.outer(odds + 5, [0, 1, 0, 9, 9, 9])  # N, Nm
         PublishedForces(**grid, corrected={"Fu": 2 * force}).write(published[-1])
@@ -449,7 +452,8 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
     params = SimpleNamespace(false_alarms_per_min=1)
     script("set_threshold").set_threshold(input, output, params)
     found = read_json(output.threshold)
-    assert found.keys() == {"Fmap", "observer", "Fu"}
+    assert found.keys() == {"Fmap", "observer", "Fu", "causal"}
+    assert found["causal"] == pytest.approx(found["Fmap"] - 1)
     assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7
     assert 5.0 < found["observer"] < 5.01  # one minute allows one: 7
@@ -500,9 +504,6 @@ def test_a_push_is_no_load(ur5: Robot, tmp_path: Path) -> None:
     ],
 )
 def test_a_stop_sign_withholds_the_static_estimate_too(
-    friction: dict[str, Any], signs: list[str], withheld: bool, tmp_path: Path
+    friction: dict[str, Any], signs: list[str], withheld: bool
 ) -> None:
-    input = SimpleNamespace(friction=tmp_path / "friction.json", rigid=tmp_path / "torques.json")
-    write_json(friction, input.friction)
-    write_json({"stop_signs": signs}, input.rigid)
-    assert script("estimate_forces")._fitted(input) == withheld
+    assert is_fitted(friction, {"stop_signs": signs}) == withheld

@@ -67,6 +67,31 @@ def _stretch_states(slow: Mask, period: float) -> States:
     return states
 
 
+def past_states(qd: Array, segment: Labels, period: float) -> States:
+    """Return the states (N, 6) as far as past samples show them; arguments as of `joint_states`.
+
+    A joint about to start still counts as at rest, and one that slows down counts as REVERSING
+    until it has stopped.
+    """
+    states = np.full(qd.shape, MOVING, np.int8)
+    for rows in unbroken(segment):
+        slow, own = np.abs(qd[rows]) < SLOW, states[rows]
+        stopped = ~_recent(~slow, STOP, period)
+        own[_recent(slow, 2 * REACH, period)] = REVERSING
+        own[stopped] = np.where(_recent(~stopped, RELAXING, period), SETTLING, RESTING)[stopped]
+        own[(own == RESTING).all(axis=1)] = STILL
+    return states
+
+
+def _recent(where: Mask, seconds: float, period: float) -> Mask:
+    """Return the samples up to some seconds after one in the mask."""
+    window = round(seconds / period) + 1
+    seen = maximum_filter1d(
+        where.astype(np.uint8), window, axis=0, origin=(window - 1) // 2, mode="constant"
+    )
+    return np.asarray(seen > 0)
+
+
 def _near(where: Mask, seconds: float, period: float) -> Mask:
     """Return the samples within some seconds of one in the mask."""
     window = 2 * round(seconds / period) + 1

@@ -6,6 +6,7 @@ slow part of a free arm's torque, is smoothed without the contacts. Smoothing th
 computing the probabilities of the states alternate.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,10 +31,9 @@ QUICK = 0.3  # share of a load's error that changes within half a push
 
 
 class Gate(NamedTuple):
-    """Probability of contact (N,), the same from past samples only, and the background."""
+    """Probability of contact (N,), and the background."""
 
     probability: Array
-    causal: Array
     background: Gaussians
 
 
@@ -83,7 +83,7 @@ def find_contacts(
     """
     known, worth = finite_rows(torque), min(1.0, period / model.independent)
     filled = np.where(known[:, None], torque, 0.0)
-    free = _free_covariances(jacobian, noise, model, prior)
+    free = free_covariances(jacobian, noise, model, prior)
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
     slow = held = Gaussians(np.zeros_like(filled), noise.spread)
     for share in ROUNDS:
@@ -97,7 +97,7 @@ def find_contacts(
         contact = weight[:, len(free) :].sum(axis=1)  # (N,)
         contact = contact if told is None else told.astype(float)
         # background given all τ, each weighted by the probability of a free arm
-        measured = _measurement_noise(free, weight, contact) / worth
+        measured = measurement_noise(free, weight, contact) / worth
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
         rate = model.rate[states]
@@ -108,8 +108,7 @@ def find_contacts(
         held = slow
         if noise.still.any():
             held = smooth(*given, np.exp(-period * rate), *scaled)
-    past = hidden_markov.filtered(evidence, chain.transitions, chain.start)
-    return Gate(contact, past[:, len(free) :].sum(axis=1), slow)
+    return Gate(contact, slow)
 
 
 def _contact_densities(
@@ -129,7 +128,7 @@ def _contact_densities(
     ]
 
 
-def _free_covariances(
+def free_covariances(
     jacobian: Array, noise: Noise, model: ResidualModel, prior: ContactPrior
 ) -> list[Array]:
     """Return the covariances (N, 6, 6) of a free arm's torque: undisturbed, then hunting."""
@@ -140,7 +139,7 @@ def _free_covariances(
     ]
 
 
-def _measurement_noise(free: list[Array], weight: Array, contact: Array) -> Array:
+def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:
     """Return the covariance (N, 6, 6) of the torque as a measurement of the background.
 
     Σ p(free state) cov / p(free); in contact, the sample hardly counts.

@@ -36,7 +36,6 @@ class StretchEstimate(NamedTuple):
     wrench: Array
     std: Array
     log_odds: Array
-    causal_log_odds: Array
     background: Array
     least_squares: Array
     least_squares_std: Array
@@ -68,11 +67,6 @@ class WrenchEstimate:
     def log_odds(self) -> Array:
         """Return the log-odds (N,) of contact, given all samples."""
         return self._at_all("log_odds")
-
-    @property
-    def causal_log_odds(self) -> Array:
-        """Return the log-odds (N,) of contact, given past samples only."""
-        return self._at_all("causal_log_odds")
 
     @property
     def background(self) -> Array:
@@ -118,7 +112,7 @@ NOTHING_LEFT_OUT = Ablation()
 
 def used_rows(segment: Labels, period: float) -> Labels:
     """Return the rows (M,) of the samples that an estimate uses, from the first of each stretch."""
-    every = _every(period)
+    every = thinning(period)
     return np.concatenate([np.arange(rows.start, rows.stop, every) for rows in unbroken(segment)])
 
 
@@ -142,7 +136,7 @@ def estimate_wrench(
     if their friction is unknown, which then counts as none.
     """
     # every stretch on its own, thinned to STEP
-    every, found, start = _every(period), [], 0
+    every, found, start = thinning(period), [], 0
     gears = Gears.without_friction(torque) if gears is None else gears
     for rows in unbroken(segment):
         thin = slice(rows.start, rows.stop, every)
@@ -165,7 +159,7 @@ def estimate_wrench(
     return WrenchEstimate(found, every)
 
 
-def _every(period: float) -> int:
+def thinning(period: float) -> int:
     """Return the number of samples from one that is used to the next; period: [s]."""
     return max(1, round(STEP / period))
 
@@ -222,7 +216,6 @@ def _estimate(
         wrench=wrench,
         std=np.sqrt(np.maximum(second - wrench**2, 0.0)),
         log_odds=log_odds(gate.probability),
-        causal_log_odds=log_odds(gate.causal),
         background=gate.background.mean,
         least_squares=plain.mean,
         least_squares_std=np.sqrt(plain.variance),

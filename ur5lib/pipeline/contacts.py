@@ -39,34 +39,26 @@ Kind = Callable[[Span], dict[str, Any]]
 class Alarms(NamedTuple):
     """What one estimate raises.
 
-    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; live: those
-    raised while the recording runs, None where that is not known; wrench, std: (N, 6) [N, Nm], NaN
-    where no deviation is stated.
+    evidence: (N,), log-odds of contact, or the size of a force [N]; raised: its alarms; wrench,
+    std: (N, 6) [N, Nm], NaN where no deviation is stated.
     """
 
     evidence: Array
     raised: list[Span]
-    live: list[Span] | None
     wrench: Array
     std: Array
 
 
 def alarms_by_odds(forces: Forces, name: str, threshold: float) -> Alarms:
     """Return the alarms of an estimate that states odds of contact."""
-    odds, live = forces.log_odds[name], forces.causal_log_odds.get(name)
-    return Alarms(
-        evidence=odds,
-        raised=alarms(odds, threshold),
-        live=None if live is None else raised_live(live, threshold),
-        wrench=forces.wrench[name],
-        std=forces.std[name],
-    )
+    odds = forces.log_odds[name]
+    return Alarms(odds, alarms(odds, threshold), forces.wrench[name], forces.std[name])
 
 
 def alarms_by_size(wrench: Array, threshold: float) -> Alarms:
     """Return the alarms of an estimate that states a force alone; threshold: [N]."""
     size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
-    return Alarms(size, force_alarms(size, threshold), None, wrench, np.full_like(wrench, np.nan))
+    return Alarms(size, force_alarms(size, threshold), wrench, np.full_like(wrench, np.nan))
 
 
 def all_alarms(
@@ -107,6 +99,19 @@ def detected(
         if "compensated" in sensor.wrench:
             summary[name] |= against_sensor(own, sensor)
     return summary
+
+
+def causally(
+    forces: Forces, sensor: SensorWrenches, thresholds: Mapping[str, float]
+) -> dict[str, Any] | None:
+    """Return the alarms raised from past samples only, and their comparison with the sensor."""
+    if forces.causal_log_odds is None or "causal" not in thresholds:
+        return None
+    raised = raised_live(forces.causal_log_odds, thresholds["causal"])
+    found = {"alarms_per_min": len(raised) / (len(sensor.time) * sensor.period / 60)}
+    if "compensated" in sensor.wrench:
+        found |= counted(raised, sensed_force(sensor), sensor.period)
+    return found
 
 
 def by_axis(own: Alarms, sensor: SensorWrenches, axis: int) -> dict[str, Any]:
@@ -173,38 +178,45 @@ def strongest(span: Span, time: Array, own: Alarms) -> dict[str, Any]:
 
 def against_sensor(own: Alarms, sensor: SensorWrenches) -> dict[str, Any]:
     """Return contacts that the sensor saw, by the force they reach, and how the alarms match."""
-    force, step = np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1), sensor.period
+    force, step = sensed_force(sensor), sensor.period
     free, count = is_free(force, step), len(force)
-    any_contact = compare(own.raised, contacts(force), step)
     wrong, right = receiver_curve(own.evidence, force >= TOUCH)
     in_alarm = marked(own.raised, count)[free]
-    return {
-        "classes": [by_class(least, force, own.raised, own.live, step) for least in CLASSES],
-        "precision": any_contact.precision(),
-        "false_per_min": any_contact.false / (count * step / 60),
-        "extra": any_contact.extra,
+    return counted(own.raised, force, step) | {
         "free_time_in_alarm": float(in_alarm.mean()) if free.any() else None,
         "roc_area": float(np.trapezoid(right, wrong)),
     }
 
 
-def by_class(
-    least: float, force: Array, raised: list[Span], causal: list[Span] | None, step: float
-) -> dict[str, Any]:
+def sensed_force(sensor: SensorWrenches) -> Array:
+    """Return the magnitude (N,) [N] of the force at the sensor."""
+    return np.linalg.norm(sensor.wrench["compensated"][:, :3], axis=1)
+
+
+def counted(raised: list[Span], force: Array, step: float) -> dict[str, Any]:
+    """Return how alarms match the contacts at the sensor; force: (N,) [N]; step: [s]."""
+    any_contact = compare(raised, contacts(force), step)
+    return {
+        "classes": [by_class(least, force, raised, step) for least in CLASSES],
+        "precision": any_contact.precision(),
+        "false_per_min": any_contact.false / (len(force) * step / 60),
+        "extra": any_contact.extra,
+    }
+
+
+def by_class(least: float, force: Array, raised: list[Span], step: float) -> dict[str, Any]:
     """Return how many contacts that reach a force are found, each by its own alarm, and when.
 
     force: (N,) [N], of the sensor; step: [s].
     """
     strong = contacts(force, least)
     found = compare(raised, strong, step)
-    live = None if causal is None else compare(causal, strong, step).delays
     return {
         "force": least,
         "contacts": found.contacts,
         "found": found.found,
         "recall": found.recall(),
         "median_delay": median(found.delays),
-        "causal_delay": None if live is None else median(live),
     }
 
 

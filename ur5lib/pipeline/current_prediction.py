@@ -19,7 +19,7 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.payload import LEFT, joint_gains
 from ur5lib.identification.samples import Record, Smooth, blocks
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
-from ur5lib.pipeline.external_torque import edge, smoothed_external_torque
+from ur5lib.pipeline.external_torque import causal_external_torque, edge, smoothed_external_torque
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
@@ -50,6 +50,7 @@ def predicted_currents(
         predicted_current=predicted,
         current_band=band(fit, record, smooth, friction),
         external_torque=external,
+        causal_torque=causal_external_torque(record, predicted, constant, cutoff),
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
         observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
         gear_torque=smooth(record.torque, record),

@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel
@@ -51,6 +53,14 @@ class Problem(NamedTuple):
         return self._replace(input=own).solve(jacobian, prior).log_odds
 
 
+def is_fitted(friction: Mapping[str, Any], rigid: Mapping[str, Any]) -> bool:
+    """Return whether friction was fitted, or withheld as recordings contradict the study.
+
+    friction: friction.json; rigid: torques.json.
+    """
+    return bool(friction["from"] or "stopped" in friction or rigid["stop_signs"])
+
+
 def direct_problems(
     motion: Motion, currents: Currents, residuals: Mapping[str, Any]
 ) -> dict[str, Problem]:
@@ -67,6 +77,23 @@ def direct_problems(
             model = ResidualModel.from_dict(residuals[fitted])
             found[name] = Problem(force_input(motion, torque, currents), model)
     return found
+
+
+def causal_odds(
+    motion: Motion,
+    currents: Currents,
+    residuals: Mapping[str, Any],
+    jacobian: Array,
+    prior: ContactPrior,
+) -> Array | None:
+    """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
+
+    residuals: residuals.json; jacobian: (M, 6, 6), at `used_rows`.
+    """
+    if currents.causal_torque is None or "tau_causal" not in residuals:
+        return None
+    run = force_input(motion, currents.causal_torque, currents, past_states)
+    return causal_log_odds(run, jacobian, ResidualModel.from_dict(residuals["tau_causal"]), prior)
 
 
 def repeat_problem(
@@ -88,13 +115,17 @@ def repeat_problem(
     return Problem(fmap.input.with_torque(repeated.torque, repeated.states), repeated.model)
 
 
-def force_record(motion: Motion, estimates: Mapping[str, WrenchEstimate]) -> Forces:
-    """Return the estimates at the times of a motion, and least squares in the contacts of Fmap."""
-    whole = Forces(time=motion.time, segment=motion.segment)
+def force_record(
+    motion: Motion, estimates: Mapping[str, WrenchEstimate], causal: Array | None
+) -> Forces:
+    """Return the estimates at the times of a motion, and least squares in the contacts of Fmap.
+
+    causal: of `causal_odds`.
+    """
+    whole = Forces(time=motion.time, segment=motion.segment, causal_log_odds=causal)
     for name, estimate in estimates.items():
         whole.wrench[name], whole.std[name] = estimate.wrench, estimate.std
         whole.log_odds[name] = estimate.log_odds
-        whole.causal_log_odds[name] = estimate.causal_log_odds
     if (fmap := estimates.get("Fmap")) is None:
         return whole
     whole.wrench["least_squares"] = fmap.least_squares

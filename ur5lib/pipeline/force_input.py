@@ -1,16 +1,23 @@
 """A recording as a force estimate without a sensor uses it."""
 
-from ur5lib.force.external_torque import joint_states
+from collections.abc import Callable
+
+from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.gears import Gears
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Labels
 
 
-def force_input(motion: Motion, torque: Array, currents: Currents) -> ForceInput:
+def force_input(
+    motion: Motion,
+    torque: Array,
+    currents: Currents,
+    states_of: Callable[[Array, Labels, float], States] = joint_states,
+) -> ForceInput:
     """Return the measured motion and an external torque (N, 6) [Nm] of the same recording."""
-    states = joint_states(motion.motor_qd, motion.segment, motion.period)
+    states = states_of(motion.motor_qd, motion.segment, motion.period)
     return ForceInput(
         motion.q,
         motion.motor_qd,

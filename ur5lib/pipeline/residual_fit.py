@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
+from ur5lib.force.external_torque import joint_states, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Stretch, fit_residual_model
 from ur5lib.pipeline.force_input import force_input
@@ -14,7 +15,11 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
-TORQUES = {"tau_ext": "external_torque", "tau_observer": "observed_torque"}
+TORQUES = {
+    "tau_ext": ("external_torque", joint_states),
+    "tau_observer": ("observed_torque", joint_states),
+    "tau_causal": ("causal_torque", past_states),
+}
 ONE_PATH = (
     "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
     "bands are 6.5 times as wide as that path alone suggests; record another path"
@@ -38,9 +43,9 @@ def residual_summary(
     if explained is not None and (explained > 0).sum() < DIRECTIONS:
         return {"refused": unknown_torques(explained)}
     summary: dict[str, Any] = {}
-    for name, field in TORQUES.items():
+    for name, (field, states_of) in TORQUES.items():
         inputs = [
-            force_input(motion, torque, currents)
+            force_input(motion, torque, currents, states_of)
             for currents, motion in recordings
             if (torque := getattr(currents, field)) is not None
         ]

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.pipeline.contacts import all_alarms, detected, load_finder, smallest_forces
+from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder, smallest_forces
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
@@ -20,6 +20,8 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     kind = load_finder(currents, forces, regressor, residuals)
     found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
     summary = detected(found, sensor, thresholds, kind)
+    if "Fmap" in summary and (causal := causally(forces, sensor, thresholds)):
+        summary["Fmap"]["causal"] = causal
     if params.role == "validate" and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
         problem = direct_problems(motion, currents, residuals)["Fmap"]

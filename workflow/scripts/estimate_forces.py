@@ -5,8 +5,10 @@ from typing import Any
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
 from ur5lib.pipeline.force_estimates import (
+    causal_odds,
     direct_problems,
     force_record,
+    is_fitted,
     repeat_problem,
     repeated_runs,
 )
@@ -18,20 +20,15 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import read_json
+from ur5lib.timeseries.arrays import Array
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    if not _fitted(input):
+    if not is_fitted(read_json(input.friction), read_json(input.rigid)):
         _static(input, params).write(output.forces)
         return
     # read anew, so that of a long recording either all inputs are held or all results
-    force_record(Motion.read(input.motion), _estimates(input, params)).write(output.forces)
-
-
-def _fitted(input: Any) -> bool:
-    """Return whether friction was fitted, or withheld as recordings contradict the study."""
-    friction, load = read_json(input.friction), read_json(input.rigid)
-    return bool(friction["from"] or "stopped" in friction or load["stop_signs"])
+    force_record(Motion.read(input.motion), *_estimates(input, params)).write(output.forces)
 
 
 def _static(input: Any, params: Any) -> Forces:
@@ -44,9 +41,10 @@ def _static(input: Any, params: Any) -> Forces:
     return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
 
 
-def _estimates(input: Any, params: Any) -> dict[str, WrenchEstimate]:
+def _estimates(input: Any, params: Any) -> tuple[dict[str, WrenchEstimate], Array | None]:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
-    found = direct_problems(motion, currents, read_json(input.residuals))
+    residuals = read_json(input.residuals)
+    found = direct_problems(motion, currents, residuals)
     rows = used_rows(motion.segment, motion.period)
     jacobian = Kinematics.read(input.kinematics, rows).jacobian
     if "Fmap" in found:
@@ -56,4 +54,5 @@ def _estimates(input: Any, params: Any) -> dict[str, WrenchEstimate]:
         if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
             found["repeat"] = repeat
     prior = ContactPrior(force=params.contact_force_n)
-    return {name: problem.solve(jacobian, prior) for name, problem in found.items()}
+    causal = causal_odds(motion, currents, residuals, jacobian, prior)
+    return {name: problem.solve(jacobian, prior) for name, problem in found.items()}, causal

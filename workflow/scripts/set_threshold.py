@@ -21,11 +21,17 @@ def set_threshold(input: Any, output: Any, params: Any) -> None:
     rate, own = params.false_alarms_per_min, [Forces.read(path) for path in input.forces]
     others = [PublishedForces.read(path) for path in input.published]
     odds = [(one.log_odds, one.period) for one in own]
+    causal = [
+        ({"causal": one.causal_log_odds}, one.period)
+        for one in own
+        if one.causal_log_odds is not None
+    ]
     sizes = [
         ({name: np.linalg.norm(f[:, :3], axis=1) for name, f in one.corrected.items()}, one.period)
         for one in others
     ]
     found = thresholds(GATED, odds, alarm_threshold, rate)
+    found |= thresholds(["causal"], causal, alarm_threshold, rate)
     # without odds of contact, no force is stated, and nothing stands beside the published ones
     if found:
         found |= thresholds([*PUBLISHED], sizes, force_threshold, rate)

@@ -14,15 +14,15 @@ class Forces(SegmentedTable):
     """Contact wrenches from currents: the environment acting on the arm, base axes, frame 6's
     origin, (N, 6) [N, Nm].
 
-    wrench and std, its standard deviation, by estimate; log_odds and causal_log_odds: that there is
-    a contact, (N,), given all samples, or those so far; background: (N, 6) [Nm], slow external
-    torque that is no contact.
+    wrench and std, its standard deviation, by estimate; log_odds: that there is a contact, (N,),
+    given all samples; causal_log_odds: given each sample and those before it; background:
+    (N, 6) [Nm], slow external torque that is no contact.
     """
 
     wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, tuple(NEW))
     std: dict[str, Array] = channels("{}_std", "N, Nm", WRENCH, tuple(NEW))
     log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), tuple(GATED))
-    causal_log_odds: dict[str, Array] = channels("causal_log_odds_{}", "1", (), tuple(GATED))
+    causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
 
 

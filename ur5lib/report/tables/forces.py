@@ -74,13 +74,18 @@ def detection(own: Own) -> Iterator[Row]:
     for estimate, found in own["detection"].items():
         smallest = found.get("smallest_force_95", {})
         pushes = {f"smallest_force_95_{axis}": push["force"] for axis, push in smallest.items()}
-        for i, part in enumerate(found.get("classes", [{}])):
+        classes, causal = found.get("classes", [{}]), found.get("causal", {})
+        past = causal.get("classes", [{}] * len(classes))
+        for i, (part, by_then) in enumerate(zip(classes, past, strict=True)):
             yield {
                 "estimate": estimate,
                 "force_class_n": part.get("force"),
                 **{name: part.get(name) for name in ("contacts", "found", "recall")},
                 "median_delay_s": part.get("median_delay"),
-                "causal_delay_s": part.get("causal_delay"),
+                "causal_delay_s": by_then.get("median_delay"),
+                "causal_found": by_then.get("found"),
+                "causal_false_alarms_per_min": causal.get("false_per_min"),
+                "causal_alarms_per_min": causal.get("alarms_per_min"),
                 **(pushes if i == 0 else {}),
                 **{name: found.get(name) for name in (*same, "roc_area")},
                 "false_alarms_per_min": found.get("false_per_min"),

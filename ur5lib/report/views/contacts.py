@@ -169,11 +169,24 @@ def detection(results: Results) -> Iterator[str]:
             f"Of the contacts measured by force sensors, {name} finds {', '.join(parts)}, each "
             "with an alarm of its own."
         )
+        yield from _causal(rows[rows["force_class_n"] == rows["force_class_n"].min()])
     smallest = pushes_found(results)[PUSHES].median(skipna=False)
     if smallest.notna().all():
         yield (
             f"{name} detects pushes above {listed(smallest, 0)} N along x, y, z with a "
             "probability of 95 % (median over motions without contact)."
+        )
+
+
+def _causal(rows: pd.DataFrame) -> Iterator[str]:
+    """Report what is found from past samples only; rows: of the least class of contacts."""
+    known = rows.dropna(subset="causal_found")
+    if len(known):
+        delays = known["causal_delay_s"].dropna()
+        late = f", after {listed(delays)} s (median of each recording)" if len(delays) else ""
+        yield (
+            f"Alarms that use past data only find {known['causal_found'].sum():.0f} of "
+            f"{known['contacts'].sum():.0f}{late}."
         )
 
 

@@ -1,0 +1,89 @@
+"""The probability of contact from past samples only: what an alarm during the motion can know.
+
+The hidden Markov model and the background are those of `gate`. There, all samples smooth both; here
+one pass filters them: the background is corrected by what each sample is worth if the arm is free.
+"""
+
+import numpy as np
+
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import States, finite_rows
+from ur5lib.force.force_input import ForceInput
+from ur5lib.force.gate import Chain, Noise, free_covariances, log_density, measurement_noise
+from ur5lib.force.hidden_markov import LEAST, log_odds
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.wrench_estimate import thinning, used_rows
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.segments import starts
+
+
+def causal_log_odds(
+    run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
+) -> Array:
+    """Return the log-odds (N,) of contact at each sample, from it and the samples before.
+
+    run: with a torque that was low-passed causally, and states by `past_states`; jacobian:
+    (M, 6, 6), at `used_rows`, NaN where the arm's pose is unknown; model: of such torques.
+    """
+    rows = used_rows(run.segment, run.period)
+    posed, states = finite_rows(jacobian.reshape(-1, 36)), run.states[rows]
+    doubt = np.zeros(states.shape) if run.doubt is None else np.nan_to_num(run.doubt[rows])
+    probability = _filtered(
+        np.where(posed[:, None], run.torque[rows], np.nan),
+        np.where(posed[:, None, None], jacobian, 0.0),
+        states,
+        starts(run.segment[rows]),
+        thinning(run.period) * run.period,
+        Noise.of(states, model, prior, doubt),
+        model,
+        prior,
+    )
+    # between two samples that are used, the odds stay
+    latest = np.searchsorted(rows, np.arange(len(run.segment)), side="right") - 1
+    return log_odds(probability)[latest]
+
+
+def _filtered(
+    torque: Array,
+    jacobian: Array,
+    states: States,
+    fresh: Mask,
+    period: float,
+    noise: Noise,
+    model: ResidualModel,
+    prior: ContactPrior,
+) -> Array:
+    """Return the probability (n,) of contact; fresh: (n,), where a stretch starts."""
+    known, worth = finite_rows(torque), min(1.0, period / model.independent)
+    free, bank = np.stack(free_covariances(jacobian, noise, model, prior)), np.stack(prior.bank())
+    touched = noise.quick + noise.hidden  # of the torque in contact, beside the contact's own
+    chain = Chain.of(len(free), len(bank), period, prior)
+    decay = np.exp(-period * model.rate[states])
+    renewal = np.sqrt(1 - decay**2)
+    contact = np.empty(len(torque))
+    for t in range(len(torque)):
+        if fresh[t]:
+            weight, b, P = chain.start, np.zeros(6), noise.spread[t]
+        # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
+        weight = weight @ chain.transitions
+        b, P = decay[t] * b, _scaled(P, decay[t]) + _scaled(noise.spread[t], renewal[t])
+        if known[t]:
+            innovation = torque[t] - b
+            # p ∝ p⁻ N(τ - b⁻; 0, S + P⁻), in contact S + S_hidden + P⁻ + Jᵀ P_F J
+            during = touched[t] + jacobian[t].T @ bank @ jacobian[t]
+            evidence = worth * log_density(innovation, np.concatenate([free[:, t], during]) + P)
+            weight = np.maximum(weight * np.exp(evidence - evidence.max()), LEAST)
+            weight /= weight.sum()
+            # correction: V = P⁻ + cov v, b = b⁻ + P⁻ V⁻¹ (τ - b⁻), P = P⁻ - P⁻ V⁻¹ P⁻
+            own = measurement_noise(
+                free[:, t, None], weight[None], weight[None, len(free) :].sum(1)
+            )
+            gain = np.linalg.solve(P + own[0] / worth, P)
+            b, P = b + innovation @ gain, P - P @ gain
+        contact[t] = weight[len(free) :].sum()
+    return contact
+
+
+def _scaled(covariance: Array, factor: Array) -> Array:
+    """Return D C D, D = diag(factor); covariance: C (6, 6); factor: (6,)."""
+    return factor[:, None] * covariance * factor
