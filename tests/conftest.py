@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from tests import warm_snakemake
+from tests.commands import Command
 from tests.synthetic import write_recording
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
@@ -33,6 +34,11 @@ recordings:
 @pytest.fixture(scope="session")
 def ur5() -> Robot:
     return load_robot(robot_path("ur5"))
+
+
+@pytest.fixture
+def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Command:
+    return Command(monkeypatch, capsys)
 
 
 def recordings(name: str, remedy: str) -> Path:

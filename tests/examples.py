@@ -68,7 +68,7 @@ def examples(page: Path) -> list[Example]:
     if page.suffix == ".py":
         text = (ast.get_docstring(ast.parse(text)) or "") + "\n"
     found = []
-    for match in INDENTED.finditer(text):
+    for match in INDENTED.finditer(FENCE.sub(_blank, text)):
         block = dedent(match[1])
         found.append((match.start(1), block, kind_of(block)))
     for match in FENCE.finditer(text):
@@ -80,7 +80,7 @@ def examples(page: Path) -> list[Example]:
 
 
 def _blank(match: re.Match[str]) -> str:
-    return re.sub(r"[^\n]", " ", match[0])
+    return re.sub(r"[^\n]", "x", match[0])
 
 
 def spans(text: str) -> Iterator[tuple[int, str, str]]:
@@ -107,8 +107,8 @@ def kind_of(block: str) -> str:
         return "python"
     if KEY.match(first):
         return "yaml"
-    words = [line.split()[0] for line in block.splitlines() if line.strip()]
-    if all(word.removeprefix(".venv/bin/") in COMMANDS for word in words):
+    filled = [line for line in block.splitlines() if line.strip()]
+    if all(line.split()[0].removeprefix(".venv/bin/") in COMMANDS for line in filled):
         return "shell"
     if LISTED.match(first):
         return "listing"
@@ -116,22 +116,7 @@ def kind_of(block: str) -> str:
         return "way-points"
     if MOVE.match(first):
         return "moves"
-    return "equation" if is_equation(block) else "unknown"
-
-
-def is_equation(block: str) -> bool:
-    """Whether each line says that something equals something, and is no Python."""
-    equal = all(" = " in line for line in block.splitlines() if line.strip())
-    return equal and not (block.isascii() and is_python(block))
-
-
-def is_python(block: str) -> bool:
-    """Whether Python can read a block."""
-    try:
-        ast.parse(block)
-    except SyntaxError:
-        return False
-    return True
+    return "equation" if all(" = " in line for line in filled) else "unknown"
 
 
 # Shell
@@ -283,20 +268,7 @@ def make_files(entry: dict[str, Any], folder: Path) -> None:
         (folder / way_points).write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
 
 
-# Equations and listings
-
-
-def equation_faults(text: str) -> list[str]:
-    """Brackets of equations that do not match; the tests of the library are about the rest."""
-    return [line for line in text.splitlines() if not is_balanced(line)]
-
-
-def is_balanced(line: str) -> bool:
-    """Whether each bracket is closed by its own kind."""
-    brackets = "".join(letter for letter in line if letter in "()[]{}")
-    while (rest := re.sub(r"\(\)|\[\]|\{\}", "", brackets)) != brackets:
-        brackets = rest
-    return not brackets
+# Listings
 
 
 def listing_faults(text: str) -> list[str]:

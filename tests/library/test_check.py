@@ -1,13 +1,14 @@
 """`ur5 check`: a study looked through in seconds, without the workflow."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from tests.commands import Command, words
 from tests.made_tables import table
 from tests.synthetic import write_recording
-from ur5lib import cli
 from ur5lib.commands.check import unfiltered
 from ur5lib.report.findings import group_findings
 from ur5lib.study.model import Settings, Study
@@ -28,86 +29,70 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    monkeypatch.setattr("sys.argv", ["ur5", *map(str, arguments)])
-    with pytest.raises(SystemExit) as stop:
-        cli.main()
-    return int(stop.value.code or 0)
-
-
-def test_findings_and_clocks_are_printed(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    assert run(monkeypatch, "check", study) == 0
-    text = capsys.readouterr().out
-    assert "force: no sensor (note)" in text
-    assert "0.0050 ± 0.0058" in text
+def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
+    said = run_ur5("check", study)
+    assert said.status == 0
+    assert "no sensor (note)" in said.out
+    assert "0.0050 ± 0.0058" in said.out
     assert not (study.parent / "results").exists()
 
 
-def test_an_unusable_recording_does_not_hide_the_others(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    (study.parent / "raw/bad/csv_files/log_q_actual.csv").write_text("nothing\n")
-    assert run(monkeypatch, "check", study) == 1
-    text = capsys.readouterr().out
-    assert "robot: unusable (error)" in text
-    assert "good" in text
-
-
-def test_a_recording_that_is_not_simulated_yet_is_told(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    """It is no fault, and hides nothing."""
-    plan = "{trajectory: {kind: fourier}}"
-    entry = f"- {{name: made, robot: ur5, format: thesis-csv, role: fit, simulate: {plan}}}\n"
-    study.write_text(study.read_text() + entry)
-    assert run(monkeypatch, "check", study) == 0
-    text = capsys.readouterr().out
-    assert "not simulated yet: made; `snakemake` will simulate it first\n" in text
-    assert "good" in text
-
-
-def test_an_arm_without_a_recording_to_fit_on_is_told(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    study.write_text(study.read_text().replace("role: fit", "role: contact"))
-    assert run(monkeypatch, "check", study) == 0
-    assert "no recording of ur5 has the role `fit`" in capsys.readouterr().out
-
-
-def test_an_unusable_sensor_is_an_error(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    force = study.parent / "raw/good/csv_files/log_force_sensor.csv"
-    force.write_text(force.read_text().replace("\n", ", 0\n"))
-    assert run(monkeypatch, "check", study) == 1
-    assert "force: unusable sensor (error)" in capsys.readouterr().out
+SIMULATED = (
+    "- {name: made, robot: ur5, format: thesis-csv, role: fit, "
+    "simulate: {trajectory: {kind: fourier}}}\n"
+)
 
 
 @pytest.mark.parametrize(
-    ("content", "sentence"),
+    ("file", "change", "status", "printed"),
     [
-        ("study: mine\ntitle: [", "study.yaml, line 2: cannot be read as YAML (expected"),
-        ("a letter", "is not a study"),
-        ("study: mine", "`title` is missing"),
-        ("study: \udcff", "cannot be read as YAML ('utf-8' codec"),
+        ("raw/bad/csv_files/log_q_actual.csv", lambda _: "nothing\n", 1, "robot unusable error"),
+        (
+            "raw/good/csv_files/log_force_sensor.csv",
+            lambda text: text.replace("\n", ", 0\n"),
+            1,
+            "force unusable sensor error",
+        ),
+        ("study.yaml", lambda text: text + SIMULATED, 0, "simulated yet made `snakemake`"),
+        ("study.yaml", lambda text: text.replace("role: fit", "role: contact"), 0, "ur5 `fit`"),
+    ],
+)
+def test_a_fault_is_named_beside_the_other_recordings(
+    study: Path,
+    run_ur5: Command,
+    file: str,
+    change: Callable[[str], str],
+    status: int,
+    printed: str,
+) -> None:
+    """What is not simulated yet, or cannot be fitted, is no fault."""
+    path = study.parent / file
+    path.write_text(change(path.read_text()))
+    said = run_ur5("check", study)
+    assert said.status == status
+    assert words(f"good {printed}") <= words(said.out)
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [
+        ("study: mine\ntitle: [", "line 2 YAML"),
+        ("a letter", "`study` `title` `recordings`"),
+        ("study: mine", "`title` missing"),
+        ("study: \udcff", "YAML 'utf-8'"),
         (None, "No such file"),
     ],
 )
-def test_a_wrong_study_is_told(
-    study: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-    content: str | None,
-    sentence: str,
+def test_a_wrong_study_is_named(
+    study: Path, run_ur5: Command, content: str | None, named: str
 ) -> None:
     if content is None:
         study.unlink()
     else:
         study.write_text(content, errors="surrogateescape")
-    assert run(monkeypatch, "check", study) == 1
-    assert sentence in capsys.readouterr().err
+    said = run_ur5("check", study)
+    assert said.status == 1
+    assert words(f"{study} {named}") <= words(said.err)
 
 
 def test_copies_and_poor_clocks_are_findings() -> None:
@@ -125,15 +110,13 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     grouped = group_findings(rows)
     told = grouped.set_index(["recording", "finding"])["detail"].to_dict()
     assert told["one", "torn"] == "a, line 3; b, line 3: left out"
-    assert told["one", "same file"] == "identical to the file of two; used here"
-    assert told["two", "same file"] == "identical to the file of one; not used here"
+    assert words("two used here") <= words(told["one", "same file"])
+    assert words("one not used here") <= words(told["two", "same file"])
     assert told["two", "mounting"] == "upside down"
     assert told["two", "offset"] == "a push"
     assert ("one", "mounting") not in told
-    assert told["one", "clock by stamps alone"] == (
-        "the arm rests; accurate to 0.1 s at the start and 0.2 s at the end"
-    )
-    assert "accurate to 0.006 s at the start and 0.1 s at the end" in told["two", "unknown drift"]
+    assert words("the arm rests 0.1 0.2") <= words(told["one", "clock by stamps alone"])
+    assert {"0.006", "0.1"} <= words(told["two", "unknown drift"])
     assert list(grouped["finding"]).count("unknown drift") == 1
 
 
@@ -150,4 +133,4 @@ def test_a_recording_that_a_filter_leaves_as_it_is_is_told() -> None:
     study = Study.model_construct(settings=settings)
     assert unfiltered(study, 0.002) == []
     (note,) = unfiltered(study, 0.008)
-    assert note.detail.startswith("`cutoff_hz` of motion is not below 62.5 Hz, half the rate")
+    assert {"`cutoff_hz`", "motion", "62.5"} <= words(note.detail)

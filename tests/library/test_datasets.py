@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from tests.commands import Command, words
 from tests.conftest import PROJECT, shared_folder
 from ur5lib import cli
 from ur5lib.commands.check import print_findings
@@ -286,15 +287,10 @@ def test_what_no_program_can_list_is_told(tmp_path: Path) -> None:
     assert not (tmp_path / "raw").exists()
 
 
-def test_the_command_tells_a_wrong_name(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
-) -> None:
-    monkeypatch.setattr("sys.argv", ["ur5", "fetch", "thesi"])
-    with pytest.raises(SystemExit) as stop:
-        cli.main()
-    assert stop.value.code == 1
-    told = capsys.readouterr().err
-    assert told.startswith("ur5: unknown data set 'thesi'; available: thesis, ur10e, ")
+def test_the_command_names_a_wrong_name_and_what_there_is(run_ur5: Command) -> None:
+    said = run_ur5("fetch", "thesi")
+    assert said.status == 1
+    assert {"'thesi'", "thesis", "ur10e"} <= words(said.err)
 
 
 @pytest.mark.parametrize("command", [[], ["fetch"], ["schema"]])

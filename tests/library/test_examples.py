@@ -14,7 +14,6 @@ from typer.testing import CliRunner
 from tests.conftest import PROJECT
 from tests.examples import (
     Example,
-    equation_faults,
     examples,
     kind_of,
     listing_faults,
@@ -98,11 +97,6 @@ def test_moves_are_possible(example: Example, tmp_path: Path) -> None:
     path.write_text(example.text)
     motion = plan(read_program(path), robot, np.zeros(6), 1.0, 0.0)
     assert [*refusals(motion, robot, motion.q[0], 0.0)] == []
-
-
-@of_kind("equation")
-def test_equations_are_whole(example: Example) -> None:
-    assert equation_faults(example.text) == []
 
 
 # Code, each as its page says that it is used
@@ -214,11 +208,6 @@ def test_a_study_that_is_wrong_is_found(
 @pytest.mark.parametrize("block", ["brew --tea", "#include <tea.h>", "SELECT * FROM tea"])
 def test_an_example_of_another_kind_is_unknown(block: str) -> None:
     assert kind_of(block) == "unknown"
-
-
-def test_an_equation_that_is_torn_is_found() -> None:
-    assert kind_of("τ = D (q̈ + g)\ni = [τ]") == "equation"
-    assert equation_faults("τ = D (q̈ + g)\ni = (τ]") == ["i = (τ]"]
 
 
 def test_a_listed_file_that_does_not_exist_is_found() -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.commands import SECONDS, Command
 from tests.corpus import rtde
 from tests.time_limit import time_limit
-from ur5lib import cli
 from ur5lib.errors import InputError, printable
 from ur5lib.recordings.quality import Finding
 from ur5lib.report.reference import read_reference
@@ -19,7 +19,6 @@ from ur5lib.study.reading import parse_study
 
 MARKUP = ["[/x]", "[red]", ":x:", "[link=http://x]", "\\[/x]"]
 CONTROLS = ["\x1b[31m", "\x1b]0;title\x07", "\x9b31m", "\x00", "\x08", "\u202e", "\udcff", "\x7f"]
-SECONDS = 10
 ENTRY = """\
 - name: run
   robot: ur5
@@ -43,14 +42,6 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: object) -> int:
-    """Run `ur5`, and return how it ended."""
-    monkeypatch.setattr("sys.argv", ["ur5", *map(str, arguments)])
-    with pytest.raises(SystemExit) as stop, time_limit(SECONDS):
-        cli.main()
-    return int(stop.value.code or 0)
-
-
 # Text that a terminal or rich would obey
 
 
@@ -72,7 +63,7 @@ def test_other_text_stays_as_it_is() -> None:
 
 @pytest.mark.parametrize("name", MARKUP)
 def test_what_looks_like_markup_is_printed_as_it_is(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, name: str
+    study: Path, run_ur5: Command, name: str
 ) -> None:
     """As a header, as a cell, and as a file's name."""
     robot = study.parent / "rtde/robot.csv"
@@ -85,8 +76,7 @@ def test_what_looks_like_markup_is_printed_as_it_is(
     robot.with_name("force.csv").rename(force)
     study.write_text(study.read_text().replace("force.csv", json.dumps(force.name)))
     force.write_text("0\n" + force.read_text())
-    run(monkeypatch, "check", study)
-    printed = " ".join(capsys.readouterr().out.split())
+    printed = run_ur5("check", study).line
     assert f"{name}: " in printed
     assert repr(name) in printed
     assert f"{force.name}, line 1" in printed
@@ -94,20 +84,17 @@ def test_what_looks_like_markup_is_printed_as_it_is(
 
 @pytest.mark.parametrize("text", CONTROLS)
 def test_control_characters_do_not_reach_the_terminal(
-    study: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, text: str
+    study: Path, run_ur5: Command, text: str
 ) -> None:
     robot = study.parent / "rtde/robot.csv"
     head, *rows = robot.read_bytes().splitlines(keepends=True)
     data = os.fsencode(text) if text == "\udcff" else text.encode()
     robot.write_bytes(head.rstrip() + b",a" + data + b"b\n" + b"".join(rows))
-    run(monkeypatch, "check", study)
+    said = [run_ur5("check", study)]
     study.write_text(study.read_text().replace("robot.csv", "robot.csv\\u001b[31m"))
-    run(monkeypatch, "check", study)
-    run(monkeypatch, "check", text.replace("\0", ""))
-    run(monkeypatch, text)
-    run(monkeypatch, "fetch", text)
-    captured = capsys.readouterr()
-    assert (captured.out + captured.err).replace("\n", "").isprintable()
+    for arguments in (["check", study], ["check", text.replace("\0", "")], [text], ["fetch", text]):
+        said.append(run_ur5(*arguments))
+    assert all(one.line.isprintable() for one in said)
 
 
 # Files that are none
@@ -132,77 +119,54 @@ special = pytest.mark.parametrize(("kind", "make"), SPECIAL.items(), ids=SPECIAL
 
 
 @special
-@pytest.mark.parametrize("name", ["rtde/robot.csv", "rtde/force.csv", "rtde/start.txt"])
-def test_what_is_no_file_is_told_at_once(
-    study: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-    name: str,
-    kind: str,
-    make: Make,
+@pytest.mark.parametrize("name", ["robot.csv", "force.csv", "start.txt", "capture.csv"])
+def test_a_recording_s_file_that_is_none_is_named_at_once(
+    study: Path, run_ur5: Command, name: str, kind: str, make: Make
 ) -> None:
-    monkeypatch.chdir(study.parent)
-    Path(name).unlink()
-    make(Path(name))
-    assert run(monkeypatch, "check", study) == 1
-    assert f"{name} is {kind}, " in " ".join(capsys.readouterr().out.split())
+    path = Path("rtde", name)
+    path.unlink(missing_ok=True)
+    make(path)
+    if name == "capture.csv":
+        text = study.read_text().replace("rtde-csv", "realtime-stream")
+        study.write_text(text.replace("robot.csv", name))
+    said = run_ur5("check", study)
+    assert said.status == 1
+    assert f"{path} is {kind}" in said.line
 
 
 @special
-def test_a_capture_or_channel_that_is_no_file_is_told(
-    study: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-    kind: str,
-    make: Make,
-) -> None:
-    make(Path("rtde/capture.csv"))
-    text = study.read_text().replace("rtde-csv", "realtime-stream")
-    study.write_text(text.replace("robot.csv", "capture.csv"))
-    assert run(monkeypatch, "check", study) == 1
-    assert f"rtde/capture.csv is {kind}, " in " ".join(capsys.readouterr().out.split())
-
-
-@special
-def test_a_study_that_is_no_file_is_told(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-    kind: str,
-    make: Make,
+def test_a_study_that_is_no_file_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command, kind: str, make: Make
 ) -> None:
     monkeypatch.chdir(tmp_path)
     make(Path("study.yaml"))
-    assert run(monkeypatch, "check", "study.yaml") == 1
-    assert f"study.yaml is {kind}, " in capsys.readouterr().err
+    said = run_ur5("check", "study.yaml")
+    assert said.status == 1
+    assert f"study.yaml is {kind}" in said.err
 
 
 @special
 @pytest.mark.parametrize("read", [read_way_points, read_reference])
-def test_way_points_and_references_that_are_no_files_are_told(
+def test_way_points_and_references_that_are_no_files_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str, make: Make, read: Callable
 ) -> None:
     monkeypatch.chdir(tmp_path)
     make(Path("file"))
-    with time_limit(SECONDS), pytest.raises(InputError, match=f"^file is {kind}, "):
+    with time_limit(SECONDS), pytest.raises(InputError, match=f"^file is {kind}"):
         read("file")
 
 
 @special
-def test_a_study_that_names_such_a_file_is_told(
-    study: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture,
-    kind: str,
-    make: Make,
+def test_a_study_that_names_such_a_file_says_so(
+    study: Path, run_ur5: Command, kind: str, make: Make
 ) -> None:
     make(study.with_name("way_points"))
     plan = "{trajectory: {kind: movej, way_points: way_points}}"
     entry = f"- {{name: made, robot: ur5, format: thesis-csv, role: fit, simulate: {plan}}}\n"
     study.write_text(f"reference: way_points\n{study.read_text()}{entry}")
-    assert run(monkeypatch, "check", study) == 1
-    told = capsys.readouterr().err
-    assert told.count(f"is 'way_points'; give a file, not {kind}") == 2
+    said = run_ur5("check", study)
+    assert said.status == 1
+    assert said.line.count("'way_points'") == said.line.count(f"not {kind}") == 2
 
 
 # Few lines that mean many
@@ -223,15 +187,15 @@ BOMBS = {
 
 
 @pytest.mark.parametrize("bomb", BOMBS.values(), ids=BOMBS)
-def test_a_study_that_expands_beyond_measure_is_told_at_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture, bomb: str
+def test_a_study_that_expands_beyond_measure_is_refused_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command, bomb: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("study.yaml").write_text(f"study: mine\ntitle: Mine\n{bomb}\n")
-    assert run(monkeypatch, "check", "study.yaml") == 1
-    told = capsys.readouterr().err
-    assert told.startswith("ur5: study.yaml ")
-    assert told.count("\n") == 1
+    said = run_ur5("check", "study.yaml")
+    assert said.status == 1
+    assert said.err.startswith("ur5: study.yaml ")
+    assert said.err.count("\n") == 1
     with time_limit(SECONDS), pytest.raises(InputError, match=r"study\.yaml "):
         read_reference("study.yaml")
 

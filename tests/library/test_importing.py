@@ -1,5 +1,6 @@
 """`ur5 import`: the entry of a recording is found and proven, or refused; never wrong."""
 
+import random
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -8,13 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
-from tests.stored_corpus import damaged
+from tests.damage import DRAWS, damaged_file, drawn
 from tests.stored_files import (
     Made,
     made_up_channels,
     thesis_channels,
+    write,
     write_bag,
     write_hdf5,
     write_mat,
@@ -242,13 +246,27 @@ def test_three_commands_are_named(
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
 
 
-def test_damaged_files_are_imported_right_or_refused(tmp_path: Path) -> None:
-    made = made_up_channels(tmp_path, seconds=4)
-    for _, label, damage in damaged(tmp_path, made, 20, seed=4):
-        with suppress(InputError):
-            entry, _ = entry_and_comments(tmp_path / damage["file"], robot="ur5")
-            assert entry["channels"].items() <= damage["channels"].items(), label
-            assert "joints" not in entry, label
+ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap"]
+
+
+@pytest.fixture(scope="module")
+def written(made: Made, tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
+    folder = tmp_path_factory.mktemp("written")
+    return {kind: write(kind, folder, *made) for kind in ARRAYS}
+
+
+@drawn(20)
+@given(kind=st.sampled_from(ARRAYS), draw=DRAWS)
+def test_damaged_files_are_imported_right_or_refused(
+    tmp_path: Path, written: dict[str, dict[str, Any]], kind: str, draw: random.Random
+) -> None:
+    whole = written[kind]
+    path = tmp_path / whole["file"]
+    path.write_bytes(damaged_file(Path(whole["folder"], path.name).read_bytes(), draw).data)
+    with suppress(InputError):
+        entry, _ = entry_and_comments(path, robot="ur5")
+        assert entry["channels"].items() <= whole["channels"].items()
+        assert "joints" not in entry
 
 
 # Real recordings

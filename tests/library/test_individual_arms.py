@@ -11,6 +11,7 @@ import pytest
 import yaml
 from scipy.spatial.transform import Rotation
 
+from tests.commands import words
 from tests.conftest import PROJECT, shared_folder
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
@@ -68,7 +69,7 @@ def test_lists_are_changed_entry_by_entry_or_as_a_whole() -> None:
 
 @pytest.mark.parametrize("override", [{"mases": [1]}, {"masses": {7: 1.0}}, {"masses": {1: -2}}])
 def test_a_wrong_override_is_told(override: dict[str, Any]) -> None:
-    with pytest.raises(InputError, match="`override` of mine does not give a valid description"):
+    with pytest.raises(InputError, match="`override` of mine"):
         individual_robot(robot_path("ur5e"), "mine", override, None)
 
 
@@ -212,25 +213,25 @@ def test_a_calibrated_arm_is_the_same_in_another_engine(ur5e: Robot, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("text", "words"),
+    ("text", "named"),
     [
-        ("delta_theta = [1, 2]", "`delta_theta` is not a list of six numbers"),
-        ("delta_theta = [0, 0, 0, 0, 0, 0]", "`delta_d` is not a list of six numbers"),
-        ("nothing: here", "is no calibration: it has neither"),
-        ("[: no yaml", "is no calibration: it has neither"),
+        ("delta_theta = [1, 2]", "`delta_theta`"),
+        ("delta_theta = [0, 0, 0, 0, 0, 0]", "`delta_d`"),
+        ("nothing: here", "no calibration"),
+        ("[: no yaml", "no calibration"),
     ],
 )
-def test_a_wrong_calibration_is_told(ur5e: Robot, tmp_path: Path, text: str, words: str) -> None:
+def test_a_wrong_calibration_is_named(ur5e: Robot, tmp_path: Path, text: str, named: str) -> None:
     path = tmp_path / "calibration.conf"
     path.write_text(text)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(InputError, match=rf"calibration\.conf.*{named}"):
         calibrated(ur5e, path)
 
 
 def test_the_calibration_of_another_arm_is_told() -> None:
     folder = shared_folder("arms", "they are config/ of Universal_Robots_ROS2_Description")
     robot = load_robot(robot_path("ur10e"))
-    with pytest.raises(InputError, match=r"mm from where ur10e has it; name the arm that"):
+    with pytest.raises(InputError, match=r"mm .*ur10e"):
         calibrated(robot, folder / "ur5e" / "default_kinematics.yaml")
 
 
@@ -283,37 +284,30 @@ def test_the_study_s_arm_is_that_of_its_recordings(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("robot", "recording", "sentence"),
+    ("robot", "recording", "named"),
     [
-        (None, {}, "`recordings[0].robot` is missing; name the arm there, or as `robot` of the "
-         "study for all recordings"),
-        ({"arm": "ur7"}, {}, "`robot.arm`: no description of `ur7`; docs/robots.md shows "),
-        ({"arm": "ur5e", "tol": 1}, {}, "unknown key `robot.tol` (did you mean `tool`?); known "
-         "keys: arm, name, override, calibration, mounting, tool"),
-        ({"arm": "ur5e", "mounting": "cieling"}, {}, "`robot.mounting` is 'cieling' (did you mean "
-         "`ceiling`?); give one of floor, wall, ceiling"),
-        ({"arm": "ur5e", "mounting": {"tilt": 3}}, {}, "`robot.mounting.tilt_deg` is missing; "
-         "give a number at least -180 and at most 180"),
-        ({"arm": "ur5e", "tool": {"mass": -1}}, {}, "`robot.tool.mass` is -1; give a number above "
-         "0"),
-        ({"arm": "ur5e", "calibration": "no.conf"}, {}, "`robot.calibration` is 'no.conf'; give "
-         "an existing file"),
-        ({"arm": "ur5e", "override": {"masses": {1: -1}}}, {}, "`override` of ur5e does not give "
-         "a valid description of an arm (docs/robots.md): "),
-        ("ur5e", {"mounting": "wall", "gravity": [0, 0, 9.8]}, "`recordings[0]` has both "
-         "`gravity` and `mounting`; remove one"),
+        (None, {}, "`recordings[0].robot` missing `robot`"),
+        ({"arm": "ur7"}, {}, "`robot.arm` `ur7` docs/robots.md"),
+        ({"arm": "ur5e", "tol": 1}, {}, "`robot.tol` `tool` calibration mounting"),
+        ({"arm": "ur5e", "mounting": "cieling"}, {}, "`robot.mounting` 'cieling' `ceiling` wall"),
+        ({"arm": "ur5e", "mounting": {"tilt": 3}}, {}, "`robot.mounting.tilt_deg` -180 180"),
+        ({"arm": "ur5e", "tool": {"mass": -1}}, {}, "`robot.tool.mass` -1 0"),
+        ({"arm": "ur5e", "calibration": "no.conf"}, {}, "`robot.calibration` 'no.conf'"),
+        ({"arm": "ur5e", "override": {"masses": {1: -1}}}, {}, "`override` ur5e docs/robots.md"),
+        ("ur5e", {"mounting": "wall", "gravity": [0, 0, 9.8]},
+         "`recordings[0]` `gravity` `mounting`"),
     ],
 )  # fmt: skip
-def test_a_wrong_arm_is_told(tmp_path: Path, robot: Any, recording: Any, sentence: str) -> None:
+def test_a_wrong_arm_is_named(tmp_path: Path, robot: Any, recording: Any, named: str) -> None:
     with pytest.raises(InputError) as error:
         study(tmp_path, robot, recording)
     first, *_ = str(error.value).splitlines()
-    assert first.startswith(f"mine.yaml: {sentence}")
+    assert words(f"mine.yaml {named}") <= words(first)
 
 
-def test_two_arms_of_one_name_are_told(tmp_path: Path) -> None:
+def test_two_arms_of_one_name_are_named(tmp_path: Path) -> None:
     other = {"robot": {"arm": "ur5e", "override": {"masses": {1: 4.0}}}}
-    with pytest.raises(InputError, match="the arm of run1 differs from another called ur5e; give"):
+    with pytest.raises(InputError, match=r"run1.*ur5e.*`name`"):
         study(tmp_path, "ur5e", {}, other)
     other["robot"]["name"] = "cell-2"
     assert {*study(tmp_path, "ur5e", {}, other).arms()} == {"ur5e", "cell-2"}
@@ -329,5 +323,5 @@ def test_an_arm_is_described_beside_the_study(
     given = study(tmp_path, "ur7e", {})
     assert given.arms()["ur7e"].description().name == "ur7e"
     (tmp_path / "robots/ur5e.yaml").write_text(text)
-    with pytest.raises(InputError, match=r"another name to robots/ur5e.yaml: ur5lib describes a"):
+    with pytest.raises(InputError, match=r"robots/ur5e\.yaml"):
         study(tmp_path, "ur5e", {})

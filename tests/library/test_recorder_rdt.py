@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.damage import damaged
+from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.recorder import rdt
 from ur5lib.recorder.counter import Counter
 
 RATE = 1000.0
-STREAMS = 10_000
+STREAMS = 1000
 RECORD = bytes.fromhex(
     "00000001 00000007 80020000 000f4240 fff0bdc0 00000000 7fffffff 80000000 00000002".replace(
         " ", ""
@@ -77,7 +77,7 @@ def spoilt(records: list[bytes], draw: random.Random) -> list[bytes]:
         at = draw.randrange(len(records))
         match draw.choice(["damage", "repeat", "lose", "swap"]):
             case "damage":
-                records[at] = damaged(records[at], draw)
+                records[at] = damaged_stream(records[at], draw)
             case "repeat":
                 records.insert(draw.randint(at, len(records)), records[at])
             case "lose" if len(records) > 1:
@@ -87,28 +87,28 @@ def spoilt(records: list[bytes], draw: random.Random) -> list[bytes]:
     return records
 
 
-def test_damaged_streams_give_records_in_order_or_nothing() -> None:
-    for seed in range(STREAMS):
-        draw = random.Random(seed)
-        first = draw.choice([1, 2**32 - 3, draw.randrange(2**32)])
-        sent = [
-            struct.pack(">III6i", (first + k) % 2**32, 7 * k, 0, *draw.sample(range(-9, 9), 6))
-            for k in range(8)
-        ]
-        arrived = spoilt(sent.copy(), draw)
-        counter, accepted, missing = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE), [], 0
-        for datagram in arrived:
-            record = rdt.decode(datagram)
-            before = counter.lost_before(record[0]) if record else None
-            if record and before is not None:
-                accepted.append((record, datagram))
-                missing += before
-        steps = [
-            (int.from_bytes(after[1][:4], "big") - int.from_bytes(before[1][:4], "big")) % 2**32
-            for before, after in pairwise(accepted)
-        ]
-        assert all(0 < step <= 10 * rdt.HIGHEST_RATE for step in steps), seed
-        assert missing == sum(step - 1 for step in steps), seed
-        for record, datagram in accepted:
-            assert len(datagram) == 36, seed
-            assert b"".join((n % 2**32).to_bytes(4, "big") for n in record) == datagram, seed
+@drawn(STREAMS)
+@given(draw=DRAWS)
+def test_damaged_streams_give_records_in_order_or_nothing(draw: random.Random) -> None:
+    first = draw.choice([1, 2**32 - 3, draw.randrange(2**32)])
+    sent = [
+        struct.pack(">III6i", (first + k) % 2**32, 7 * k, 0, *draw.sample(range(-9, 9), 6))
+        for k in range(8)
+    ]
+    arrived = spoilt(sent.copy(), draw)
+    counter, accepted, missing = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE), [], 0
+    for datagram in arrived:
+        record = rdt.decode(datagram)
+        before = counter.lost_before(record[0]) if record else None
+        if record and before is not None:
+            accepted.append((record, datagram))
+            missing += before
+    steps = [
+        (int.from_bytes(after[1][:4], "big") - int.from_bytes(before[1][:4], "big")) % 2**32
+        for before, after in pairwise(accepted)
+    ]
+    assert all(0 < step <= 10 * rdt.HIGHEST_RATE for step in steps)
+    assert missing == sum(step - 1 for step in steps)
+    for record, datagram in accepted:
+        assert len(datagram) == 36
+        assert b"".join((n % 2**32).to_bytes(4, "big") for n in record) == datagram

@@ -8,13 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.damage import damaged
+from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.recorder import xbus
 from ur5lib.recorder.mtdata import decode_mtdata, decode_mtdata2
 from ur5lib.recorder.xbus import Decoder, Message, encode
 from ur5lib.stand.lab.xsens_device import encode_message, encode_vector
 
-STREAMS = 10_000
+STREAMS = 1000
 
 # An MTData2 message with the checksum that its device sent.
 SAMPLE = bytes.fromhex(
@@ -75,27 +75,27 @@ def test_pieces_give_the_same_messages_as_the_whole(
     assert found == Decoder().feed(stream)
 
 
-def test_damaged_streams_give_no_message_with_a_wrong_checksum() -> None:
+@drawn(STREAMS)
+@given(draw=DRAWS)
+def test_damaged_streams_give_no_message_with_a_wrong_checksum(draw: random.Random) -> None:
     """Each accepted message stands in the stream with its checksum, after the one before it."""
-    for seed in range(STREAMS):
-        draw = random.Random(seed)
-        sizes = [draw.choice([0, 4, 49, 57, draw.randint(250, 260)]) for _ in range(6)]
-        sent = [frame(draw.randrange(256), draw.randbytes(size)) for size in sizes]
-        stream = b"".join(sent)
-        for _ in range(draw.randint(1, 3)):
-            stream = damaged(stream, draw)
-        decoder, found, at = Decoder(), [], 0
-        while at < len(stream):
-            step = draw.randint(1, 200)
-            found += decoder.feed(stream[at : at + step])
-            at += step
-        end = 0
-        for message in found:
-            packet = frame(*message)
-            start = stream.find(packet, end)
-            assert start >= end, seed
-            end = start + len(packet)
-        assert len(found) <= len(sent) + 3, seed
+    sizes = [draw.choice([0, 4, 49, 57, draw.randint(250, 260)]) for _ in range(6)]
+    sent = [frame(draw.randrange(256), draw.randbytes(size)) for size in sizes]
+    stream = b"".join(sent)
+    for _ in range(draw.randint(1, 3)):
+        stream = damaged_stream(stream, draw)
+    decoder, found, at = Decoder(), [], 0
+    while at < len(stream):
+        step = draw.randint(1, 200)
+        found += decoder.feed(stream[at : at + step])
+        at += step
+    end = 0
+    for message in found:
+        packet = frame(*message)
+        start = stream.find(packet, end)
+        assert start >= end
+        end = start + len(packet)
+    assert len(found) <= len(sent) + 3
 
 
 def test_damage_costs_the_messages_that_it_touches() -> None:
@@ -183,13 +183,12 @@ def test_mtdata_in_another_mode_is_none(mode: int, settings: int) -> None:
     assert decode_mtdata(struct.pack(">9fH", *range(9), 0), mode, settings) is None
 
 
-def test_random_data_never_raises() -> None:
-    draw = random.Random(4)
-    for _ in range(STREAMS):
-        data = draw.randbytes(draw.randint(0, 80))
-        decode_mtdata2(data)
-        decode_mtdata(data, draw.randrange(4), draw.randrange(1024))
-        decode_mtdata2(damaged(SAMPLE[4:-1], draw))
+@drawn(STREAMS)
+@given(data=st.binary(max_size=80), draw=DRAWS)
+def test_random_data_never_raises(data: bytes, draw: random.Random) -> None:
+    decode_mtdata2(data)
+    decode_mtdata(data, draw.randrange(4), draw.randrange(1024))
+    decode_mtdata2(damaged_stream(SAMPLE[4:-1], draw))
 
 
 def test_the_emulator_frames_as_the_recorder_does() -> None:

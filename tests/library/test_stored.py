@@ -1,14 +1,18 @@
 """Files that hold arrays: HDF5, MAT, ROS 2 bags, Parquet, Feather, one file a channel."""
 
+import random
+import re
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from tests.stored_corpus import KINDS, damaged, is_in_place, objection
+from tests.damage import DRAWS, FLIPPED, damaged_file, drawn
 from tests.stored_files import (
     JOINTS,
     WRITERS,
@@ -20,13 +24,19 @@ from tests.stored_files import (
     write_channel_files,
     write_hdf5,
 )
+from tests.time_limit import time_limit
 from ur5lib.errors import InputError
 from ur5lib.recordings import storage
 from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.intake import read_and_repair
+from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
+
+KINDS = ("hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap")
+JARGON = re.compile(r"Traceback|Error\b|Exception|numpy|NoneType|dtype|0x[0-9a-f]+|h5py|sqlite")
+SECONDS = 10  # for one file
+TOLERANCE = 0.15  # share of a channel's span within which a value is interpolated or noise
 
 
 @pytest.fixture(scope="module")
@@ -199,15 +209,72 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
 
 
-def test_damaged_files_get_an_honest_answer(tmp_path: Path, ur5: Robot) -> None:
-    """`python -m tests.stored_corpus 3000` tries more of them."""
-    made = made_up_channels(tmp_path, seconds=4)
-    wholes = {kind: read_and_repair(write(kind, tmp_path, *made), ur5, 0.1) for kind in KINDS}
-    told = []
-    for kind, label, entry in damaged(tmp_path, made, 80, seed=3):
-        fault = objection(entry, ur5, wholes[kind], is_in_place(label))[1]
-        told += [f"{label}: {fault}"] if fault else []
-    assert not told, "\n".join(told)
+# Damage
+
+
+class Whole(NamedTuple):
+    """An undamaged file: its entry, its bytes, and what is read from it."""
+
+    entry: dict[str, Any]
+    data: bytes
+    taken: Intake
+
+
+@pytest.fixture(scope="module")
+def wholes(tmp_path_factory: pytest.TempPathFactory, ur5: Robot) -> dict[str, Whole]:
+    folder = tmp_path_factory.mktemp("whole")
+    made, found = made_up_channels(folder, seconds=4), {}
+    for kind in KINDS:
+        entry = write(kind, folder, *made)
+        data = (folder / entry["file"]).read_bytes()
+        found[kind] = Whole(entry, data, read_and_repair(entry, ur5, 0.1))
+    return found
+
+
+@drawn(80)
+@given(kind=st.sampled_from(KINDS), draw=DRAWS)
+def test_damaged_files_get_an_honest_answer(
+    wholes: dict[str, Whole], ur5: Robot, kind: str, draw: random.Random
+) -> None:
+    """Refused with a clear message, a finding, right, or with a few possible numbers."""
+    whole = wholes[kind]
+    _, data, in_place = damaged_file(whole.data, draw)
+    path = Path(whole.entry["folder"], f"damaged_{whole.entry['file']}")
+    path.write_bytes(data)
+    try:
+        with time_limit(SECONDS):
+            taken = read_and_repair(whole.entry | {"file": path.name}, ur5, 0.1)
+    except InputError as error:
+        message = str(error)
+        assert path.name in message
+        assert "; " in message
+        assert "\n" not in message
+        assert not JARGON.search(message)
+        return
+    lost, wrong = differences(taken, whole.taken)
+    possible = in_place and not lost and sum(wrong.values()) <= FLIPPED
+    assert possible or not (wrong or lost) or names_of(taken) - names_of(whole.taken), wrong
+
+
+def names_of(taken: Intake) -> set[tuple[str, int]]:
+    return {(finding["finding"], finding["count"]) for finding in taken.quality["findings"]}
+
+
+def differences(taken: Intake, whole: Intake) -> tuple[int, dict[str, int]]:
+    """How many frames are lost, and how many cells of each channel differ at their time."""
+    mine, right = taken.robot, whole.robot
+    lost = len(right) - len(mine) if len(mine) < len(right) - 1 else 0
+    found = {}
+    time = np.clip(mine["time"], right["time"].iloc[0], right["time"].iloc[-1])
+    for name in right.columns.difference(["time", "segment", "interpolated"]):
+        if name not in mine:
+            found[name] = len(right)
+            continue
+        truth = np.interp(time, right["time"], right[name])
+        bound = TOLERANCE * np.ptp(right[name])
+        wrong = int((~(np.abs(mine[name] - truth) <= bound) & ~mine["interpolated"]).sum())
+        found |= {name: wrong} if wrong else {}
+    return lost, found
 
 
 def test_packages_of_a_format_are_loaded_with_its_files_only() -> None:

@@ -8,6 +8,7 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
+from tests.commands import words
 from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
@@ -32,11 +33,6 @@ def complaints(raw: dict[str, Any]) -> list[str]:
     with pytest.raises(InputError) as error:
         parse_study(raw, "config.yaml")
     return str(error.value).splitlines()
-
-
-def words(text: str) -> set[str]:
-    """The words of a text without its punctuation: keys, values, numbers."""
-    return {*re.findall(r"[^\s;:,?()]+", text)}
 
 
 def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:

@@ -1,0 +1,41 @@
+"""Commands run as a user runs them, and the words of what they answer."""
+
+import re
+from typing import NamedTuple
+
+import pytest
+
+from tests.time_limit import time_limit
+from ur5lib import cli
+
+SECONDS = 10  # in which every command of a test answers
+
+
+class Answer(NamedTuple):
+    """How a command ended, and what it printed; one line without the breaks of a narrow table."""
+
+    status: int
+    out: str
+    err: str
+
+    @property
+    def line(self) -> str:
+        return " ".join((self.out + self.err).split())
+
+
+class Command:
+    """`ur5`, called with arguments."""
+
+    def __init__(self, patch: pytest.MonkeyPatch, captured: pytest.CaptureFixture) -> None:
+        self.patch, self.captured = patch, captured
+
+    def __call__(self, *arguments: object) -> Answer:
+        self.patch.setattr("sys.argv", ["ur5", *map(str, arguments)])
+        with pytest.raises(SystemExit) as stop, time_limit(SECONDS):
+            cli.main()
+        return Answer(int(stop.value.code or 0), *self.captured.readouterr())
+
+
+def words(text: str) -> set[str]:
+    """The words of a text without its punctuation: keys, values, numbers, names of files."""
+    return {*re.findall(r"[^\s;:,?()]+", text)}
