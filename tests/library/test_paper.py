@@ -19,7 +19,6 @@ from ur5lib.report.document import Cell, Document, Picture, Section, Table
 from ur5lib.report.house_style import Drawing, save
 from ur5lib.report.paper import methods, paper, references, write_tables
 from ur5lib.report.results import Results
-from ur5lib.report.summary import STATED
 from ur5lib.report.tex import tex, tex_table
 from ur5lib.report.traces import CURRENT, WRENCH, Traces, draw_traces
 from ur5lib.study.reading import parse_study
@@ -173,12 +172,3 @@ def test_everything_compiles(tmp_path: Path) -> None:
     text = "\n".join(page.extract_text() for page in PdfReader(tmp_path / "paper.pdf").pages)
     assert "U+4E2D" in text
     assert "1234.25" in text.replace(" ", "").replace("\u202f", "")
-
-
-def test_the_numbers_of_a_sentence_are_read() -> None:
-    text = "A load of −2.75 ± 0.03 kg, 2,216 of 4,460 frames, 84 % on joint 6, v2 of r1.5; 3 N."
-    found = [match.groups(default="") for match in STATED.finditer(text)]
-    assert found == [
-        ("−2.75", "0.03", "kg"), ("2,216", "", ""), ("4,460", "", ""), ("84", "", "%"),
-        ("6", "", ""), ("3", "", "N"),
-    ]  # fmt: skip

@@ -10,6 +10,7 @@ import pytest
 
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import say
 from ur5lib.report.verdicts import (
     currents,
     data_quality,
@@ -22,7 +23,7 @@ from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views import claimed
 from ur5lib.report.views.currents import constants, cross_validation, next_recordings
-from ur5lib.report.views.found import UNSEARCHED, findings, left_out
+from ur5lib.report.views.found import findings, left_out
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
 from ur5lib.report.views.models import excitation, identified
 from ur5lib.report.views.next_steps import steps
@@ -223,7 +224,7 @@ def test_a_standstill_tells_no_models_apart() -> None:
     assert said(link_model.verdict(results)) == (
         "not determined: The arm rests in every recording, which does not tell link models apart."
     )
-    assert findings(results) == [UNSEARCHED]
+    assert findings(results) == [say("findings.unsearched")]
 
 
 def test_equal_models_have_no_nearest() -> None:
@@ -377,7 +378,7 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
 
 
 def test_without_a_search_no_contact_is_denied() -> None:
-    assert findings(study(RESTING)) == [UNSEARCHED]
+    assert findings(study(RESTING)) == [say("findings.unsearched")]
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
     assert [text for text in steps(study(sensed=[quiet])) if "force sensor" in text]
 

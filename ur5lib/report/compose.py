@@ -37,6 +37,7 @@ from ur5lib.report.document import (
     Verdicts,
 )
 from ur5lib.report.results import MOST_ROWS, Body, Results
+from ur5lib.report.sentences import say
 from ur5lib.report.views import (
     audit,
     claimed,
@@ -106,7 +107,7 @@ def compose(contents: Contents, results: Results) -> Document:
     sections = [Section(part.title, _blocks(part, results, above)) for part in others]
     kept = [part for part in sections if any(map(_is_evidence, part.blocks))]
     left_out = [
-        f"{part.title}: {part.absent}."
+        say("findings.left out", title=part.title, reason=part.absent)
         for part, section in zip(others, sections, strict=True)
         if section not in kept and part.absent
     ]

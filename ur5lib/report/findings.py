@@ -2,17 +2,22 @@
 
 import pandas as pd
 
+from ur5lib.report.sentences import Sentence, joined, say
+
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
 SPOKEN = {"stop": "stop sign"}
 
 
-def count_findings(quality: pd.DataFrame) -> str:
+def count_findings(quality: pd.DataFrame) -> Sentence:
     """Return how many findings there are of each severity, most serious first."""
     counts = quality["severity"].value_counts()
-    told = [(counts.get(name, 0), SPOKEN.get(name, name)) for name in SEVERITIES]
-    parts = [f"{count} {name}{'s' if count > 1 else ''}" for count, name in told if count]
-    return ", ".join(parts) or "no findings"
+    parts = [
+        say("quality.severity", count=int(counts[name]), name=SPOKEN.get(name, name))
+        for name in SEVERITIES
+        if name in counts
+    ]
+    return joined(parts, ", ") if parts else say("quality.none")
 
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:

@@ -13,6 +13,7 @@ import yaml
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.document import Cell
 from ur5lib.report.reference import Erratum, read_reference
+from ur5lib.report.sentences import Sentence
 from ur5lib.report.versions import commit, versions
 from ur5lib.tables import read_csv
 
@@ -45,7 +46,7 @@ class Results:
     errata: Sequence[Erratum] = ()
     commit: str = ""
     versions: Mapping[str, str] = field(default_factory=dict)
-    left_out: Sequence[str] = ()
+    left_out: Sequence[Sentence] = ()
 
     @classmethod
     def read(

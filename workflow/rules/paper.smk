@@ -97,7 +97,7 @@ rule write_paper:
             for path in outputs_in("figures")
             if path.endswith(".svg")
         ],
-        contents="ur5lib/report/contents.yaml",
+        contents=["ur5lib/report/contents.yaml", "ur5lib/report/sentences.yaml"],
         templates=[
             "ur5lib/report/templates/paper.tex.jinja",
             "ur5lib/report/templates/methods.tex.jinja",

@@ -311,7 +311,7 @@ rule write_report:
         **REFERENCE,
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
-        contents="ur5lib/report/contents.yaml",
+        contents=["ur5lib/report/contents.yaml", "ur5lib/report/sentences.yaml"],
         templates=[
             "ur5lib/report/templates/report.html.jinja",
             "ur5lib/report/templates/report.typ",

@@ -2,18 +2,15 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import sentence
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.verdicts.drawings import bars
 
 TOPIC = "Data quality"
 LOST = "lost frames"
-SPOKEN = {
-    LOST: "lost {frames} (interpolated)",
-    "impossible frames": "has impossible values in {frames} (discarded)",
-}
+SPOKEN = (LOST, "impossible frames")  # findings with a sentence of their own
 STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": "usable"}
 
 
@@ -29,7 +26,7 @@ def verdict(results: Results) -> Verdict:
         sentence=worst(results),
         evidence=_counts(found, len(lost)),
         drawing=bars(lost),
-        caption="Share of frames lost, by recording.",
+        caption=say("quality.caption"),
         numbers=tuple(
             Number(f"findings of severity “{name}”", int((found["severity"] == name).sum()), "")
             for name in SEVERITIES
@@ -37,12 +34,12 @@ def verdict(results: Results) -> Verdict:
     )
 
 
-def worst(results: Results) -> str:
+def worst(results: Results) -> Sentence:
     """Return the most serious finding with its file: of equal ones, that of most frames."""
     found = group_findings(results.tables["quality"])
     found = found[found["severity"] != "note"]
     if found.empty:
-        return "No file has an error or a warning."
+        return say("quality.perfect")
     frames = results.tables["recordings"].set_index("recording")["frames"]
     rank = found["severity"].map(SEVERITIES.index)
     share = found["count"] / found["recording"].map(frames)
@@ -50,11 +47,15 @@ def worst(results: Results) -> str:
         ["rank", "share"], ascending=[True, False], kind="stable"
     )
     first = ranked.iloc[0]
-    name = results.file_of(first["recording"])
-    if first["finding"] in SPOKEN:
-        count = f"{first['count']:,} of {frames[first['recording']]:,} frames"
-        return f"{name} {SPOKEN[first['finding']].format(frames=count)}."
-    return f"{name}, {first['finding']}: {first['detail'].partition('; ')[0]}."
+    kind = first["finding"]
+    return say(
+        f"quality.{kind if kind in SPOKEN else 'other'}",
+        file=results.file_of(first["recording"]),
+        finding=kind,
+        detail=first["detail"].partition("; ")[0],
+        count=first["count"],
+        frames=frames[first["recording"]],
+    )
 
 
 def lost_shares(results: Results) -> dict[str, float]:
@@ -65,8 +66,8 @@ def lost_shares(results: Results) -> dict[str, float]:
     return {str(name): float(share) for name, share in shares.items()}
 
 
-def _counts(found: pd.DataFrame, recordings: int) -> str:
+def _counts(found: pd.DataFrame, recordings: int) -> Sentence:
     """Return how many findings there are by severity, and on how many recordings."""
     bad = found.loc[found["severity"] != "note", "recording"].nunique()
-    where = f"errors or warnings on {bad} of {recordings} recordings" if bad else ""
-    return sentence("; ".join(filter(None, [count_findings(found), where])))
+    where = [say("quality.where", bad=bad, recordings=recordings)] if bad else []
+    return say("quality.counts", parts=[count_findings(found), *where])

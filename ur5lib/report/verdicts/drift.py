@@ -1,8 +1,8 @@
 """Whether an arm changes over time."""
 
-from ur5lib.report.cells import sentence
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, capital, say
 from ur5lib.report.verdicts.drawings import bars
 from ur5lib.report.views import health
 
@@ -17,25 +17,24 @@ def verdict(results: Results) -> Verdict | None:
     changes = health.ranked(results)
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, 7)
-    told = "No joint changed by more than chance explains."
+    told = say("health.unchanged")
     if len(changes):
-        told = sentence(health.sentence(next(changes.itertuples())).removesuffix("."))
+        told = capital(health.change(next(changes.itertuples())))
     return Verdict(
         topic=TOPIC,
         state="usable" if len(changes) else "good",
         sentence=told,
         evidence=_evidence(results, len(changes)),
         drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
-        caption="Largest change by joint; a full bar is a change by 100 %.",
+        caption=say("health.caption"),
     )
 
 
-def _evidence(results: Results, changes: int) -> str:
+def _evidence(results: Results, changes: int) -> Sentence:
     """Return on how many dates the verdict rests, and how often it would be wrong."""
     dates = results.tables["health"]
     tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
     days = dates["date"]
-    return (
-        f"Dates: {days.nunique()}, {health.span(days.min(), days.max())}. Quantities tested: "
-        f"{tested}, changes: {changes}; chance of a false one: 5 %."
-    )
+    span = health.span(days.min(), days.max())
+    words = {"days": days.nunique(), "span": span, "tested": tested}
+    return say("health.evidence", changes=changes, **words)

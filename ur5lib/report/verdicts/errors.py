@@ -1,9 +1,14 @@
 """Errors by joint or component beside those of zero: averaged over recordings, and the largest."""
 
+from dataclasses import dataclass
+
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
-from ur5lib.report.document import Number
+from ur5lib.report.document import Number, State
+from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.verdicts.drawings import bars
+from ur5lib.report.verdicts.states import state
 
 ZERO = "an estimate of zero"
 
@@ -19,21 +24,6 @@ def by_joint(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> 
     return table[table["zero"] > SMALLEST_DIFFERENCE]
 
 
-def ratios(errors: pd.DataFrame) -> dict[str, float]:
-    """Return the errors as shares of those of zero, by name."""
-    return {str(name): float(row.error / row.zero) for name, row in errors.iterrows()}
-
-
-def worst(errors: pd.DataFrame) -> object:
-    """Return the name whose error is the largest share of that of zero."""
-    return (errors["error"] / errors["zero"]).idxmax()
-
-
-def percent(errors: pd.DataFrame, name: object) -> str:
-    """Return the error of a joint or component in per cent of that of zero."""
-    return f"{rounded(100 * float(errors['error'][name] / errors['zero'][name]), 0)} %"
-
-
 def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> pd.Series:
     """Return place, recording, error and zero of the largest error, which no mean hides."""
     row = rows.loc[rows[error].idxmax()]
@@ -41,50 +31,76 @@ def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> p
     return pd.Series(places | {"error": row[error], "zero": row[zero]})
 
 
-def stated(row: pd.Series, name: str, unit: str, place: str, zero: str = ZERO) -> Number:
-    """Return an error with its range over recordings and its baseline."""
-    several = row["count"] > 1
-    return Number(
-        name=name,
-        value=float(row["error"]),
-        unit=unit,
-        place=place,
-        low=float(row["low"]) if several else None,
-        high=float(row["high"]) if several else None,
-        interval=f"range over {row['count']:.0f} recordings" if several else "",
-        baseline=float(row["zero"]),
-        baseline_of=zero,
-    )
+@dataclass(frozen=True)
+class Beside:
+    """Errors beside those of `zero`: by joint or component (`errors`), and the largest of one.
 
-
-def stated_largest(row: pd.Series, unit: str, place: str, zero: str = ZERO) -> Number:
-    """Return the largest error with its recording and its baseline."""
-    return Number(
-        name="largest error on a recording",
-        value=float(row["error"]),
-        unit=unit,
-        place=f"{place} on {row['recording']}",
-        baseline=float(row["zero"]),
-        baseline_of=zero,
-    )
-
-
-def on_recording(row: pd.Series, digits: int, unit: str, which: str, zero: str = ZERO) -> str:
-    """Return the largest error with its place, its recording and its baseline as a sentence.
-
-    which: the words before the place, “on joint” or “along”.
+    digits, unit: of the numbers; which: the words before a place, “on joint” or “along”.
     """
-    error, beside = (rounded(row[name], digits) for name in ("error", "zero"))
-    return (
-        f"Largest error: {error} {unit} {which} {row['place']} on {row['recording']}; {zero}: "
-        f"{beside} {unit}."
-    )
 
+    errors: pd.DataFrame
+    largest: pd.Series
+    unit: str
+    digits: int
+    which: str = "on joint"
+    zero: str = ZERO
 
-def with_range(row: pd.Series, digits: int, unit: str, zero: str = ZERO) -> str:
-    """Return an error, its range over recordings, and its baseline."""
-    low, high = rounded(row["low"], digits), rounded(row["high"], digits)
-    several = f"{low} to {high} on" if low != high else "on"
-    over = f" ({several} {row['count']:.0f} recordings)" if row["count"] > 1 else ""
-    baseline = f"{zero}: {rounded(row['zero'], digits)} {unit}"
-    return f"{rounded(row['error'], digits)} {unit}{over}; {baseline}"
+    @property
+    def worst(self) -> object:
+        """The joint or component whose error is the largest share of that of zero."""
+        return self._ratios().idxmax()
+
+    def state(self, held: float = 1.0, tested: bool = True) -> State:
+        """Judge the worst joint or component."""
+        row = self.errors.loc[self.worst]
+        return state(row["error"], row["zero"], held, tested)
+
+    def percent(self) -> Sentence:
+        """Return the worst error in per cent of that of zero."""
+        return say("error.worst", error=100 * float(self._ratios()[self.worst]))
+
+    def shown(self) -> Sentence:
+        """Return the worst error, its range over recordings, and its baseline."""
+        row = self.errors.loc[self.worst]
+        spread = rounded(row["low"], self.digits) != rounded(row["high"], self.digits)
+        return say("error.with range", row=row, spread=spread, **self._words())
+
+    def largest_shown(self) -> Sentence:
+        """Return the largest error with its place, its recording and its baseline."""
+        return say("error.largest", row=self.largest, which=self.which, **self._words())
+
+    def drawing(self) -> str:
+        """Draw the errors as shares of those of zero."""
+        return bars({str(name): float(ratio) for name, ratio in self._ratios().items()})
+
+    def numbers(self, name: str) -> tuple[Number, ...]:
+        """Return the worst error with its range and baseline, and the largest on a recording."""
+        row, prefix = self.errors.loc[self.worst], self.which.removeprefix("on ")
+        prefix = "" if prefix == "along" else f"{prefix} "
+        several = row["count"] > 1
+        mean = Number(
+            name=name,
+            value=float(row["error"]),
+            unit=self.unit,
+            place=f"{prefix}{self.worst}",
+            low=float(row["low"]) if several else None,
+            high=float(row["high"]) if several else None,
+            interval=f"range over {row['count']:.0f} recordings" if several else "",
+            baseline=float(row["zero"]),
+            baseline_of=self.zero,
+        )
+        most = Number(
+            name="largest error on a recording",
+            value=float(self.largest["error"]),
+            unit=self.unit,
+            place=f"{prefix}{self.largest['place']} on {self.largest['recording']}",
+            baseline=float(self.largest["zero"]),
+            baseline_of=self.zero,
+        )
+        return mean, most
+
+    def _ratios(self) -> "pd.Series[float]":
+        return self.errors["error"] / self.errors["zero"]
+
+    def _words(self) -> dict[str, object]:
+        return {"digits": self.digits, "unit": self.unit, "zero": self.zero}

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES, SPOKEN
-from ur5lib.report.cells import fixed, interval, sentence
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, joined, say
 from ur5lib.report.verdicts.drawings import error_bar
 from ur5lib.report.verdicts.errors import ZERO
 from ur5lib.report.verdicts.states import state
@@ -60,22 +60,19 @@ def worst_of(rows: pd.DataFrame) -> Worst:
 def verdict(results: Results) -> Verdict:
     """Judge the force by the axis and the recording on which it is worst."""
     if results.stopped():
-        return Verdict(TOPIC, "do not use", "A stop sign stands: recordings contradict the study.")
+        return Verdict(TOPIC, "do not use", say("force.stopped"))
     judged = errors_in_contact(results)
     if judged.empty:
         return _unjudged(results)
     worst = worst_of(judged)
     row, known = worst.error, not pd.isna(worst.error["mae_low"])
-    dot = "Dot: error with its 95 % interval" if known else "Dot: error"
     return Verdict(
         topic=TOPIC,
         state=worst.state(),
-        sentence=f"In contact, {_named(row['estimate'])} is off by {fixed(row['mae'], 1)} N along "
-        f"{row['axis']}, the largest error, where the sensor reads "
-        f"{fixed(row['mean_force'], 1)} N.",
-        evidence=" ".join(_evidence(worst)),
+        sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
+        evidence=joined(_evidence(worst)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=f"{dot}; line: error of zero force.",
+        caption=say("force.caption", known=known),
         numbers=tuple(_numbers(worst)),
     )
 
@@ -88,30 +85,20 @@ def _named(estimate: str) -> str:
     return f"{own} {ESTIMATES[estimate]}"
 
 
-def _evidence(worst: Worst) -> Iterator[str]:
+def _evidence(worst: Worst) -> Iterator[Sentence]:
     """Yield the error with its interval and baseline, the recording that is worst beside zero, the
     band's coverage, and what is missing.
     """
     row, share, held = worst
     known = not pd.isna(row["mae_low"])
-    ends = f" (95 %: {interval(row['mae_low'], row['mae_high'], 1)})" if known else ""
-    yield (
-        f"{row['recording']}, along {row['axis']}: {fixed(row['mae'], 1)} N{ends}; {ZERO}: "
-        f"{fixed(row['mean_force'], 1)} N."
-    )
-    yield (
-        f"Largest share of the force, mean over x, y, z: {fixed(share['mae'], 1)} of "
-        f"{fixed(share['mean_force'], 1)} N on {share.name}."
-    )
+    yield say("force.where", row=row, known=known, zero=ZERO)
+    yield say("force.share", share=share)
     if held is not None:
-        yield (
-            f"The 95 % band holds least along {held['axis']} on {held['recording']}: "
-            f"{100 * held['coverage95']:.0f} %."
-        )
+        yield say("force.band", held=held)
     if not known:
-        yield "Fewer than three contacts: no interval."
+        yield say("force.no interval")
     if row["estimate"] == UNCALIBRATED:
-        yield "No friction was fitted, so that this estimate is not calibrated."
+        yield say("force.uncalibrated")
 
 
 def _numbers(worst: Worst) -> Iterator[Number]:
@@ -146,25 +133,18 @@ def _numbers(worst: Worst) -> Iterator[Number]:
 def _unjudged(results: Results) -> Verdict:
     """Say what is known of the force where nothing judges its size."""
     if searched(results).empty:
-        told = "No force was estimated that a force sensor could judge."
-        return Verdict(TOPIC, "not determined", told, " ".join(readings(results)))
+        told = joined(readings(results))
+        return Verdict(TOPIC, "not determined", say("force.none"), told)
     if len(results.tables["force_mae"]):
-        told = "The force sensor felt no contact on a recording that no fit has seen."
-        return Verdict(TOPIC, "not determined", told)
+        return Verdict(TOPIC, "not determined", say("force.untouched"))
     counts = found_without_sensor(results)
     alarms = quiet(results)["alarms_per_min"]
-    touched = sum(map(bool, counts.values()))
     parts = []
     if counts:
-        parts.append(
-            f"contacts found: {sum(counts.values())}, on {touched} of {len(counts)} recordings"
-        )
+        touched = sum(map(bool, counts.values()))
+        words = {"count": sum(counts.values()), "touched": touched, "recordings": len(counts)}
+        parts.append(say("force.found", **words))
     if len(alarms):
-        parts.append(f"{alarms.mean():.1f} false alarms per minute on validate recordings")
-    return Verdict(
-        topic=TOPIC,
-        state="not determined",
-        sentence="No force sensor was recorded: contacts are plausible only, their size is "
-        "untested.",
-        evidence=sentence("; ".join(parts)),
-    )
+        parts.append(say("force.false alarms", rate=alarms.mean()))
+    evidence = say("quality.counts", parts=parts) if parts else ""
+    return Verdict(TOPIC, "not determined", say("force.no sensor"), evidence)

@@ -4,22 +4,11 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.report.cells import SMALLEST_DIFFERENCE, sentence
+from ur5lib.report.cells import SMALLEST_DIFFERENCE
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
-from ur5lib.report.verdicts.drawings import bars
-from ur5lib.report.verdicts.errors import (
-    by_joint,
-    largest,
-    on_recording,
-    percent,
-    ratios,
-    stated,
-    stated_largest,
-    with_range,
-    worst,
-)
-from ur5lib.report.verdicts.states import state
+from ur5lib.report.sentences import say
+from ur5lib.report.verdicts.errors import Beside, by_joint, largest
 
 TOPIC = "Link model"
 
@@ -69,32 +58,25 @@ def verdict(results: Results) -> Verdict:
     """Judge the best model by its worst joint."""
     compared = compare(results)
     if compared is None:
-        return Verdict(TOPIC, "not determined", _undetermined(results))
+        return Verdict(TOPIC, "not determined", say(f"models.{_reason(results)}"))
     best = compared.best[0]
     rows = compared.rows[compared.rows["model"] == best]
-    errors = by_joint(rows, "mae", "zero_mae")
-    joint, most = worst(errors), largest(rows, "mae", "zero_mae")
-    where = "recordings that no fit has seen" if compared.unseen else "the fit recordings alone"
-    judged = state(errors["error"][joint], errors["zero"][joint], tested=compared.unseen)
+    errors, most = by_joint(rows, "mae", "zero_mae"), largest(rows, "mae", "zero_mae")
+    beside = Beside(errors, most, "Nm", 3)
+    words = {"joint": beside.worst, "percent": beside.percent(), "shown": beside.shown()}
+    words |= {"model": named(best), "unseen": compared.unseen, "largest": beside.largest_shown()}
     return Verdict(
         topic=TOPIC,
-        state=judged,
-        sentence=sentence(
-            f"{named(best)} differs from the controller's torques by {percent(errors, joint)} of "
-            f"their mean size on joint {joint} (the worst), on {where}"
-        ),
-        evidence=f"Joint {joint}: {with_range(errors.loc[joint], 3, 'Nm')}. "
-        f"{on_recording(most, 3, 'Nm', 'on joint')}",
-        drawing=bars(ratios(errors)),
-        caption="Error by joint; a full bar is the error of zero torque.",
-        numbers=(
-            stated(errors.loc[joint], "mean absolute error", "Nm", f"joint {joint}"),
-            stated_largest(most, "Nm", f"joint {most['place']}"),
-        ),
+        state=beside.state(tested=compared.unseen),
+        sentence=say("models.verdict", **words),
+        evidence=say("models.evidence", **words),
+        drawing=beside.drawing(),
+        caption=say("error.bars", zero="zero torque"),
+        numbers=beside.numbers("mean absolute error"),
     )
 
 
-def _undetermined(results: Results) -> str:
-    if results.tables["torque_mae"].dropna(subset="mae").empty:
-        return "No recording has the controller's torques (target_moment)."
-    return "The arm rests in every recording, which does not tell link models apart."
+def _reason(results: Results) -> str:
+    """Return the sentence on why no link model is judged."""
+    unknown = results.tables["torque_mae"].dropna(subset="mae").empty
+    return "no torques" if unknown else "at rest"

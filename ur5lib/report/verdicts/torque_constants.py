@@ -2,9 +2,9 @@
 
 import pandas as pd
 
-from ur5lib.report.cells import joints, rounded, sentence
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP
 from ur5lib.report.verdicts.drawings import bars
 
@@ -15,7 +15,7 @@ def verdict(results: Results) -> Verdict | None:
     """Judge by the constants that the data determine; None where no friction was fitted."""
     rows = results.rows("friction", parameter="torque_constant")
     if len(results.rows("remarks", step=STOP)):
-        return Verdict(TOPIC, "do not use", "The fitted constants contradict the known ones.")
+        return Verdict(TOPIC, "do not use", say("constants.contradicted"))
     if rows.empty:
         return None
     shares = rows.groupby("joint")["prior_share"].max()
@@ -23,14 +23,10 @@ def verdict(results: Results) -> Verdict | None:
     return Verdict(
         topic=TOPIC,
         state=_state(rows),
-        sentence=sentence("; ".join(_parts(rows))),
-        evidence=(
-            f"Farthest from the known value: joint {farthest['joint']}, "
-            f"{rounded(farthest['value'], 2)} ± {rounded(farthest['std_error'], 2)} Nm/A; known: "
-            f"{rounded(farthest['known'], 2)} ± {rounded(farthest['known_std'], 2)} Nm/A."
-        ),
+        sentence=say("constants.verdict", parts=_parts(rows)),
+        evidence=say("constants.evidence", row=farthest),
         drawing=bars({str(joint): float(share) for joint, share in shares.items()}),
-        caption="Share of prior knowledge by joint; with a full bar, the data say nothing.",
+        caption=say("constants.caption"),
         numbers=(_number(farthest),),
     )
 
@@ -41,19 +37,12 @@ def _state(rows: pd.DataFrame) -> State:
     return "good" if determined and rows["contradicted"].isna().all() else "usable"
 
 
-def _parts(rows: pd.DataFrame) -> list[str]:
+def _parts(rows: pd.DataFrame) -> list[Sentence]:
     """Return which constants come from the data, and for which joints the known ones stand."""
     refused = rows[rows["contradicted"].notna()]["joint"].unique()
     known = rows[rows["determined"] == "yes"]["joint"].unique()
-    parts = ["the recordings determine no torque constant"]
-    if len(known):
-        parts = [f"the recordings determine the torque constants of {joints(known)}"]
-    if len(refused):
-        parts.append(
-            f"the currents of {joints(refused)} do not follow the torque, and the known constants "
-            "are used there"
-        )
-    return parts
+    parts = [say("constants.known", known=known) if len(known) else say("constants.none")]
+    return [*parts, say("constants.refused", refused=refused)] if len(refused) else parts
 
 
 def _factor(rows: pd.DataFrame) -> pd.Series:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, say
 
 CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
 
@@ -38,18 +39,12 @@ def score(results: Results, estimate: str) -> Score | None:
     return Score(found, pushes, float(free["time_above"].max()))
 
 
-def judged(results: Results) -> Iterator[str]:
+def judged(results: Results) -> Iterator[Sentence]:
     """Report whether the claim holds, and why not: the finding."""
     own = score(results, CLAIMED)
     if own is None:
         return
-    missed = f"misses {own.pushes - own.found} of {own.pushes} pushes"
-    alarmed = f"exceeds it for {100 * own.above:.0f} % of a run without contact"
-    yield (
-        "The thesis's claim of reliable detection from 10 N on "
-        f"{'holds' if own.reliable else 'fails'}: F̂*_z "
-        f"{missed if own.found < own.pushes or own.reliable else alarmed}."
-    )
+    yield say("claim.judged", own=own)
 
 
 def compared(results: Results) -> list[str]:
@@ -57,13 +52,6 @@ def compared(results: Results) -> list[str]:
     own, beside = score(results, CLAIMED), score(results, OURS)
     if own is None or beside is None:
         return []
-    parts = [
-        f"{ESTIMATES[name]} finds {one.found} of them and is above 10 N for up to "
-        f"{100 * one.above:.0f} % of the time"
-        for name, one in ((CLAIMED, own), (OURS, beside))
-    ]
-    return [
-        "According to the thesis (Section 6), F̂*_z detects 10 N and more reliably. On its "
-        f"recording, {own.pushes} pushes reach 10 N along z; other recordings are without contact "
-        f"and used for no fit: {'; '.join(parts)}."
-    ]
+    scores = {CLAIMED: own, OURS: beside}.items()
+    parts = [say("claim.score", name=ESTIMATES[name], one=one) for name, one in scores]
+    return [say("claim.compared", own=own, parts=parts)]

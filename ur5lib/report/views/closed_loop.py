@@ -5,10 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import joints, number, significant
+from ur5lib.report.cells import number, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.reference import OLDER_MODEL
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 
 def printed(results: Results) -> list[str]:
@@ -78,7 +79,7 @@ def _gain(row: pd.Series) -> Cell:
     return Cell(f"{low}–{high}")
 
 
-def contradictions(results: Results) -> Iterator[str]:
+def contradictions(results: Results) -> Iterator[Sentence]:
     """Report the joints on which no gain lies in the ranges of all recordings of an arm."""
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
     ranges["robot"] = ranges["recording"].map(results.arms())
@@ -86,21 +87,16 @@ def contradictions(results: Results) -> Iterator[str]:
         each = rows.groupby("joint")
         apart = each["low"].max() > each["high"].min()
         if apart.any():
-            yield (
-                f"No single {gain} gain fits all recordings of {robot} on "
-                f"{joints(apart.index[apart])}: there, the controller is not this closed loop."
-            )
+            words = {"gain": gain, "robot": robot, "numbers": apart.index[apart]}
+            yield say("loop.contradiction", **words)
 
 
-def published_gains(results: Results) -> Iterator[str]:
+def published_gains(results: Results) -> Iterator[Sentence]:
     """Report on how many joints and recordings published gains fit as well as the best."""
     published = results.tables["published_gains"]
     parts = [
-        f"{model} on {int((rows['fits'] == 'yes').sum())} of {len(rows)}"
+        say("loop.fits", model=model, fits=int((rows["fits"] == "yes").sum()), count=len(rows))
         for model, rows in published.groupby("model", sort=False)
     ]
     if parts:
-        yield (
-            "Counted over joints and recordings, the published gains fit as well as the best "
-            f"gains for {', '.join(parts)}."
-        )
+        yield say("loop.published", parts=parts)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 
 def others(results: Results) -> list[str]:
@@ -11,14 +12,13 @@ def others(results: Results) -> list[str]:
     return [*results.tables["changes"]["study"].unique()]
 
 
-def found(results: Results) -> Iterator[str]:
+def found(results: Results) -> Iterator[Sentence]:
     """Report for each other study how much changed, and in which topics."""
     for study in others(results):
         rows = results.rows("changes", study=study)
         changed = rows[rows["changed"] == "yes"]
-        topics = ", ".join(changed["topic"].unique())
-        told = f"{len(changed) or 'none'} of {len(rows)} numbers changed"
-        yield f"Compared with {study}, {told}{f': {topics}' if topics else ''}."
+        words = {"changed": len(changed), "count": len(rows)}
+        yield say("changes.found", study=study, topics=[*changed["topic"].unique()], **words)
 
 
 def topics(results: Results, of: str) -> Body:

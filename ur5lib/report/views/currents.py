@@ -8,9 +8,10 @@ import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.identification.friction import MOVING
-from ur5lib.report.cells import extremes, interval, joints, number, rounded, with_error
+from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 MODELS = {
     "fitted": "fitted",
@@ -88,49 +89,36 @@ def _source(row: Any) -> str:
     return "prior" if row.prior_share > UNDETERMINED else "undetermined"
 
 
-def remarks(results: Results) -> Iterator[str]:
+def remarks(results: Results) -> Iterator[Sentence]:
     """Return the remarks of the fit about joints."""
     rows = results.tables["remarks"].dropna(subset="joint")
     for (robot, remark), group in rows.groupby(["robot", "remark"], sort=False):
-        yield f"{robot}, {joints(group['joint'])}: {remark}."
+        yield say("currents.remark", robot=robot, numbers=group["joint"], remark=remark)
 
 
-def reversals(results: Results) -> Iterator[str]:
+def reversals(results: Results) -> Iterator[Sentence]:
     """Report what Karnopp's friction gains or loses against Dahl's on each arm."""
     for robot, rows in results.tables["friction_reversal"].groupby("robot", sort=False):
         least = rows.groupby(["model", "joint"])["rmse"].min()
-        ratio = ", ".join(f"{value:.2f}" for value in least["karnopp"] / least["dahl"])
-        chosen = rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]
-        yield (
-            f"On {robot}, Karnopp’s friction, which reverses at once and sticks below "
-            f"{MOVING:g} rad/s, predicts paths left out with {ratio} times the error of Dahl’s on "
-            f"joints 1 to 6; it is used on {joints(chosen) if len(chosen) else 'none'}."
-        )
+        words = {
+            "ratio": least["karnopp"] / least["dahl"],
+            "chosen": [*rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]],
+        }
+        yield say("currents.reversals", robot=robot, moving=MOVING, **words)
 
 
-def next_recordings(results: Results) -> Iterator[str]:
+def next_recordings(results: Results) -> Iterator[Sentence]:
     """Yield what the recordings of each arm tell least about, and what designs the next one."""
     study, lab = results.study["study"], results.study.get("devices") or {}
     table = lab.get("table_m") or 0.0
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
         parts = [
-            f"{TOLD.get(row.parameter, row.parameter)} of joint {row.joint} ± "
-            f"{rounded(row.std_error, 3)} ({100 * row.prior_share:.0f} %)"
+            say("currents.least known", name=TOLD.get(row.parameter, row.parameter), row=row)
             for row in worst.itertuples()
         ]
-        command = (
-            f"ur5 excite --robot {robot} --results results/{study} --question undetermined "
-            f"--payload 2 0.06 0 0.05 --table {table:g} --write raw/{study}/next"
-        )
-        yield (
-            f"The recordings of {robot} tell least about the {', '.join(parts)}: standard error "
-            f"and, in brackets, the prior’s share of the variance. “{command}” designs the "
-            "recording that would tell most, and predicts each standard error after it. The arm "
-            "stays above the table, whose height [m] is that of the base unless the study states "
-            "another one. The known load, here 2 kg beside the axis of joint 6, is for the wrist, "
-            "which the bare arm hardly loads."
-        )
+        words = {"robot": robot, "study": study, "table": f"{table:g}"}
+        yield say("currents.next recording", parts=parts, **words)
 
 
 def unseen(results: Results) -> pd.DataFrame:

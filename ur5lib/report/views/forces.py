@@ -11,6 +11,7 @@ from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, numbered, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
 from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
 
@@ -39,13 +40,10 @@ def printed(results: Results) -> list[str]:
     return results.printed("force_mae", "printed_mae")
 
 
-def published(results: Results) -> Iterator[str]:
+def published(results: Results) -> Iterator[Sentence]:
     """Say what the published estimates are, where they are compared."""
     if {"F", "F*"} & {*results.tables["force_mae"]["estimate"]}:
-        yield (
-            "Two more estimates are published for the UR5, with fixed constants: F̂, from "
-            "motor currents without friction, and F̂*, with friction."
-        )
+        yield say("force.published")
 
 
 def headline(results: Results) -> Body:

@@ -6,9 +6,10 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.report.cells import fixed, interval, number, rounded, significant
+from ur5lib.report.cells import interval, number, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 NAMES = {
     "coulomb": ("Coulomb friction", "Nm"),
@@ -25,27 +26,28 @@ def dated(results: Results) -> list[str]:
     return [*results.tables["health"]["robot"].unique()]
 
 
-def told(results: Results) -> Iterator[str]:
+def told(results: Results) -> Iterator[Sentence]:
     """Report how many dates there are, whether temperatures were recorded, and lost frames."""
     for robot in dated(results):
         rows = results.rows("health", robot=robot)
-        lost = rows.loc[rows["quantity"] == "lost_frames", "value"].max()
-        warmth = "" if rows["temperature_c"].notna().any() else "not "
-        frames = f"A recording lost at most {rounded(100 * lost, 1)} % of its frames"
-        yield (
-            f"{robot} was recorded on {rows['date'].nunique()} dates, "
-            f"{span(rows['date'].min(), rows['date'].max())}. Temperatures of its joints were "
-            f"{warmth}recorded. {frames if lost else 'No frame was lost'}."
+        dates = rows["date"]
+        yield say(
+            "health.dates",
+            robot=robot,
+            days=dates.nunique(),
+            span=span(dates.min(), dates.max()),
+            warm=rows["temperature_c"].notna().any(),
+            lost=100 * rows.loc[rows["quantity"] == "lost_frames", "value"].max(),
         )
 
 
-def found(results: Results) -> Iterator[str]:
+def found(results: Results) -> Iterator[Sentence]:
     """Yield a sentence for each change, the largest share of a value first."""
     changes = ranked(results)
     for row in changes.itertuples():
-        yield f"{row.robot}, {sentence(row)}"
+        yield say("health.of arm", robot=row.robot, change=change(row))
     if changes.empty and dated(results):
-        yield "Nothing changed by more than chance explains."
+        yield say("health.nothing")
 
 
 def ranked(results: Results) -> pd.DataFrame:
@@ -55,22 +57,19 @@ def ranked(results: Results) -> pd.DataFrame:
     return rows.assign(share=share).sort_values("share", ascending=False, kind="stable")
 
 
-def sentence(row: Any) -> str:
+def change(row: Any) -> Sentence:
     """Return what changed on which joint, by how much, when, and what temperature adds."""
     name, unit = NAMES[row.quantity]
-    rose = "rose" if row.size > 0 else "fell"
-    verb, when = rose, f"between {days(row.first, row.last, 'and')}"
+    when = f"between {days(row.first, row.last, 'and')}"
     if row.kind == "drift":
-        verb, when = f"slowly {rose}", span(row.first, row.last)
-    by = f"{significant(abs(row.size), 2)} ± {significant(row.std_error, 1)} {unit}"
+        when = span(row.first, row.last)
+    by, added = say("health.by offset", row=row, unit=unit), 0.0
     if row.quantity != "offset":
-        error = share(row.std_error, row)
-        digits = int(error < 1)
-        by = f"{abs(share(row.size, row)):.{digits}f} ± {rounded(error, digits)} %"
-    added = share(row.by_temperature, row)
-    also = f"; temperature adds {fixed(added, 0)} %" if abs(added) >= LEAST else ""
-    also = "" if row.quantity == "offset" else also
-    return f"joint {row.joint}: {name} {verb} by {by} {when}{also}."
+        size, error = abs(share(row.size, row)), share(row.std_error, row)
+        by = say("health.by share", share=size, error=error, digits=int(error < 1))
+        added = share(row.by_temperature, row)
+    added = added if abs(added) >= LEAST else 0.0
+    return say("health.change", row=row, name=name, by=by, when=when, added=added)
 
 
 def share(size: float, row: Any) -> float:
@@ -114,10 +113,8 @@ def day(written: str) -> str:
     return f"{known.day} {known:%B %Y}"
 
 
-def steps(results: Results) -> Iterator[str]:
+def steps(results: Results) -> Iterator[Sentence]:
     """Ask for a fit to what was recorded after the largest change."""
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
-        when = f"since {day(row.last)}" if row.kind == "jump" else "of late"
-        told = f"{NAMES[row.quantity][0]} of joint {row.joint} has changed"
-        yield f"Fit {row.robot} only to what was recorded {when}: {told}."
+        yield say("health.step", row=row, day=day(row.last), name=NAMES[row.quantity][0])

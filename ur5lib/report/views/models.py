@@ -7,6 +7,7 @@ import pandas as pd
 from ur5lib.report.cells import extremes, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 
 def compared(results: Results) -> list[str]:
@@ -99,26 +100,18 @@ def excitation(results: Results) -> Body:
     return Body(["arm", "combinations", "not excited", *groups], body)
 
 
-def advice(results: Results) -> Iterator[str]:
+def advice(results: Results) -> Iterator[Sentence]:
     """Return advice on what to record to determine more of an arm."""
     for row in results.tables["excitation"].dropna(subset="advice").itertuples():
-        yield f"To determine more of {row.robot}: {row.advice}."
+        yield say("models.advice", row=row)
 
 
-def identified(results: Results) -> Iterator[str]:
+def identified(results: Results) -> Iterator[Sentence]:
     """Report how many parameters of an arm the recordings determine."""
     for robot, parameters in results.tables["parameters"].groupby("robot", sort=False):
         determined = (parameters["determined"] == "yes").sum()
-        yield (
-            f"The model “identified” of {robot} was fitted to the controller's torques of the fit "
-            f"recordings, which determine {determined} of its {len(parameters)} base parameters."
-        )
+        words = {"robot": robot, "determined": int(determined), "count": len(parameters)}
+        yield say("models.identified", **words)
         if determined < len(parameters):
-            yield (
-                "The others move the torque too little to be told from its errors, even where the "
-                "motion excites them."
-            )
-        yield (
-            f"parameters/{robot}/arm.yaml contains it and every other model; arm.urdf beside it is "
-            "the same as URDF."
-        )
+            yield say("models.undetermined")
+        yield say("models.files", robot=robot)

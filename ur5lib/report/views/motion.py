@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ur5lib.report.cells import fixed, listed, number, signed, with_error
+from ur5lib.report.cells import listed, number, signed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "rad/s²", "rz": "rad/s²"}
 
@@ -59,17 +60,13 @@ def printed_errors(results: Results, of: str) -> Body:
     return Body(["component", "printed", "rebuilt", "diff."], body)
 
 
-def beside_imu(results: Results) -> Iterator[str]:
+def beside_imu(results: Results) -> Iterator[Sentence]:
     """Report the error of the encoders against the IMU, averaged over recordings with one."""
     rows = results.rows("acceleration_mae", estimate="encoders")
     if len(rows):
         mean = rows.groupby("component", sort=False)[["mae", "zero_mae"]].mean()
-        yield (
-            "The end effector's acceleration, computed from the joint encoders alone, differs from "
-            f"the IMU's by {listed(mean['mae'][:3], 3)} m/s² in x, y, z, averaged over "
-            f"{rows['recording'].nunique()} recordings (an acceleration of zero: "
-            f"{listed(mean['zero_mae'][:3], 3)} m/s²)."
-        )
+        errors, count = mean[:3], rows["recording"].nunique()
+        yield say("motion.beside imu", mae=errors["mae"], zero=errors["zero_mae"], count=count)
 
 
 def bands(results: Results) -> Body:
@@ -117,40 +114,25 @@ def calibration(results: Results) -> Body:
     return Body(["arm", "quantity", "axis", "value", "described", "unit"], body)
 
 
-def place(results: Results) -> Iterator[str]:
+def place(results: Results) -> Iterator[Sentence]:
     """Report how far the IMU is from its described place, and which of both is used."""
     table = results.tables["imu_calibration"]
     for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
         off = 1e3 * (rows["value"] - rows["described"])
         parts = [
-            f"{fixed(by, 1)} ± {fixed(1e3 * std, 1)}"
+            say("motion.apart", by=by, std=1e3 * std)
             for by, std in zip(off, rows["std_error"], strict=True)
         ]
-        ratio = rows["held_out"].iloc[0]
-        effect = "estimated place is used" if ratio < 1 else "described place is used"
-        yield (
-            f"The IMU of {arm} is {', '.join(parts)} mm (x, y, z) from its described place. On "
-            f"recordings left out, the error of its specific force is {ratio:.2f} times that with "
-            f"the described place; therefore the {effect}."
-        )
+        yield say("motion.place", arm=arm, off=parts, ratio=rows["held_out"].iloc[0])
 
 
-def innovations(results: Results) -> Iterator[str]:
+def innovations(results: Results) -> Iterator[Sentence]:
     """Report how many channels pass the tests that the smoother's bands rely on."""
     table = results.tables["innovations"]
     parts = []
     for estimate, rows in table.groupby("estimate", sort=False):
-        consistent, white = (int((rows[test] == "yes").sum()) for test in ("consistent", "white"))
-        parts.append(
-            f"{estimate}: of {len(rows)} channels, {consistent} have innovations of the stated "
-            f"variance, {white} have white innovations"
-        )
-    widest = np.sqrt(table["colour"]).max()
-    verdict = (
-        "Innovations that are not white show that errors stay for several samples. The bands of a "
-        f"joint are widened by what such errors average out less, at most by a factor {widest:.1f}."
-        if (table["white"] == "no").any()
-        else "The estimated noise explains the innovations."
-    )
+        passed = {test: int((rows[test] == "yes").sum()) for test in ("consistent", "white")}
+        parts.append(say("motion.tested", estimate=estimate, count=len(rows), **passed))
     if parts:
-        yield f"Tests of the normalised innovations (95 %): {'; '.join(parts)}. {verdict}"
+        widest, coloured = np.sqrt(table["colour"]).max(), (table["white"] == "no").any()
+        yield say("motion.innovations", parts=parts, widest=widest, coloured=coloured)

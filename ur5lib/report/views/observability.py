@@ -11,6 +11,7 @@ from ur5lib.report.cells import fixed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.observability_figure import flange_speeds
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 
 def arms(results: Results) -> list[str]:
@@ -18,7 +19,7 @@ def arms(results: Results) -> list[str]:
     return [*results.tables["observability"]["robot"].unique()]
 
 
-def told(results: Results) -> Iterator[str]:
+def told(results: Results) -> Iterator[Sentence]:
     """Say at which speeds an arm's pushes are detected best and worst."""
     for robot in arms(results):
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
@@ -26,10 +27,7 @@ def told(results: Results) -> Iterator[str]:
             best, worst = (
                 rows.loc[place] for place in (rows["value"].idxmin(), rows["value"].idxmax())
             )
-            yield (
-                f"On {robot}, F̂ᵐᵃᵖ detects the smallest pushes {_during(best)} ({_force(best)}), "
-                f"and needs the largest {_during(worst)} ({_force(worst)})."
-            )
+            yield say("observed.pushes", robot=robot, best=_push_at(best), worst=_push_at(worst))
 
 
 def pushes(results: Results) -> Body:
@@ -76,10 +74,7 @@ def _push(row: Any) -> Cell:
     return Cell(f"> {MOST:.0f}") if row.value > MOST else with_error(row.value, row.std_error, 0)
 
 
-def _force(row: Any) -> str:
-    return f"more than {MOST:.0f} N" if row.value > MOST else f"{fixed(row.value, 0)} N"
-
-
-def _during(row: Any) -> str:
-    speeds = flange_speeds(row)
-    return speeds if speeds == "at rest" else f"at {speeds} m/s"
+def _push_at(row: Any) -> tuple[Sentence, Sentence]:
+    """Return when a push is made, and its force."""
+    during = say("observed.during", speeds=flange_speeds(row))
+    return during, say("observed.force", force=row.value, most=MOST)

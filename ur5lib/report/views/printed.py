@@ -10,6 +10,7 @@ from ur5lib.report.cells import significant
 from ur5lib.report.document import Cell
 from ur5lib.report.printed_numbers import COLUMNS, EQUAL, UNEXPLAINED
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 DIGITS = 4  # of a number that is not printed
 
@@ -40,21 +41,17 @@ def numbers(results: Results, of: str) -> Body:
     return Body([*header, "status"], body)
 
 
-def found(results: Results) -> Iterator[str]:
+def found(results: Results) -> Iterator[Sentence]:
     """Report how many published numbers are rebuilt."""
     rows = _rows(results)
     if len(rows):
-        left = "others, but for those listed below" if unexplained(results) else "others"
-        yield (
-            f"{(rows['status'] == EQUAL).sum()} of {len(rows)} published numbers are rebuilt; "
-            f"errata explain the {left}."
-        )
+        equal, left = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
+        yield say("printed.found", equal=equal, count=len(rows), left=left)
 
 
 def unexplained_heading(results: Results) -> list[str]:
     """Return the sentence above the list of unexplained numbers, if there are any."""
-    heading = "Published numbers that neither this study nor an erratum gives:"
-    return [heading] if unexplained(results) else []
+    return [say("printed.unexplained")] if unexplained(results) else []
 
 
 def unexplained(results: Results) -> list[str]:
@@ -70,11 +67,8 @@ def _missed(row: Any) -> str:
         nearest, source = row.as_erratum_says, f"as erratum {row.erratum:.0f} says"
     gap = 100 * (nearest / row.printed - 1)
     place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
-    return (
-        f"{row.source}, {row.quantity}, {row.row}, {place}: "
-        f"printed {significant(row.printed, 6)}, {source} {significant(nearest, DIGITS)}, "
-        f"{significant(abs(gap), 2)} % {'more' if gap > 0 else 'less'}."
-    )
+    words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
+    return say("printed.missed", row=row, place=place, **words)
 
 
 def _rows(results: Results) -> pd.DataFrame:

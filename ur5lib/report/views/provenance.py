@@ -9,13 +9,14 @@ import yaml
 from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
 from ur5lib.report.results import MOST_ROWS, Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 CODE_WIDTH = 110  # characters per line in the PDF
 
 
-def commit(results: Results) -> Iterator[str]:
+def commit(results: Results) -> Iterator[Sentence]:
     """Return the commit that made the results."""
-    yield f"Made by commit {results.commit}."
+    yield say("provenance.commit", commit=results.commit)
 
 
 def versions(results: Results) -> Body:
@@ -53,22 +54,19 @@ def run_times(results: Results) -> Body:
     return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
 
 
-def total_time(results: Results) -> Iterator[str]:
+def total_time(results: Results) -> Iterator[Sentence]:
     """Report the time of all jobs together."""
     times: pd.DataFrame = results.tables["run_times"]
     if len(times):
         whole, start_up = times["cpu_s"].sum(), times["start_up_s"].sum()
-        yield (
-            f"The {times['jobs'].sum()} jobs took {whole:.0f} s of processor time, including "
-            f"{start_up:.0f} s of start-up: Python, its packages and, for dynamics, torch. The "
-            "time of Snakemake itself and of this report is not included."
-        )
+        jobs = times["jobs"].sum()
+        yield say("provenance.times", jobs=jobs, whole=whole, start_up=start_up)
 
 
-def configuration_heading(results: Results) -> Iterator[str]:
+def configuration_heading(results: Results) -> Iterator[Sentence]:
     """Return the sentence above the configuration."""
-    first = f" (first {MOST_ROWS} recordings)" if _recordings(results)[MOST_ROWS:] else ""
-    yield f"Configuration with every default filled in{first}; complete in configuration.yaml:"
+    cut = MOST_ROWS if _recordings(results)[MOST_ROWS:] else 0
+    yield say("provenance.configuration", cut=cut)
 
 
 def configuration(results: Results) -> str:

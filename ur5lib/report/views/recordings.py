@@ -8,6 +8,7 @@ from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 
 MOST_NAMED = 4  # recordings of one finding
 LONGEST = 120  # characters for the places of one finding
@@ -39,15 +40,15 @@ def late(results: Results) -> list[str]:
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 
 
-def counted(results: Results) -> Iterator[str]:
+def counted(results: Results) -> Iterator[Sentence]:
     """Report how many findings there are, and the most frequent serious ones."""
     found = results.tables["quality"]
     serious = found[found["severity"] != "note"]["finding"].value_counts()
-    worst = ", ".join(f"{name} on {count}" for name, count in serious[:MOST_NAMED].items())
-    yield (
-        f"The recordings' files: {count_findings(found)}"
-        f"{f'. Most frequent errors and warnings: {worst}' if worst else ''}."
-    )
+    worst = [
+        say("quality.frequent", name=name, count=count)
+        for name, count in serious[:MOST_NAMED].items()
+    ]
+    yield say("quality.files", counts=count_findings(found), worst=worst)
 
 
 def findings(results: Results) -> Body:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from ur5lib.force.static_estimate import BREAKAWAY, LEAST_ERROR, SLOW
-from ur5lib.report.cells import fixed
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, say
 
 
 def touched(results: Results) -> list[str]:
@@ -15,24 +15,16 @@ def touched(results: Results) -> list[str]:
     return [*rows["recording"]]
 
 
-def readings(results: Results) -> Iterator[str]:
+def readings(results: Results) -> Iterator[Sentence]:
     """Report largest force and share in contact by sensor, where no friction was fitted."""
     if len(results.tables["friction"]):
         return
     for row in results.tables["sensed"][:MOST_SHOWN].itertuples():
-        yield (
-            f"On {row.recording}, the force sensor reads at most {fixed(row.largest_force_n, 1)} "
-            f"N, and a contact in {fixed(100 * row.share_in_contact, 0)} % of the time."
-        )
+        yield say("sensed.reading", row=row)
 
 
-def uncalibrated(results: Results) -> Iterator[str]:
+def uncalibrated(results: Results) -> Iterator[Sentence]:
     """Say what the static estimate rests on, where it stands for a fit."""
     if (results.tables["force_mae"]["estimate"] == "static").any():
-        yield (
-            "No friction was fitted to this arm. The static estimate of the force is therefore not "
-            f"calibrated: it takes the maker's torque constants, with an error of "
-            f"{100 * LEAST_ERROR:.0f} %, the weight of the declared arm and its payload, and any "
-            f"friction up to {100 * BREAKAWAY:.0f} % of each motor's largest torque, and is known "
-            f"only while all joints are slower than {SLOW:g} rad/s. Its 95 % band is wide."
-        )
+        limits = {"error": LEAST_ERROR, "breakaway": BREAKAWAY, "slow": SLOW}
+        yield say("sensed.uncalibrated", **limits)

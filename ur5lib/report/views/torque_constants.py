@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import fixed, number, with_error
+from ur5lib.report.cells import number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import Body, Results
+from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.friction import AS_PRINTED
 
 PARAMETERS = {"torque_constant": "k", "offset": "b"}
@@ -77,34 +78,22 @@ def on_every_run(results: Results, of: str) -> Body:
     return Body(["recording", "mean torque [Nm]", *columns], body)
 
 
-def follows_the_mean(results: Results, of: str) -> Iterator[str]:
+def follows_the_mean(results: Results, of: str) -> Iterator[Sentence]:
     """Report how offsets follow the mean torque from run to run, beside the printed ones."""
     rows = results.rows("torque_constants", regression=AS_PRINTED)
     joint = doubted_joint(results, of)
     own = rows[rows["joint"] == joint]
     here = _fitted(results, of).loc[(joint, "offset")]
-    (said,) = own.loc[own["recording"] == of, "printed_offset"]
-    each = ", ".join(
-        fixed(np.corrcoef(part["offset"], part["mean_torque"])[0, 1], 2)
-        for _, part in rows.groupby("joint")
-    )
-    yield (
-        f"The offset of joint {joint}, printed as {said:g} Nm, is {fixed(own['offset'].min(), 1)} "
-        f"to {fixed(own['offset'].max(), 1)} Nm by the same regression on {len(own)} recordings; "
-        f"this study's fit has {fixed(here['value'], 1)} ± {fixed(here['std_error'], 1)} Nm. "
-        "An offset of the motor would be the same on every run. Instead, offsets follow the mean "
-        f"torque (correlation over the runs, joints 1 to 6: {each}): regression to the mean."
-    )
+    (printed,) = own.loc[own["recording"] == of, "printed_offset"]
+    each = [
+        np.corrcoef(part["offset"], part["mean_torque"])[0, 1] for _, part in rows.groupby("joint")
+    ]
+    words = {"joint": joint, "printed": printed, "own": own["offset"], "here": here}
+    yield say("constants.follow the mean", correlation=each, **words)
 
 
-def linear(results: Results, of: str) -> Iterator[str]:
+def linear(results: Results, of: str) -> Iterator[Sentence]:
     """Report how current and torque are correlated, without and with the printed friction."""
     rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
-    without, with_ = (
-        ", ".join(fixed(value, 2) for value in rows[name])
-        for name in ("correlation_without_friction", "correlation")
-    )
-    yield (
-        f"On {of}, the correlation of current and torque is {without} on joints 1 to 6 without "
-        f"friction, and {with_} with the printed friction."
-    )
+    without, friction = rows["correlation_without_friction"], rows["correlation"]
+    yield say("constants.linear", of=of, without=without, friction=friction)

@@ -1,0 +1,53 @@
+"""Sentences: templates in one file, and the numbers that they state."""
+
+import re
+from typing import NamedTuple
+
+import pytest
+
+from tests.conftest import PROJECT
+from ur5lib.report import sentences
+from ur5lib.report.sentences import Stated, capital, joined, say
+from ur5lib.strict import read_yaml
+
+REPORT = PROJECT / "ur5lib" / "report"
+TOPICS = read_yaml(REPORT / "sentences.yaml")
+DEFINED = {f"{topic}.{name}" for topic, texts in TOPICS.items() for name in texts}
+CODE = "".join(path.read_text() for path in REPORT.rglob("*.py"))
+
+
+class Load(NamedTuple):
+    recording: str = "run_12"
+    mass: float = -2.749
+    std_error: float = 0.0311
+
+
+def test_a_sentence_knows_its_numbers_and_no_digits_of_names() -> None:
+    told = say("findings.load", row=Load())
+    assert told.numbers == (Stated(-2.75, 0.03, "kg"),)
+    assert "run_12" in told
+    assert "−2.75 ± 0.03 kg" in told
+
+
+def test_numbers_of_parts_stand_in_their_order() -> None:
+    parts = [say("loop.fits", model="A", fits=fits, count=12) for fits in (3, 4)]
+    told = say("loop.published", parts=parts)
+    assert [number.value for number in told.numbers] == [3, 12, 4, 12]
+    assert capital(joined(parts)).numbers == told.numbers
+
+
+def test_a_number_below_its_bound_is_not_zero() -> None:
+    assert say("error.worst", error=0.03).numbers == (Stated(0.03, None, "%"),)
+
+
+def test_a_value_that_a_template_lacks_is_an_error() -> None:
+    with pytest.raises(sentences.jinja2.UndefinedError):
+        say("findings.load")
+
+
+def test_every_sentence_exists_and_is_said() -> None:
+    named = re.findall(r'"([a-z]+)\.([a-z ]+)"', CODE)
+    said = {f"{topic}.{name}" for topic, name in named if topic in TOPICS}
+    assert said <= DEFINED
+    chosen = re.findall(r'f"([a-z]+)\.\{', CODE)  # by their reason or kind
+    assert {name for name in DEFINED - said if name.split(".")[0] not in chosen} == set()

@@ -1,0 +1,157 @@
+"""Sentences of the report: templates in `sentences.yaml`, filled with numbers.
+
+A sentence knows the numbers that it states, in their order, so that none is read from its text.
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cache
+from numbers import Real
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from ur5lib.report import cells
+from ur5lib.strict import read_yaml
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A number as a sentence states it: rounded, with its standard error if it gives one."""
+
+    value: float
+    std_error: float | None = None
+    unit: str = ""
+
+
+class Sentence(str):
+    """Text that knows the numbers which it states, in their order."""
+
+    numbers: tuple[Stated, ...] = ()
+
+
+def sentence(text: str, numbers: Iterable[Stated] = ()) -> Sentence:
+    """Return a text with its numbers."""
+    found = Sentence(text)
+    found.numbers = tuple(numbers)
+    return found
+
+
+def joined(parts: Iterable[str], between: str = " ") -> Sentence:
+    """Return texts one after the other, with the numbers of all."""
+    known = [*parts]
+    numbers = [number for part in known for number in getattr(part, "numbers", ())]
+    return sentence(between.join(known), numbers)
+
+
+def capital(text: str) -> Sentence:
+    """Return a text with a capital letter."""
+    return sentence(text[:1].upper() + text[1:], getattr(text, "numbers", ()))
+
+
+def say(name: str, /, **values: Any) -> Sentence:
+    """Return the sentence of a template, `topic.name`, filled with values.
+
+    Raises KeyError where there is no such template.
+    """
+    numbers: list[Stated] = []
+    text = _templates()[name].render(values, _numbers=numbers)
+    return sentence(re.sub(r" +", " ", text).strip(), numbers)
+
+
+@jinja2.pass_context
+def _noted(context: jinja2.runtime.Context, value: Any) -> Any:
+    """Note the numbers of what a template shows."""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        value = sentence(f"{value}", [Stated(float(value))])
+    context["_numbers"].extend(getattr(value, "numbers", ()))
+    return value
+
+
+def _fixed(value: float, digits: int = 0, unit: str = "") -> Sentence:
+    """Format a value with some decimals, and its unit."""
+    return _with_unit(cells.fixed(value, digits), round(float(value), digits), unit)
+
+
+def _rounded(value: float, digits: int = 0, unit: str = "") -> Sentence:
+    """Format a value with some decimals, or as a bound if they would all be zeros."""
+    known = round(float(value), digits) or float(value)  # what is below its bound stays
+    return _with_unit(cells.rounded(value, digits), known, unit)
+
+
+def _significant(value: float, digits: int, unit: str = "") -> Sentence:
+    """Format a value with some significant digits."""
+    text = cells.significant(value, digits).replace("-", "−")
+    return _with_unit(text, float(f"{value:.{digits}g}"), unit)
+
+
+def _percent(share: float, digits: int = 0) -> Sentence:
+    return _fixed(100 * share, digits, "%")
+
+
+def _error(value: float, std: float, digits: int, unit: str = "") -> Sentence:
+    """Format a value with its standard error and its unit."""
+    text = f"{cells.rounded(value, digits)} ± {cells.rounded(std, digits)}"
+    return _with_unit(text, round(float(value), digits), unit, round(float(std), digits))
+
+
+def _to(low: float, high: float, digits: int, unit: str = "") -> Sentence:
+    """Format an interval and its unit without a line break within the interval."""
+    ends = [Stated(round(float(end), digits), None, unit) for end in (low, high)]
+    return sentence(f"{cells.interval(low, high, digits)} {unit}".rstrip(), ends)
+
+
+def _counted(count: int) -> Sentence:
+    """Format a count with commas between thousands."""
+    return _with_unit(f"{count:,}", float(count), "")
+
+
+def _with_unit(text: str, value: float, unit: str, std: float | None = None) -> Sentence:
+    return sentence(f"{text} {unit}".rstrip(), [Stated(value, std, unit)])
+
+
+def _each(
+    values: Iterable[float], digits: int = 2, unit: str = "", bounds: bool = True
+) -> Sentence:
+    """Format values one after the other, and their unit after the last.
+
+    bounds: whether those that would be zeros are given as a bound.
+    """
+    parts = [(_rounded if bounds else _fixed)(value, digits) for value in values]
+    numbers = [Stated(part.numbers[0].value, None, unit) for part in parts]
+    return sentence(f"{', '.join(parts)} {unit}".rstrip(), numbers)
+
+
+def _joints(numbers: Iterable[float]) -> Sentence:
+    """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
+    known = [*numbers]
+    return sentence(cells.joints(known), [Stated(float(joint)) for joint in known])
+
+
+FILTERS = {
+    "fixed": _fixed,
+    "rounded": _rounded,
+    "significant": _significant,
+    "percent": _percent,
+    "error": _error,
+    "to": _to,
+    "each": _each,
+    "joints": _joints,
+    "joined": joined,
+    "capital": capital,
+    "counted": _counted,
+}
+
+
+@cache
+def _templates() -> dict[str, jinja2.Template]:
+    environment = jinja2.Environment(undefined=jinja2.StrictUndefined, finalize=_noted)
+    environment.filters |= FILTERS
+    topics = read_yaml(Path(__file__).with_name("sentences.yaml"))
+    return {
+        f"{topic}.{name}": environment.from_string(text)
+        for topic, texts in topics.items()
+        for name, text in texts.items()
+    }
