@@ -9,8 +9,8 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.report.compose import MENTION, SENTENCE_END, compose, view
-from ur5lib.report.contents import Contents, Figure, Part, Repeated, Single, Tabular, Text, contents
-from ur5lib.report.document import Document, Paragraph, Reference, Table
+from ur5lib.report.contents import Contents, Part, Repeated, contents
+from ur5lib.report.document import Block, Document, Paragraph, Picture, Reference, Table
 from ur5lib.report.results import Results
 from ur5lib.report.tables.making import declarations
 
@@ -18,19 +18,19 @@ TABLES_MADE = declarations().tables()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 
-def blocks(part: Part) -> Iterator[Single]:
+def blocks(part: Part) -> Iterator[Block]:
     for block in part.blocks:
         yield from block.blocks if isinstance(block, Repeated) else [block]
 
 
 EVERY = [block for part in contents().sections for block in blocks(part)]
-FIGURES = [block for block in EVERY if isinstance(block, Figure)]
-TABLES = [block for block in EVERY if isinstance(block, Tabular)]
+FIGURES = [block for block in EVERY if isinstance(block, Picture)]
+TABLES = [block for block in EVERY if isinstance(block, Table)]
 
 
 def test_every_view_exists() -> None:
     names = re.findall(
-        r"(?:sentences|items|table|listing|each): ([a-z_.]+)",
+        r"(?:sentences|entries|table|listing|judged|each): ([a-z_.]+)",
         (PROJECT / "ur5lib" / "report" / "contents.yaml").read_text(),
     )
     assert len(names) > 40
@@ -38,7 +38,7 @@ def test_every_view_exists() -> None:
 
 
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: figure.figure)
-def test_every_figure_is_drawn_by_the_rule_it_names(figure: Figure) -> None:
+def test_every_figure_is_drawn_by_the_rule_it_names(figure: Picture) -> None:
     (rule,) = re.findall(rf"\nrule {figure.rule}:.*?(?=\nrule |\Z)", RULES, re.DOTALL)
     drawn = re.findall(r'"([a-z_]+)"', rule)
     lists = {name: re.findall(r'"([a-z_]+)"', text) for name, text in LISTS}
@@ -50,7 +50,7 @@ LISTS = re.findall(r"^([A-Z_]+) = \[(.*?)\]", RULES, re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda table: table.table)
-def test_every_table_comes_from_a_file_of_the_workflow(table: Tabular) -> None:
+def test_every_table_comes_from_a_file_of_the_workflow(table: Table) -> None:
     if table.source:
         name = table.source.removeprefix("tables/").removesuffix(".csv")
         assert name in TABLES_MADE or f"{table.source}" in RULES or f'tables(["{name}"])' in RULES
@@ -59,10 +59,10 @@ def test_every_table_comes_from_a_file_of_the_workflow(table: Tabular) -> None:
 def test_every_table_and_figure_is_mentioned() -> None:
     """So that a reader knows what to look at it for."""
     for part in contents().sections:
-        texts = [block.text for block in blocks(part) if isinstance(block, Text)]
+        texts = [block.text for block in blocks(part) if isinstance(block, Paragraph)]
         mentioned = {name for text in texts for name in MENTION.findall(text)}
-        shown = {b.table if isinstance(b, Tabular) else b.figure for b in blocks(part)
-                 if isinstance(b, Tabular | Figure)}  # fmt: skip
+        shown = {b.table if isinstance(b, Table) else b.figure for b in blocks(part)
+                 if isinstance(b, Table | Picture)}  # fmt: skip
         assert shown - mentioned == set(), part.title
         assert mentioned - shown == set(), part.title
 

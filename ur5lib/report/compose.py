@@ -4,29 +4,15 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from ur5lib.report.contents import (
-    Contents,
-    Figure,
-    Formula,
-    Glance,
-    List,
-    Listing,
-    Part,
-    Repeated,
-    Sentences,
-    Single,
-    Tabular,
-    Text,
-    Title,
-)
+from ur5lib.report.contents import Contents, Part, Repeated
 from ur5lib.report.document import (
     Block,
     Code,
     Document,
-    Equation,
     Heading,
     Items,
     Paragraph,
@@ -188,45 +174,46 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
             yield from drafts
 
 
-def _single(wanted: Single, results: Results, of: str = "") -> Iterator[Block | Draft]:
+def _single(wanted: Block, results: Results, of: str = "") -> Iterator[Block | Draft]:
+    """Yield a block of the contents as filled from results, nothing where they have none for it."""
     given = (results, of) if of else (results,)
-
-    def label(name: str) -> str:
-        return f"{name}-{of}" if of else name
-
     match wanted:
-        case Text():
-            sentences = [
-                [
-                    Reference(label(span)) if i % 2 else span
-                    for i, span in enumerate(MENTION.split(sentence))
-                ]
-                for sentence in SENTENCE_END.split(_filled(wanted.text, results, of).strip())
-            ]
-            yield Draft(sentences, wanted.beside and label(wanted.beside))
-        case Sentences():
-            yield from (Paragraph([text]) for text in view(wanted.sentences)(*given))
-        case List():
-            items = [*view(wanted.items)(*given)]
+        case Paragraph(sentences=name) if name:
+            yield from (Paragraph([text]) for text in view(name)(*given))
+        case Paragraph():
+            yield _draft(wanted, results, of)
+        case Items():
+            items = [*view(wanted.entries)(*given)]
             if items:
-                yield Items(items, wanted.numbered)
-        case Tabular():
+                yield replace(wanted, items=items)
+        case Table():
             body = view(wanted.table)(*given)
             if body.rows:
-                caption = _filled(wanted.caption, results, of)
-                yield _table(wanted, body, label(wanted.table), caption)
-        case Figure():
+                yield _table(wanted, body, results, of)
+        case Picture():
             path = results.figures / of / f"{wanted.figure}.svg"
             if _shows_something(path):
-                yield _picture(wanted, results, path, label(wanted.figure), of)
-        case Formula():
-            yield Equation(wanted.equation, wanted.alternative)
-        case Glance():
-            yield Verdicts(view(wanted.verdicts)(*given))
-        case Title():
-            yield Heading(wanted.heading)
-        case Listing():
-            yield Code(view(wanted.listing)(*given))
+                yield _picture(wanted, results, path, of)
+        case Verdicts():
+            yield replace(wanted, verdicts=view(wanted.judged)(*given))
+        case Code():
+            yield replace(wanted, text=view(wanted.listing)(*given))
+        case _:
+            yield wanted
+
+
+def _label(name: str, of: str) -> str:
+    return f"{name}-{of}" if of else name
+
+
+def _draft(wanted: Paragraph, results: Results, of: str) -> Draft:
+    """Return a text sentence by sentence, with its mentions."""
+    text = _filled(wanted.text, results, of).strip()
+    sentences = [
+        [Reference(_label(span, of)) if i % 2 else span for i, span in enumerate(spans)]
+        for spans in map(MENTION.split, SENTENCE_END.split(text))
+    ]
+    return Draft(sentences, wanted.beside and _label(wanted.beside, of))
 
 
 def _filled(text: str, results: Results, of: str) -> str:
@@ -235,26 +222,27 @@ def _filled(text: str, results: Results, of: str) -> str:
     return THESIS.sub(lambda remark: remark[1] if due else "", text).replace("{of}", of)
 
 
-def _table(wanted: Tabular, body: Body, label: str, caption: str) -> Table:
-    rows = body.rows
+def _table(wanted: Table, body: Body, results: Results, of: str) -> Table:
+    caption, rows = _filled(wanted.caption, results, of), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
-    return Table(caption, body.header, rows[:MOST_ROWS], label, wanted.source)
+    label = _label(wanted.table, of)
+    return replace(wanted, caption=caption, header=body.header, rows=rows[:MOST_ROWS], label=label)
 
 
-def _picture(wanted: Figure, results: Results, path: Any, label: str, of: str) -> Picture:
-    return Picture(
+def _picture(wanted: Picture, results: Results, path: Path, of: str) -> Picture:
+    return replace(
+        wanted,
         caption=_filled(wanted.caption, results, of),
         path=path,
         alternative=_filled(wanted.alternative, results, of),
-        label=label,
+        label=_label(wanted.figure, of),
         source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
-        rule=wanted.rule,
         of=of,
     )
 
 
-def _shows_something(path: Any) -> bool:
+def _shows_something(path: Path) -> bool:
     """Whether a figure was drawn and has numbers: its CSV has more than a header."""
     numbers = path.with_suffix(".csv")
     if not numbers.is_file():

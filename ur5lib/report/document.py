@@ -1,13 +1,17 @@
 """A report as data: sections of paragraphs, tables, figures and lists, numbered throughout.
 
-HTML and PDF are made from the same object, so both say the same in the same order.
+HTML, PDF and the summary are made from the same object, so all say the same in the same order.
+The same blocks, not yet filled, are the report's contents (`contents.yaml`): they name views, as
+`module.function`, that fill them from a study's results.
 """
 
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
+
+from pydantic import ConfigDict
 
 State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
@@ -34,43 +38,59 @@ class Reference:
     text: str = ""
 
 
-@dataclass(frozen=True)
-class Paragraph:
-    """Running text, with mentions of tables and figures."""
+class FromContents:
+    """A block as `contents.yaml` may declare it: a key that it does not have is an error."""
 
-    spans: list[str | Reference]
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
+
+
+@dataclass(frozen=True)
+class Paragraph(FromContents):
+    """Running text, with mentions of tables and figures.
+
+    text: in the contents, with mentions as @name, and {of} for the recording or arm of a repeated
+    part; its sentences that mention what is not shown are left out. beside: the text is shown only
+    where the table or figure of this name is. sentences: the view that writes paragraphs.
+    """
+
+    spans: list[str | Reference] = field(default_factory=list)
+    text: str = ""
+    beside: str = ""
+    sentences: str = ""
     kind: str = "paragraph"
 
 
 @dataclass(frozen=True)
-class Heading:
+class Heading(FromContents):
     """Opens a part of a section."""
 
-    text: str
+    heading: str
     kind: str = "heading"
 
 
 @dataclass(frozen=True)
-class Items:
-    """A list; `numbered` when others refer to its numbers."""
+class Items(FromContents):
+    """A list; `numbered` when others refer to its numbers; `entries`: the view that writes it."""
 
-    items: list[str]
+    items: list[str] = field(default_factory=list)
     numbered: bool = False
+    entries: str = ""
     kind: str = "items"
 
 
 @dataclass(frozen=True)
-class Table:
-    """A table with one header row; the first column names the rows.
+class Table(FromContents):
+    """A table with one header row; the first column names the rows; left out without rows.
 
-    source: the file it was made from, relative to the study's results.
+    source: the file it was made from, relative to the study's results; table: its view.
     """
 
     caption: str
-    header: list[str]
-    rows: list[list[Cell]]
+    header: list[str] = field(default_factory=list)
+    rows: list[list[Cell]] = field(default_factory=list)
     label: str = ""
     source: str = ""
+    table: str = ""
     number: int = 0
     kind: str = "table"
 
@@ -81,20 +101,22 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Picture:
+class Picture(FromContents):
     """A figure: an SVG file, its caption, and what it shows in words for who cannot see it.
 
-    source: its numbers, relative to the study's results; rule: what made it; of: the recording or
-    arm that it is of, if it is of one.
+    figure: its name, figures/<of>/<figure>.svg; omitted if it is empty. source: its numbers,
+    relative to the study's results; rule: what made it; of: the recording or arm that it is of, if
+    it is of one.
     """
 
     caption: str
-    path: Path
-    alternative: str
+    path: Path = Path()
+    alternative: str = ""
     label: str = ""
     source: str = ""
     rule: str = ""
     of: str = ""
+    figure: str = ""
     number: int = 0
     kind: str = "picture"
 
@@ -137,27 +159,29 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Verdicts:
-    """Verdicts side by side."""
+class Verdicts(FromContents):
+    """Verdicts side by side; `judged`: the view that makes them."""
 
-    verdicts: list[Verdict]
+    verdicts: list[Verdict] = field(default_factory=list)
+    judged: str = ""
     kind: str = "verdicts"
 
 
 @dataclass(frozen=True)
-class Equation:
+class Equation(FromContents):
     """An equation in typst's notation, and in words for who cannot see it."""
 
-    source: str
+    equation: str
     alternative: str
     kind: str = "equation"
 
 
 @dataclass(frozen=True)
-class Code:
-    """Text shown as typed."""
+class Code(FromContents):
+    """Text shown as typed; `listing`: the view that writes it."""
 
-    text: str
+    text: str = ""
+    listing: str = ""
     kind: str = "code"
 
 

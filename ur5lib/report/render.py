@@ -33,7 +33,7 @@ def write_html(document: Document, path: str | Path) -> None:
     environment.filters |= {"data_uri": _data_uri, "packed_lines": packed_lines}
     data = document.as_data()
     equations = _blocks(data, "equation")
-    for block, drawn in zip(equations, _drawn([e["source"] for e in equations]), strict=True):
+    for block, drawn in zip(equations, _drawn([e["equation"] for e in equations]), strict=True):
         block["drawn"] = drawn
     page = environment.get_template("report.html.jinja").render(document=data)
     write_text(page, path)

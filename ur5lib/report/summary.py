@@ -65,7 +65,7 @@ def summary(document: Document, results: Results) -> dict[str, Any]:
             for verdict in block.verdicts
         ],
         "lists": [
-            Listed(heading=above.text, sentences=[_said(text) for text in block.items])
+            Listed(heading=above.heading, sentences=[_said(text) for text in block.items])
             for above, block in pairwise(blocks)
             if isinstance(above, Heading) and isinstance(block, Items)
         ],
