@@ -1,9 +1,10 @@
 """Everything a report is written from."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -28,6 +29,18 @@ class Body(NamedTuple):
 
 
 NOTHING = Body([], [])
+Column = str | Callable[[Any], Cell | str]
+
+
+def tabulated(rows: Iterable[Any], columns: Mapping[str, Column]) -> Body:
+    """Return the table of rows with named fields.
+
+    columns: by their header, the name of a field, or what makes a row's cell.
+    """
+    of = [attrgetter(one) if isinstance(one, str) else one for one in columns.values()]
+    cells = [[cell if isinstance(cell := show(row), Cell) else Cell(str(cell)) for show in of]
+             for row in rows]  # fmt: skip
+    return Body([*columns], cells)
 
 
 @dataclass(frozen=True)

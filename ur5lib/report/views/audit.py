@@ -6,8 +6,7 @@ import pandas as pd
 
 from ur5lib.report.cells import fixed, interval, number
 from ur5lib.report.contents import MOST_SHOWN
-from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, capital, joined, say
 
 NAMES = {
@@ -51,18 +50,15 @@ def values(results: Results, of: str) -> Body:
     """Return every value of a recording's sensor, with its verdict."""
     rows = results.rows("audit", recording=of)
     rows = rows[rows["quantity"] != "free_time"]
-    body = [
-        [
-            Cell(f"{NAMES[row.quantity]} {row.component}".strip()),
-            Cell(row.unit),
-            number(row.value, digits := DIGITS[row.unit]),
-            Cell(interval(row.low, row.high, digits)),
-            number(row.expected, digits),
-            Cell(row.verdict or "–"),
-        ]
-        for row in rows.fillna({"component": "", "verdict": ""}).itertuples()
-    ]
-    return Body(["quantity", "unit", "value", "95 %", "should be", "verdict"], body)
+    columns: dict[str, Column] = {
+        "quantity": lambda row: f"{NAMES[row.quantity]} {row.component}".strip(),
+        "unit": "unit",
+        "value": lambda row: number(row.value, DIGITS[row.unit]),
+        "95 %": lambda row: interval(row.low, row.high, DIGITS[row.unit]),
+        "should be": lambda row: number(row.expected, DIGITS[row.unit]),
+        "verdict": lambda row: row.verdict or "–",
+    }
+    return tabulated(rows.fillna({"component": "", "verdict": ""}).itertuples(), columns)
 
 
 def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:

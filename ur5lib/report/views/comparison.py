@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 
@@ -34,8 +34,5 @@ def topics(results: Results, of: str) -> Body:
 def changed(results: Results, of: str) -> Body:
     """Return what changed."""
     rows = results.rows("changes", study=of, changed="yes")
-    body = [
-        [Cell(row.topic), Cell(row.name), Cell(str(row.before)), Cell(str(row.after))]
-        for row in rows.itertuples(index=False)
-    ]
-    return Body(["topic", "what", "before", "now"], body)
+    columns = {"topic": "topic", "what": "name", "before": "before", "now": "after"}
+    return tabulated(rows.itertuples(index=False), columns)

@@ -10,7 +10,7 @@ from ur5lib.identification.currents import UNDETERMINED
 from ur5lib.identification.friction import MOVING
 from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 MODELS = {
@@ -203,15 +203,11 @@ def loaded(results: Results) -> pd.DataFrame:
 
 def payloads(results: Results) -> Body:
     """Return the mass on the flange in excess of the declared payload."""
-    body = [
-        [
-            Cell(row.recording),
-            number(row.configured, 2),
-            with_error(row.mass, row.std_error, 2),
-            Cell(interval(row.low, row.high, 2)),
-            Cell(row.taken),
-        ]
-        for row in results.tables["payload"].itertuples()
-    ]
-    header = ["recording", "declared [kg]", "additional [kg]", "95 % [kg]", "used in prediction"]
-    return Body(header, body)
+    columns: dict[str, Column] = {
+        "recording": "recording",
+        "declared [kg]": lambda row: number(row.configured, 2),
+        "additional [kg]": lambda row: with_error(row.mass, row.std_error, 2),
+        "95 % [kg]": lambda row: interval(row.low, row.high, 2),
+        "used in prediction": "taken",
+    }
+    return tabulated(results.tables["payload"].itertuples(), columns)

@@ -10,7 +10,7 @@ from ur5lib.force.contact_link import likely_links
 from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, numbered, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
-from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.views.currents import loaded
@@ -51,26 +51,23 @@ def headline(results: Results) -> Body:
     rows = leading(results.rows("force_mae", kind="compensated"))
     forces = rows[rows["component"].str.startswith("F")]
     free = forces[forces["during"] == "free"].set_index(["recording", "component"])
-    body = []
-    for row in forces[forces["during"] == "contact"].itertuples():
-        beside = free.reindex([(row.recording, row.component)]).iloc[0]
-        body.append(
-            [
-                Cell(row.recording),
-                _component(row.component),
-                number(row.mean_force, 1),
-                Cell(with_interval(row)),
-                number(row.slope, 2),
-                number(100 * row.coverage95, 0),
-                number(row.interval_score95, 0),
-                number(row.zero_interval_score95, 0),
-                number(beside["mae"], 2),
-                number(100 * beside["coverage95"], 0),
-            ]
-        )
-    header = ["recording", "component", "mean force", "error (95 %)", "slope", "in 95 % band [%]"]
-    header += ["band's score", "zero's score", "free: error", "free: in band [%]"]
-    return Body(header, body)
+
+    def beside(row: Any, figure: str) -> float:
+        return float(free[figure].get((row.recording, row.component), math.nan))
+
+    columns: dict[str, Column] = {
+        "recording": "recording",
+        "component": lambda row: _component(row.component),
+        "mean force": lambda row: number(row.mean_force, 1),
+        "error (95 %)": with_interval,
+        "slope": lambda row: number(row.slope, 2),
+        "in 95 % band [%]": lambda row: number(100 * row.coverage95, 0),
+        "band's score": lambda row: number(row.interval_score95, 0),
+        "zero's score": lambda row: number(row.zero_interval_score95, 0),
+        "free: error": lambda row: number(beside(row, "mae"), 2),
+        "free: in band [%]": lambda row: number(100 * beside(row, "coverage95"), 0),
+    }
+    return tabulated(forces[forces["during"] == "contact"].itertuples(), columns)
 
 
 VARIANTS = {  # the variants of the ablation, and their names in the report
@@ -239,19 +236,15 @@ def bands(results: Results, of: str) -> Body:
 def contact_errors(results: Results, of: str) -> Body:
     """Return peak, impulse and onset of each contact, with the leading estimate's errors."""
     rows = leading(results.rows("contact_errors", recording=of, component="norm"))
-    body = [
-        [
-            Cell(interval(row.start_s, row.end_s, 2)),
-            number(row.peak, 1),
-            signed(row.peak_error, 1),
-            number(row.impulse, 1),
-            signed(row.impulse_error, 1),
-            signed(row.onset_error_s, 2),
-        ]
-        for row in rows.itertuples()
-    ]
-    header = ["contact [s]", "peak [N]", "peak error [N]", "impulse [N s]", "impulse error [N s]"]
-    return Body([*header, "onset delay [s]"], body)
+    columns: dict[str, Column] = {
+        "contact [s]": lambda row: interval(row.start_s, row.end_s, 2),
+        "peak [N]": lambda row: number(row.peak, 1),
+        "peak error [N]": lambda row: signed(row.peak_error, 1),
+        "impulse [N s]": lambda row: number(row.impulse, 1),
+        "impulse error [N s]": lambda row: signed(row.impulse_error, 1),
+        "onset delay [s]": lambda row: signed(row.onset_error_s, 2),
+    }
+    return tabulated(rows.itertuples(), columns)
 
 
 def detections(results: Results) -> Body:
@@ -314,23 +307,21 @@ def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
 def contacts(results: Results, of: str) -> Body:
     """Return the contacts that F̂ᵐᵃᵖ finds: time, largest force, likely links, and a load."""
     rows = results.rows("contacts", recording=of, estimate="Fmap")
-    body = [
-        [
-            Cell(interval(row.start_s, row.end_s, 2)),
-            Cell(f"{row.peak_s:.2f}"),
-            *(
-                with_error(force, std, 1)
-                for force, std in ((row.Fx, row.Fx_std), (row.Fy, row.Fy_std), (row.Fz, row.Fz_std))
-            ),
-            _links(row),
-            with_error(row.load_mass, row.load_mass_std, 2) if row.kind == "load" else Cell("–"),
-        ]
-        for row in rows.itertuples()
-    ]
-    header = ["contact [s]", "largest at [s]", "Fx [N]", "Fy [N]", "Fz [N]", "on link", "load [kg]"]
-    if (rows["kind"] != "load").all():
-        header, body = header[:-1], [line[:-1] for line in body]
-    return Body(header, body)
+    columns: dict[str, Column] = {
+        "contact [s]": lambda row: interval(row.start_s, row.end_s, 2),
+        "largest at [s]": lambda row: f"{row.peak_s:.2f}",
+        "Fx [N]": lambda row: with_error(row.Fx, row.Fx_std, 1),
+        "Fy [N]": lambda row: with_error(row.Fy, row.Fy_std, 1),
+        "Fz [N]": lambda row: with_error(row.Fz, row.Fz_std, 1),
+        "on link": _links,
+    }
+    if (rows["kind"] == "load").any():
+        columns["load [kg]"] = _load
+    return tabulated(rows.itertuples(), columns)
+
+
+def _load(row: Any) -> Cell:
+    return with_error(row.load_mass, row.load_mass_std, 2) if row.kind == "load" else Cell("–")
 
 
 def likely(row: Any) -> list[int]:

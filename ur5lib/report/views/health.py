@@ -7,8 +7,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.cells import interval, number, significant
-from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 NAMES = {
@@ -79,21 +78,17 @@ def share(size: float, row: Any) -> float:
 
 def changes(results: Results) -> Body:
     """Return the table of changes."""
-    rows = [
-        [
-            Cell(row.robot),
-            Cell(str(row.joint)),
-            Cell(NAMES[row.quantity][0]),
-            Cell(f"{row.kind}, {days(row.first, row.last, 'to')}"),
-            Cell(f"{significant(row.before, 3)} {NAMES[row.quantity][1]}"),
-            Cell(significant(row.size, 2).replace("-", "−")),
-            Cell(interval(row.low, row.high, 3)),
-            number(row.by_temperature, 3),
-        ]
-        for row in ranked(results).itertuples()
-    ]
-    header = ["arm", "joint", "quantity", "when", "before", "change", "95 %", "by temperature"]
-    return Body(header, rows)
+    columns: dict[str, Column] = {
+        "arm": "robot",
+        "joint": "joint",
+        "quantity": lambda row: NAMES[row.quantity][0],
+        "when": lambda row: f"{row.kind}, {days(row.first, row.last, 'to')}",
+        "before": lambda row: f"{significant(row.before, 3)} {NAMES[row.quantity][1]}",
+        "change": lambda row: significant(row.size, 2).replace("-", "−"),
+        "95 %": lambda row: interval(row.low, row.high, 3),
+        "by temperature": lambda row: number(row.by_temperature, 3),
+    }
+    return tabulated(ranked(results).itertuples(), columns)
 
 
 def span(first: str, last: str) -> str:

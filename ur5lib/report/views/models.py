@@ -6,7 +6,7 @@ import pandas as pd
 
 from ur5lib.report.cells import extremes, number, signed, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 
@@ -76,28 +76,29 @@ def printed_errors(results: Results, of: str) -> Body:
 
 def rotors(results: Results) -> Body:
     """Return the fitted rotor inertias, and the terms that should be zero."""
-
-    def fitted(row: pd.Series, value: str, std: str) -> Cell:
-        return with_error(row[value], row[std], 4)
-
-    terms = {"offset [Nm]": "offset", "Coulomb [Nm]": "coulomb", "viscous [Nm s/rad]": "viscous"}
-    body = [
-        [Cell(row["robot"]), Cell(str(row["joint"])), fitted(row, "value", "std_error")]
-        + [fitted(row, term, f"{term}_std_error") for term in terms.values()]
-        for _, row in results.tables["rotor_inertia"].iterrows()
-    ]
-    return Body(["arm", "joint", "inertia [kg m²]", *terms], body)
+    columns: dict[str, Column] = {
+        "arm": "robot",
+        "joint": "joint",
+        "inertia [kg m²]": lambda row: with_error(row.value, row.std_error, 4),
+        "offset [Nm]": lambda row: with_error(row.offset, row.offset_std_error, 4),
+        "Coulomb [Nm]": lambda row: with_error(row.coulomb, row.coulomb_std_error, 4),
+        "viscous [Nm s/rad]": lambda row: with_error(row.viscous, row.viscous_std_error, 4),
+    }
+    return tabulated(results.tables["rotor_inertia"].itertuples(), columns)
 
 
 def excitation(results: Results) -> Body:
     """Return how well the recordings excite the identified parameters, one row per arm."""
-    groups = ["gravity", "inertia", "rotors", "all"]
-    body = [
-        [Cell(row["robot"]), Cell(str(row["combinations"])), Cell(str(row["undetermined"]))]
-        + [number(row[group], 1) for group in groups]
-        for _, row in results.tables["excitation"].iterrows()
-    ]
-    return Body(["arm", "combinations", "not excited", *groups], body)
+    columns: dict[str, Column] = {
+        "arm": "robot",
+        "combinations": "combinations",
+        "not excited": "undetermined",
+        "gravity": lambda row: number(row.gravity, 1),
+        "inertia": lambda row: number(row.inertia, 1),
+        "rotors": lambda row: number(row.rotors, 1),
+        "all": lambda row: number(row.all, 1),
+    }
+    return tabulated(results.tables["excitation"].itertuples(), columns)
 
 
 def advice(results: Results) -> Iterator[Sentence]:

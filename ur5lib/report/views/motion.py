@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.report.cells import listed, number, signed, with_error
 from ur5lib.report.document import Cell
-from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 COMPONENTS = {"x": "m/s²", "y": "m/s²", "z": "m/s²", "rx": "rad/s²", "ry": "rad/s²", "rz": "rad/s²"}
@@ -48,16 +48,13 @@ def errors(results: Results) -> Body:
 def printed_errors(results: Results, of: str) -> Body:
     """Return Table 5.7: printed, rebuilt, and their difference."""
     rows = results.rows("acceleration_mae", recording=of)
-    body = [
-        [
-            Cell(f"{row.component} [{COMPONENTS[row.component]}]"),
-            number(row.printed, 4),
-            number(row.mae, 4),
-            signed(100 * (row.mae / row.printed - 1), 1, " %"),
-        ]
-        for row in rows[rows["printed"].notna()].itertuples()
-    ]
-    return Body(["component", "printed", "rebuilt", "diff."], body)
+    columns: dict[str, Column] = {
+        "component": lambda row: f"{row.component} [{COMPONENTS[row.component]}]",
+        "printed": lambda row: number(row.printed, 4),
+        "rebuilt": lambda row: number(row.mae, 4),
+        "diff.": lambda row: signed(100 * (row.mae / row.printed - 1), 1, " %"),
+    }
+    return tabulated(rows[rows["printed"].notna()].itertuples(), columns)
 
 
 def beside_imu(results: Results) -> Iterator[Sentence]:
@@ -100,18 +97,15 @@ def bands(results: Results) -> Body:
 
 def calibration(results: Results) -> Body:
     """Return the IMU's mounting and place, the base's tilt and the gyroscope's bias."""
-    body = [
-        [
-            Cell(row.robot),
-            Cell(row.quantity.replace("_", " ")),
-            Cell(row.axis),
-            with_error(row.value, row.std_error, 5),
-            number(row.described, 5),
-            Cell(row.unit),
-        ]
-        for row in results.tables["imu_calibration"].itertuples()
-    ]
-    return Body(["arm", "quantity", "axis", "value", "described", "unit"], body)
+    columns: dict[str, Column] = {
+        "arm": "robot",
+        "quantity": lambda row: row.quantity.replace("_", " "),
+        "axis": "axis",
+        "value": lambda row: with_error(row.value, row.std_error, 5),
+        "described": lambda row: number(row.described, 5),
+        "unit": "unit",
+    }
+    return tabulated(results.tables["imu_calibration"].itertuples(), columns)
 
 
 def place(results: Results) -> Iterator[Sentence]:

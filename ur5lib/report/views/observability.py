@@ -10,7 +10,7 @@ from ur5lib.force.trial_pushes import MOST
 from ur5lib.report.cells import fixed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.observability_figure import flange_speeds
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 
@@ -33,11 +33,13 @@ def told(results: Results) -> Iterator[Sentence]:
 def pushes(results: Results) -> Body:
     """Return the smallest push that is detected, by speed of the flange."""
     rows = results.rows("observability", quantity="smallest_push_95")
-    body = [
-        [Cell(row.robot), Cell(flange_speeds(row)), Cell(f"{row.samples:.0f}"), _push(row)]
-        for row in rows.itertuples()
-    ]
-    return Body(["arm", "speed of the flange [m/s]", "trial pushes", "smallest push [N]"], body)
+    columns: dict[str, Column] = {
+        "arm": "robot",
+        "speed of the flange [m/s]": flange_speeds,
+        "trial pushes": lambda row: f"{row.samples:.0f}",
+        "smallest push [N]": _push,
+    }
+    return tabulated(rows.itertuples(), columns)
 
 
 def velocities(results: Results) -> Body:

@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.report.cells import significant
 from ur5lib.report.document import Cell
 from ur5lib.report.printed_numbers import COLUMNS, EQUAL, UNEXPLAINED
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 DIGITS = 4  # of a number that is not printed
@@ -22,23 +22,18 @@ def sources(results: Results) -> list[str]:
 
 def numbers(results: Results, of: str) -> Body:
     """Return every number of a published table: printed, rebuilt, as an erratum says, and right."""
-    rows = results.rows("printed", source=of)
-    body = [
-        [
-            Cell(row.quantity),
-            Cell(row.row),
-            Cell(str(row.number)),
-            _number(row.printed, 6),
-            _number(row.rebuilt),
-            _number(row.ratio, 3),
-            _number(row.as_erratum_says),
-            _number(row.right),
-            Cell(row.status),
-        ]
-        for row in rows.itertuples()
-    ]
-    header = ["quantity", "row", "of", "printed", "rebuilt", "ratio", "as an erratum says", "right"]
-    return Body([*header, "status"], body)
+    columns: dict[str, Column] = {
+        "quantity": "quantity",
+        "row": "row",
+        "of": "number",
+        "printed": lambda row: _number(row.printed, 6),
+        "rebuilt": lambda row: _number(row.rebuilt),
+        "ratio": lambda row: _number(row.ratio, 3),
+        "as an erratum says": lambda row: _number(row.as_erratum_says),
+        "right": lambda row: _number(row.right),
+        "status": "status",
+    }
+    return tabulated(results.rows("printed", source=of).itertuples(), columns)
 
 
 def found(results: Results) -> Iterator[Sentence]:

@@ -8,7 +8,7 @@ import yaml
 
 from ur5lib.report.cells import number
 from ur5lib.report.document import Cell
-from ur5lib.report.results import MOST_ROWS, Body, Results
+from ur5lib.report.results import MOST_ROWS, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 CODE_WIDTH = 110  # characters per line in the PDF
@@ -27,31 +27,27 @@ def versions(results: Results) -> Body:
 
 def files(results: Results) -> Body:
     """Return the files of each recording."""
-    rows = [
-        [Cell(file.recording), Cell(file.file), Cell(file.sha256[:16])]
-        for file in results.tables["files"].itertuples()
-    ]
-    return Body(["recording", "file", "SHA-256 begins"], rows)
+    columns: dict[str, Column] = {
+        "recording": "recording",
+        "file": "file",
+        "SHA-256 begins": lambda row: row.sha256[:16],
+    }
+    return tabulated(results.tables["files"].itertuples(), columns)
 
 
 def run_times(results: Results) -> Body:
     """Return how long each step took, and how much of that was start-up."""
-    times = results.tables["run_times"]
-    rows = [
-        [
-            Cell(step.step),
-            Cell(str(step.jobs)),
-            number(step.wall_s, 1),
-            number(step.cpu_s, 1),
-            number(step.start_up_s, 1),
-            number(step.max_rss_mb, 0),
-            Cell(step.first_end.replace("T", " ")),
-            Cell(step.last_end.replace("T", " ")),
-        ]
-        for step in times.itertuples()
-    ]
-    header = ["step", "jobs", "wall [s]", "processor [s]", "start-up [s]", "memory [MB]"]
-    return Body([*header, "first ended (UTC)", "last ended (UTC)"], rows)
+    columns: dict[str, Column] = {
+        "step": "step",
+        "jobs": "jobs",
+        "wall [s]": lambda row: number(row.wall_s, 1),
+        "processor [s]": lambda row: number(row.cpu_s, 1),
+        "start-up [s]": lambda row: number(row.start_up_s, 1),
+        "memory [MB]": lambda row: number(row.max_rss_mb, 0),
+        "first ended (UTC)": lambda row: row.first_end.replace("T", " "),
+        "last ended (UTC)": lambda row: row.last_end.replace("T", " "),
+    }
+    return tabulated(results.tables["run_times"].itertuples(), columns)
 
 
 def total_time(results: Results) -> Iterator[Sentence]:

@@ -1,13 +1,14 @@
 """The recordings, their defects and their clocks."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import pandas as pd
 
 from ur5lib.report.cells import rounded, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 MOST_NAMED = 4  # recordings of one finding
@@ -17,21 +18,17 @@ LONGEST = 120  # characters for the places of one finding
 def files(results: Results) -> Body:
     """Return role, length, frames, steps and devices, one row per recording."""
     roles = results.roles()
-    rows = [
-        [
-            Cell(row.recording),
-            Cell(roles[row.recording]),
-            Cell(f"{row.duration_s:.1f}"),
-            Cell(str(row.rows_read)),
-            Cell(str(row.frames)),
-            Cell(f"{1000 * row.longest_step_s:.1f}"),
-            Cell(f"{1000 * row.jitter_s:.2f}"),
-            Cell(row.devices.replace(" ", ", ")),
-        ]
-        for row in results.tables["recordings"].itertuples()
-    ]
-    header = ["recording", "role", "duration [s]", "rows read", "frames", "longest step [ms]"]
-    return Body([*header, "jitter [ms]", "devices used"], rows)
+    columns: dict[str, Column] = {
+        "recording": "recording",
+        "role": lambda row: roles[row.recording],
+        "duration [s]": lambda row: f"{row.duration_s:.1f}",
+        "rows read": "rows_read",
+        "frames": "frames",
+        "longest step [ms]": lambda row: f"{1000 * row.longest_step_s:.1f}",
+        "jitter [ms]": lambda row: f"{1000 * row.jitter_s:.2f}",
+        "devices used": lambda row: row.devices.replace(" ", ", "),
+    }
+    return tabulated(results.tables["recordings"].itertuples(), columns)
 
 
 def late(results: Results) -> list[str]:
@@ -85,23 +82,20 @@ def _short(detail: str) -> str:
 
 def clocks(results: Results) -> Body:
     """Return each clock's offset and drift relative to the robot's, and its error at the end."""
-    rows = [
-        [
-            Cell(clock.recording),
-            Cell(clock.device),
-            with_error(clock.offset_s, clock.offset_std_s, 3),
-            _drift(clock.drift_ppm, clock.drift_std_ppm),
-            Cell(f"± {rounded(clock.end_std_s, 3)}"),
-            Cell(clock.method),
-        ]
-        for clock in results.tables["clocks"].itertuples()
-    ]
-    heads = ["recording", "device", "offset [s]", "drift [ppm]", "error at end [s]", "method"]
-    return Body(heads, rows)
+    columns: dict[str, Column] = {
+        "recording": "recording",
+        "device": "device",
+        "offset [s]": lambda row: with_error(row.offset_s, row.offset_std_s, 3),
+        "drift [ppm]": _drift,
+        "error at end [s]": lambda row: f"± {rounded(row.end_std_s, 3)}",
+        "method": "method",
+    }
+    return tabulated(results.tables["clocks"].itertuples(), columns)
 
 
-def _drift(drift: float, std: float) -> Cell:
-    return Cell("not estimated") if pd.isna(drift) else with_error(drift, std, 0)
+def _drift(row: Any) -> Cell:
+    known = not pd.isna(row.drift_ppm)
+    return with_error(row.drift_ppm, row.drift_std_ppm, 0) if known else Cell("not estimated")
 
 
 def arms(results: Results) -> list[str]:

@@ -6,7 +6,7 @@ import pandas as pd
 
 from ur5lib.pipeline.estimates import ESTIMATES
 from ur5lib.report.document import Cell
-from ur5lib.report.results import NOTHING, Body, Results
+from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.truth_table import COLUMNS
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -54,21 +54,17 @@ def clocks(results: Results) -> Body:
 
 
 def _values(rows: pd.DataFrame, of: str) -> Body:
-    body = [
-        [
-            Cell(row[of]),
-            Cell(QUANTITIES[row["quantity"]]),
-            Cell(str(row["index"])),
-            Cell(row["unit"]),
-            _figure(row["truth"], 5),
-            _figure(row["estimate"], 5),
-            _figure(row["std_error"], 3),
-            Cell(row["within95"] if pd.notna(row["within95"]) else "–"),
-        ]
-        for _, row in rows.iterrows()
-    ]
-    header = [of, "quantity", "of", "unit", "truth", "estimate", "standard error", "inside"]
-    return Body(header, body)
+    columns: dict[str, Column] = {
+        of: of,
+        "quantity": lambda row: QUANTITIES[row.quantity],
+        "of": "place",
+        "unit": "unit",
+        "truth": lambda row: _figure(row.truth, 5),
+        "estimate": lambda row: _figure(row.estimate, 5),
+        "standard error": lambda row: _figure(row.std_error, 3),
+        "inside": lambda row: row.within95 if pd.notna(row.within95) else "–",
+    }
+    return tabulated(rows.rename(columns={"index": "place"}).itertuples(), columns)
 
 
 def joint_accelerations(results: Results) -> Body:
