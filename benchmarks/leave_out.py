@@ -1,21 +1,24 @@
-"""False alarms and pushes along paths that no fit has seen.
+"""False alarms and pushes along paths and on days that no fit has seen.
 
     python -m benchmarks.leave_out [<study> [<robot>]] [--quick]
 
 Takes results/<study> as built; by default that of `make`, of a ur5. Each path of the recordings
-to fit on is left out in turn: friction, residual model and threshold come from the other paths, by
-the workflow's own steps, and what was left out is treated as a recording to validate on. Then each
-recording to fit on is the only one. Alarms are counted on recordings without contact or load: all
-of them are false. Sustained pushes are put onto the external torque of each of these, too, under
-the fit that has not seen its path. The rigid-body model stays the study's: the controller's own
-torque tells it, not the currents. `--quick` does a part of all this.
+to fit on is left out in turn, with its day if other days have enough paths: friction, residual
+model and threshold come from the other recordings, by the workflow's own steps, and what was left
+out is treated as a recording to validate on. Then each recording to fit on is the only one. Alarms
+are counted on recordings without contact, loaded or not: all of them are false. The largest force
+in an alarm is given in its standard deviations. Of each joint, the share of the current inside its
+band, and by how much friction in motion differs from the predicted one. Sustained pushes are put
+onto the external torque of each recording, too, under the fit that has not seen its path. The
+rigid-body model stays the study's: the controller's own torque tells it, not the currents.
+`--quick` does a part of all this.
 """
 
 import argparse
 import runpy
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -29,9 +32,10 @@ import yaml
 
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import alarms
-from ur5lib.force.external_torque import is_still
+from ur5lib.force.external_torque import SLOW, is_still
 from ur5lib.force.force_input import ForceInput
+from ur5lib.identification.samples import apart_from
+from ur5lib.pipeline.contacts import alarms_by_odds, strongest
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
@@ -56,8 +60,9 @@ START, SHORTEST, LONGEST = 5.0, 10.0, 15.0  # s: of a push
 MARGIN = 0.5  # s at the end of a recording, of which a low-pass knows one side only
 TABLES = ("signals", "motion", "torques")
 PAYLOAD = {"payload": "payload.json", "regressor": "load_regressor.parquet"}
-ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm"]
+ALARMS = ["recording", "estimate", "alarms", "minutes", "in_alarm", "deviations"]
 EVERY = 0.1  # s between the samples by which paths are compared
+MOVES = 2.0  # s, for which a joint moves at least where its friction is judged
 INSIDE = 0.9  # share of a push above which it has come on
 
 
@@ -68,6 +73,11 @@ class Recording:
     entry: dict[str, Any]
     folder: Path
     path: int
+
+    @property
+    def day(self) -> str:
+        """Its date, empty where the study gives none."""
+        return str(self.entry.get("date") or "")
 
     @property
     def name(self) -> str:
@@ -81,7 +91,7 @@ class Recording:
 
 @dataclass(frozen=True)
 class Study:
-    """Recordings of one arm without contact or load, and the settings of all steps."""
+    """Recordings of one arm without contact, and the settings of all steps."""
 
     arm: Path
     settings: Settings
@@ -96,6 +106,9 @@ class Study:
     def lowpass(self) -> dict[str, Any]:
         """Order and cut-off behind currents and torques, as steps are given them."""
         return self.settings.lowpass.currents.model_dump()
+
+
+Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 
 def main() -> None:
@@ -113,59 +126,62 @@ def main() -> None:
 
 
 def compare(title: str, known: Study, quick: bool) -> None:
-    """Leave out path after path, then all recordings but one."""
+    """Leave out path after path, or day after day, then all recordings but one."""
     few = 1 if quick else None
-    paths = sorted({own.path for own in known.fit})[:few]
-    folds = [(f"without path {path + 1}", *without(known, path)) for path in paths]
-    folds.append(("all recordings to fit on", known.fit, validated(known)))
+    folds = without_each(known)[:few]
+    folds.append(("all recordings to fit on", known.fit, unseen(known, known.fit)))
     alone = [
         (f"{own.name} alone", [own], [one for one in known.recordings if one.path != own.path])
         for own in known.fit[:few]
     ]
     print(f"{title}: {len(known.fit)} recordings to fit on")
     rows: list[dict[str, Any]] = []
-    for fold, tested in built("paths left out", known, folds):
+    joints: list[dict[str, Any]] = []
+    for fold, tested in built("paths and days left out", known, folds):
+        joints += [row for own in tested for row in predicted(fold, own)]
         rows += [row for own in tested for row in pushed(fold, own, quick)]
     with pd.option_context("display.max_rows", None, "display.width", 120):
+        report_joints(pd.DataFrame(joints))
         report_pushes(pd.DataFrame(rows))
     for _ in built("one recording to fit on", known, alone):
         pass
 
 
-def read_study(folder: Path, robot: str) -> Study:
-    """The recordings of an arm in which nothing touches it and no load was found."""
+def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validate")) -> Study:
+    """The recordings of an arm with some roles; by default those in which nothing touches it."""
     plan = yaml.safe_load((folder / "configuration.yaml").read_text())
     entries = [
-        entry
-        for entry in plan["recordings"]
-        if entry["robot"] == robot and entry["role"] != "contact"
+        entry for entry in plan["recordings"] if entry["robot"] == robot and entry["role"] in roles
     ]
     folders = [folder / "recordings" / entry["name"] for entry in entries]
-    loads = [read_json(own / "currents.json").get("load") for own in folders]
-    free = [load is None or not load.get("taken", False) for load in loads]
     motions = [Motion.read(own / "motion.parquet") for own in folders]
     passed = [
         Passed.from_motion(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions
     ]
     labels = group_by_path(passed).tolist()
-    found = zip(entries, folders, labels, free, strict=True)
-    recordings = [Recording(entry, own, path) for entry, own, path, unloaded in found if unloaded]
+    recordings = [*map(Recording, entries, folders, labels)]
     settings = Settings.model_validate(plan["settings"])
     return Study(folder / "parameters" / robot / "arm.yaml", settings, recordings)
 
 
-def without(study: Study, path: int) -> tuple[list[Recording], list[Recording]]:
-    """Recordings to fit on, and those to try: all of the path that is left out."""
-    return (
-        [own for own in study.fit if own.path != path],
-        [own for own in study.recordings if own.path == path],
-    )
+def without_each(study: Study) -> list[Tried]:
+    """What is left out together: label, recordings to fit on, and to try what only these miss."""
+    path = np.array([own.path for own in study.fit])
+    _, day = np.unique([own.day for own in study.fit], return_inverse=True)
+    kept = {tuple(apart_from(path == one, path, day)): one for one in np.unique(path)}
+    found, always = [], {own.name for own in unseen(study, study.fit)}
+    for seen in kept:
+        fitted = [own for own, used in zip(study.fit, seen, strict=True) if used]
+        left = " ".join(own.name for own in study.fit if own not in fitted)
+        tested = [own for own in unseen(study, fitted) if own.name not in always]
+        found.append((f"without {left}", fitted, tested))
+    return found
 
 
-def validated(study: Study) -> list[Recording]:
-    """Recordings that are not fitted on, nor of a path that is."""
-    seen = {own.path for own in study.fit}
-    return [own for own in study.recordings if own.path not in seen]
+def unseen(study: Study, fitted: list[Recording]) -> list[Recording]:
+    """Recordings that share neither path nor, where the study has dates, day with these."""
+    paths, days = {own.path for own in fitted}, {own.day for own in fitted} - {""}
+    return [own for own in study.recordings if own.path not in paths and own.day not in days]
 
 
 class Fold:
@@ -193,9 +209,12 @@ class Fold:
             | {"loads": [own.file("torques.json") for own in self.fitted]},
             {"friction": self.shared("friction.json")},
             lowpass
-            | {"terms": settings.friction.terms, "recordings": [own.name for own in self.fitted]},
+            | {"terms": settings.friction.terms}
+            | {"recordings": [own.name for own in self.fitted]}
+            | {"dates": [own.day for own in self.fitted]},
         )
         everything = [*self.fitted, *tested]
+        touched = [own for own in tested if own.entry["role"] == "contact"]
         for own in everything:
             self.payload(own)
         for own in everything:
@@ -211,7 +230,7 @@ class Fold:
             {"cutoff_hz": lowpass["cutoff_hz"]},
         )
         for own in everything:
-            self.forces(own, [other for other in everything if other is not own])
+            self.forces(own, [one for one in everything if one not in (own, *touched)])
         self.run(
             "set_threshold",
             {
@@ -293,17 +312,21 @@ class Fold:
         self.step[name](*(SimpleNamespace(**own) for own in files_and_params))
 
     def alarms(self, tested: list[Recording]) -> pd.DataFrame:
-        """A row for each recording and estimate: alarms, minutes, of them minutes in alarm."""
+        """A row for each recording and estimate: alarms, minutes, of them minutes in alarm, and the
+        largest force of an alarm in its standard deviations.
+        """
         thresholds = read_json(self.shared("threshold.json"))
         rows = []
         for own in tested:
             forces = Forces.read(self.own(own, "forces.parquet"))
-            for name, odds in forces.log_odds.items():
+            for name in forces.log_odds:
                 # Where no fitted recording has this estimate, contact is what is the likelier.
-                raised = alarms(odds, thresholds.get(name, 0.0))
+                found = alarms_by_odds(forces, name, thresholds.get(name, 0.0))
                 minute = forces.period / 60
-                lasted = sum(last - first for first, last in raised) * minute
-                row = own.name, name, len(raised), len(odds) * minute, lasted
+                lasted = sum(last - first for first, last in found.raised) * minute
+                stated = [strongest(span, forces.time, found) for span in found.raised]
+                most = max((np.abs(s["force"] / s["force_std"]).max() for s in stated), default=0.0)
+                row = own.name, name, len(stated), len(found.evidence) * minute, lasted, most
                 rows.append(dict(zip(ALARMS, row, strict=True)))
         return pd.DataFrame(rows, columns=ALARMS)
 
@@ -325,7 +348,10 @@ def report_alarms(label: str, found: pd.DataFrame) -> None:
             flush=True,
         )
         for own in part[part["alarms"] > 0].itertuples():
-            print(f"{'':>14}{own.alarms} on {own.recording}, {60 * own.in_alarm:.1f} s")
+            print(
+                f"{'':>14}{own.alarms} on {own.recording}, {60 * own.in_alarm:.1f} s, "
+                f"force up to {own.deviations:.1f} deviations"
+            )
 
 
 def refusal(fold: Fold, tested: list[Recording]) -> str | None:
@@ -337,9 +363,6 @@ def refusal(fold: Fold, tested: list[Recording]) -> str | None:
     files = ("friction.json", "residuals.json")
     found = (read_json(fold.shared(file)).get("refused") for file in files)
     return next(filter(None, found), None)
-
-
-Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 
 def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, list[Recording]]]:
@@ -356,6 +379,55 @@ def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, 
             yield fold, tested
     if found:
         report_alarms(f"{title}, all together", pd.concat(found))
+
+
+def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
+    """Of each joint, the current's share inside its band, and the excess of friction in motion."""
+    currents = Currents.read(fold.own(own, "currents.parquet"))
+    summary = read_json(fold.own(own, "currents.json"))
+    if "fitted" not in summary["scores"]:
+        return
+    excess = friction_excess(currents, Motion.read(own.file("motion.parquet")))
+    if summary["load"] and summary["load"]["taken"]:  # its friction in the gears is another
+        excess[:] = np.nan
+    about = {"day": own.day, "recording": own.name, "samples": len(currents.time)}
+    for joint, inside in enumerate(summary["scores"]["fitted"]["coverage"]):
+        yield about | {"joint": joint + 1, "inside": inside, "excess": excess[joint]}
+
+
+def friction_excess(currents: Currents, motion: Motion) -> Array:
+    """Return s (6,) of τ_ext = c - s τ_friction by least squares, NaN where a joint hardly moves.
+
+    Friction that is stronger than predicted by the share s is an external torque against it.
+    """
+    excess = np.full(6, np.nan)
+    for joint in range(6):
+        torque, friction = currents.external_torque[:, joint], currents.friction_torque[:, joint]
+        rows = (np.abs(motion.motor_qd[:, joint]) > SLOW) & np.isfinite(torque + friction)
+        if rows.sum() * motion.period >= MOVES:
+            columns = np.column_stack([-friction[rows], np.ones(rows.sum())])
+            excess[joint] = np.linalg.lstsq(columns, torque[rows])[0][0]
+    return excess
+
+
+def report_joints(rows: pd.DataFrame) -> None:
+    """Print by recording and joint, and the spread of friction over recordings and joints."""
+    for name, digits in (("inside", 2), ("excess", 3)):
+        table = rows.pivot_table(name, ["day", "recording"], "joint", dropna=False)
+        print(f"\n{name}\n{table.dropna(how='all').round(digits)}")
+    samples = rows["samples"].where(rows["inside"].notna())
+    weighted = (rows["inside"] * samples).groupby(rows["joint"]).sum()
+    print(
+        "inside, all recordings",
+        (weighted / samples.groupby(rows["joint"]).sum()).round(3).tolist(),
+    )
+    square = rows["excess"] ** 2
+    of_days = np.sqrt(square.groupby(rows["day"]).mean())
+    print(
+        f"friction differs by {np.sqrt(square.mean()):.1%} (root mean square), on the most "
+        f"different day by {of_days.max():.1%}, at most by {rows['excess'].abs().max():.1%}",
+        flush=True,
+    )
 
 
 def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:

@@ -54,6 +54,7 @@ from ur5lib.identification.samples import (
     STEP,
     Record,
     Samples,
+    apart_from,
     design,
     joint_samples,
     record_paths,
@@ -378,6 +379,52 @@ def test_of_many_paths_several_are_left_out_together(study: list[Record]) -> Non
     assert len(fits) == FOLDS
     left_out = [name for names, _ in fits for name in names]
     assert sorted(left_out) == sorted(record.name for record in more)
+
+
+def dated(records: list[Record], days: str) -> list[Record]:
+    """Their first 10 s, each with a letter for its day."""
+    names = ("segment", "q", "qd", "torque", "current")
+    short = [replace(own, **{name: getattr(own, name)[:1250] for name in names}) for own in records]
+    return [replace(own, day=day) for own, day in zip(short, days, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("days", "seen"),
+    [
+        ("aabbbc", "bbbc"),
+        ("aaabbb", "bbb"),
+        ("aaaabb", "aaabb"),  # of other days, two paths would remain
+        ("aaaaaa", "aaaaa"),
+    ],
+)
+def test_a_day_is_left_out_where_others_have_enough_paths(days: str, seen: str) -> None:
+    path = np.arange(len(days))
+    kept = apart_from(path == 0, path, np.array([ord(day) for day in days]))
+    assert not kept[0]
+    assert "".join(np.array([*days])[kept]) == seen
+
+
+def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[Record]) -> None:
+    """Whatever the currents of that day were, the fit is the same; the others are not."""
+    records = dated(study[:6], "aabbbc")
+    fits = fit_without_each_path(records, smooth, prior(), ())
+    assert [len(names) for names, _ in fits] == [2, 3, 1]
+    first = [changed(own) if own.day == "a" else own for own in records]
+    again = fit_without_each_path(first, smooth, prior(), ())
+    same = [equal(one, other) for (_, one), (_, other) in zip(fits, again, strict=True)]
+    assert same == [True, False, False]
+
+
+def test_a_left_out_residual_has_not_seen_its_day(study: list[Record]) -> None:
+    """Bands are stated, and terms chosen, on other days."""
+    records = dated(study[:6], "aabbbc")
+    before, after = (
+        left_out_residuals(joint_samples(some, smooth, (), WAYS)[1], BASE, prior().of_joint(1))
+        for some in (records, [records[0], changed(records[1]), *records[2:]])
+    )
+    place = joint_samples(records, smooth, (), WAYS)[1].record
+    np.testing.assert_array_equal(after[place == 0], before[place == 0])
+    assert not np.isclose(after[place > 1], before[place > 1]).all()
 
 
 def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(

@@ -25,8 +25,10 @@ from ur5lib.identification.samples import (
     Record,
     Samples,
     Smooth,
+    apart_from,
     design,
     joint_samples,
+    record_days,
     record_paths,
     smoothed_moving,
 )
@@ -202,21 +204,30 @@ def _fit_with(
 def fit_without_each_path(
     records: Sequence[Record], smooth: Smooth, prior: Prior, family: Sequence[Term] = FAMILY
 ) -> list[tuple[list[str], CurrentFit]]:
-    """Cross-fit: return fits without some paths, each with the names of the recordings left out.
+    """Cross-fit: return fits without some paths and days, each with the recordings that it judges.
 
-    A prediction that judges a recording comes from a fit without its path. There are at most FOLDS
-    fits: of many paths, several are left out together; with a single path, there is none.
+    A prediction that judges a recording comes from a fit without its path, and without its day if
+    other days have enough paths. There are at most FOLDS fits: of many paths, several are left out
+    together; with a single path, there is none.
     """
-    path = record_paths(records)
+    path, day = record_paths(records), record_days(records)
     if path.max(initial=0) == 0:
         return []
-    fits = []
+    judged: dict[tuple[str, ...], list[str]] = {}  # by the recordings to fit
     for fold in range(min(FOLDS, path.max() + 1)):
         out = path % FOLDS == fold
-        others = [record for record, left in zip(records, out, strict=True) if not left]
-        names = [record.name for record, left in zip(records, out, strict=True) if left]
-        fits.append((names, fit_currents(others, smooth, prior, family)))
-    return fits
+        kept = apart_from(out, path, day)
+        judged.setdefault(tuple(_names(records, kept)), []).extend(_names(records, out))
+    known = {record.name: record for record in records}
+    return [
+        (names, fit_currents([known[name] for name in kept], smooth, prior, family))
+        for kept, names in judged.items()
+    ]
+
+
+def _names(records: Sequence[Record], chosen: Mask) -> list[str]:
+    """Return the names of the recordings in a mask (R,)."""
+    return [record.name for record, own in zip(records, chosen, strict=True) if own]
 
 
 def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:

@@ -31,6 +31,7 @@ STEP = 0.1  # s between samples
 BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
 FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
 STRETCH = 5  # blocks
+LEAST_PATHS = 3  # as many as README asks for
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,8 @@ class Record:
 
     period: [s]; segment: (N,) labels of unbroken stretches; q, qd: (N, 6) [rad, rad/s];
     torque: (N, 6) [Nm], of the rigid-body model at that motion; current: (N, 6) [A]; temperature:
-    (N, 6) [°C], of the motors, where it was recorded.
+    (N, 6) [°C], of the motors, where it was recorded; day: any label of its date, the same for all
+    where dates are unknown.
     """
 
     name: str
@@ -50,6 +52,7 @@ class Record:
     torque: Array
     current: Array
     temperature: Array | None = None
+    day: str = ""
     # What was low-passed once: fits without each path need the same samples again.
     _thinned: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -84,9 +87,10 @@ class Samples:
 
     columns: (n, P), of the torque, an offset, and `terms`, for a distance of presliding [rad];
     held: (n,), direction of the friction that holds a joint at rest; current: (n,) [A]; moving:
-    (n,), false at rest and while starting or stopping; block, record, path: (n,) labels; recordings
-    of one trajectory share a path and are left out together; unit: (n,) labels of the units of the
-    bootstrap: paths, or stretches of 10 s if paths are few, or blocks if stretches are few, too.
+    (n,), false at rest and while starting or stopping; block, record, path, day: (n,) labels;
+    recordings of one trajectory share a path and are left out together; unit: (n,) labels of the
+    units of the bootstrap: paths, or stretches of 10 s if paths are few, or blocks if stretches are
+    few, too.
     """
 
     terms: tuple[Term, ...]
@@ -98,6 +102,7 @@ class Samples:
     block: Labels
     record: Labels
     path: Labels
+    day: Labels
     unit: Labels
 
     @cached_property
@@ -114,7 +119,7 @@ class Samples:
 
     def where(self, rows: Mask) -> "Samples":
         """Return the samples in a mask."""
-        names = ("columns", "held", "current", "moving", "block", "record", "path", "unit")
+        names = ("columns", "held", "current", "moving", "block", "record", "path", "day", "unit")
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
@@ -132,7 +137,7 @@ def joint_samples(
         _record_samples(record, smooth, terms, presliding, first + own)
         for record, own, first in zip(records, labels, firsts, strict=True)
     ]
-    paths = record_paths(records)
+    paths, days = record_paths(records), record_days(records)
     joints = []
     for joint in range(6):
         rows = [part[joint] for part in parts]
@@ -141,7 +146,7 @@ def joint_samples(
             np.concatenate(arrays) for arrays in zip(*rows, strict=True)
         )
         path = paths[record]
-        rest = held, current, moving, block, record, path, _unit(path, block)
+        rest = held, current, moving, block, record, path, days[record], _unit(path, block)
         joints.append(Samples(terms, presliding[joint], columns, *rest))
     return joints
 
@@ -149,6 +154,21 @@ def joint_samples(
 def record_paths(records: Sequence[Record]) -> Labels:
     """Return labels (R,) of recordings by their trajectory."""
     return group_by_path([passed(record) for record in records])
+
+
+def record_days(records: Sequence[Record]) -> Labels:
+    """Return labels (R,) of recordings by their day."""
+    return np.unique([record.day for record in records], return_inverse=True)[1].astype(np.int64)
+
+
+def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
+    """Return what shares neither path nor day with the samples or recordings of a mask (n,).
+
+    out: (n,), whole paths; path, day: (n,) labels. If less than LEAST_PATHS would remain, what
+    shares no path.
+    """
+    other = ~out & ~np.isin(day, day[out])
+    return other if len(np.unique(path[other])) >= LEAST_PATHS else ~out
 
 
 def passed(record: Record) -> Passed:

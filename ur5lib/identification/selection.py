@@ -8,7 +8,7 @@ import numpy as np
 from ur5lib.identification.friction import BASE, Term, is_dissipative
 from ur5lib.identification.prior import JointPrior
 from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
-from ur5lib.identification.samples import Samples
+from ur5lib.identification.samples import Samples, apart_from
 from ur5lib.timeseries.arrays import Array
 
 # Required decrease of the logarithm of the cross-validated error: three standard errors, because
@@ -81,15 +81,17 @@ def left_out_errors(samples: Samples, terms: Sequence[Term], prior: JointPrior) 
 
 
 def left_out_residuals(samples: Samples, terms: Sequence[Term], prior: JointPrior) -> Array:
-    """Return measured minus predicted current (n,) [A], each path predicted from the others.
+    """Return measured minus predicted current (n,) [A], each path predicted from others.
 
+    They are of other days, too, if these have enough paths.
     NaN if there is no other path.
     """
     residual = np.full(len(samples.current), np.nan)
     present = np.unique(samples.path)
     for one in present if len(present) > 1 else []:
         test = samples.path == one
-        others, here = samples.where(~test), samples.where(test)
+        others = samples.where(apart_from(test, samples.path, samples.day))
+        here = samples.where(test)
         coefficients = regress_samples(others, terms, prior).coefficients
         held = held_current(others, terms, coefficients)
         residual[test] = here.current - here.design(terms) @ coefficients - held * here.held

@@ -174,8 +174,17 @@ def fitted_gravities(wildcards):
 
 def contact_free_dates(wildcards):
     """Return the dates of an arm's contact-free recordings; empty where the study gives none."""
-    dates = [RECORDINGS[name].date for name in contact_free(wildcards)]
-    return [day.isoformat() if day else "" for day in dates]
+    return dates_of(contact_free(wildcards))
+
+
+def fitted_dates(wildcards):
+    """Return the dates of an arm's `fit` recordings; empty where the study gives none."""
+    return dates_of(fitted_on(wildcards))
+
+
+def dates_of(names):
+    """Return the dates of several recordings; empty where the study gives none."""
+    return [str(RECORDINGS[name].date or "") for name in names]
 
 
 def contact_free_gravities(wildcards):

@@ -68,6 +68,7 @@ rule fit_friction:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("fit_friction"),
         recordings=fitted_on,
+        dates=fitted_dates,
         terms=SETTINGS.friction.terms,
     run:
         run_step(rule, input, output, params, log)

@@ -1,5 +1,6 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
+from dataclasses import replace
 from typing import Any
 
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
@@ -16,12 +17,13 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
     model, smooth = robot.fullest_model(), smoother(params.order, params.cutoff_hz)
     records, ratios = [], []
-    files = zip(params.recordings, input.signals, input.motion, input.torques, strict=True)
-    for name, *paths in files:
+    named = zip(params.recordings, params.dates, strict=True)
+    files = zip(named, input.signals, input.motion, input.torques, strict=True)
+    for (name, day), *paths in files:
         signals, motion = Signals.read(paths[0]), Motion.read(paths[1])
         record = current_record(name, signals, motion, Torques.read(paths[2]), model)
         if record is not None:
-            records.append(record)
+            records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion))
     summary: dict[str, Any] = {"from": []}
     loads = zip(params.recordings, map(read_json, input.loads), strict=True)
