@@ -52,6 +52,13 @@ def test_paths_are_left_out(demo: Workflow) -> None:
     assert "slope over the sizes: pooled" in printed
 
 
+def test_few_recordings_are_tried(demo: Workflow) -> None:
+    """The last subset that is drawn, of all paths but one or more: bands and contacts."""
+    printed = run_benchmark("few_recordings", demo.folder)
+    assert "inside" in printed
+    assert "in motion" in printed
+
+
 def test_estimators_are_compared(demo: Workflow) -> None:
     printed = run_benchmark("leaderboard", demo.folder, "demo")
     assert "| momentum observer | yes |" in printed

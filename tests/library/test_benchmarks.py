@@ -29,6 +29,7 @@ PRINTED = {  # what each prints at least
 IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
 OF_A_BUILT_STUDY = {
     "leave_out",
+    "few_recordings",
     "leaderboard",
     "current_prediction",
 }  # in tests/artefacts/test_demo.py

@@ -384,12 +384,21 @@ def test_residuals_of_few_paths_are_wider(
     assert models[5].doubt == 1
     np.testing.assert_array_equal(models[1].spread, models[2].spread)
     np.testing.assert_allclose(models[2].spread, models[5].spread)
-    (remark,) = found[1]["remarks"]
-    assert "one path" in remark
-    assert "record another path" in remark
-    assert "remarks" not in found[2]
+    assert "one path" in found[1]["remarks"][0]
+    assert "record another path" in found[1]["remarks"][0]
+    assert [len(found[paths].get("remarks", [])) for paths in (1, 2, 5)] == [2, 1, 0]
     assert {"tau_ext", "tau_observer"} <= found[5].keys()
     assert (models[5].breakaway > 0).all()
+
+
+@pytest.mark.parametrize(("seconds", "remarks"), [(8.0, 1), (12.0, 0)])
+def test_few_paths_that_hardly_rest_ask_for_rest(
+    ur5: Robot, friction: dict[str, Any], tmp_path: Path, seconds: float, remarks: int
+) -> None:
+    """From ten seconds on it is known what a joint holds."""
+    resting = free_run(ur5, 2, seconds=seconds, moving=False, period=PERIOD)
+    found = fit_residuals(tmp_path, friction, 2, free_run(ur5, 1, period=PERIOD), resting)
+    assert len(found.get("remarks", [])) == remarks
 
 
 def test_recordings_of_several_rates_leave_the_same(

@@ -1,14 +1,15 @@
 """Residual models of the external torque without contact, as residuals.json."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.force.external_torque import joint_states, past_states
+from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Stretch, fit_residual_model
+from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
@@ -24,6 +25,7 @@ ONE_PATH = (
     "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
     "bands are 6.5 times as wide as that path alone suggests; record another path"
 )
+REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 
@@ -53,9 +55,32 @@ def residual_summary(
             summary[name] = _residual_model(inputs, breakaway, paths, cutoff)
         except InputError as error:  # too little without contact: then no force is estimated
             summary["refused"] = str(error)
-    if paths == 1 and "refused" not in summary:
-        summary["remarks"] = [ONE_PATH]
+    if "refused" not in summary and (found := [*_remarks(paths, rest_seconds(recordings))]):
+        summary["remarks"] = found
     return summary
+
+
+def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
+    """Return for how long [s] no joint moves while the external torque is known."""
+    inputs = [
+        force_input(motion, currents.external_torque, currents)
+        for currents, motion in recordings
+        if currents.external_torque is not None
+    ]
+    return sum(
+        float((is_still(one.states) & finite_rows(one.torque)).sum() * one.period) for one in inputs
+    )
+
+
+def _remarks(paths: int, rest: float) -> Iterator[str]:
+    """Say what so few paths, and so many seconds at rest, do not show."""
+    if paths == 1:
+        yield ONE_PATH
+    if paths < LEAST_PATHS and rest < REST:
+        yield (
+            f"the arm rests for {rest:.0f} s of the fit recordings only, so that pushes at rest "
+            "may remain unnoticed; record half a minute at rest, in several poses"
+        )
 
 
 def unknown_torques(explained: Array) -> str:
