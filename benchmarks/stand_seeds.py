@@ -47,7 +47,7 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.host_drifts import read_clock
+from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.imu_calibration import ImuRecord, calibrate
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import SmoothedJoints, smooth_encoders
@@ -104,7 +104,7 @@ class Taken:
     def signals(self) -> Signals:
         """Return all signals on the robot's clock, the IMU placed by its own."""
         time = self.intake.robot["time"].to_numpy()
-        imu = resample(self.intake.sensors["imu"], read_clock(self.clock), time)
+        imu = resample(self.intake.sensors["imu"], self.clock, time)
         return Signals.from_table(pd.concat([self.intake.robot, imu], axis="columns"))
 
     @cached_property
@@ -122,12 +122,11 @@ class Taken:
         )
 
     @cached_property
-    def clock(self) -> dict[str, Any]:
+    def clock(self) -> OwnClock:
         """Return the clock of the IMU."""
         robot, starts = Signals.from_table(self.intake.robot), self.intake.quality["starts"]
         frames = self.kinematics.rotation, self.kinematics.jacobian
-        clock: dict[str, Any] = own_clocks(starts, self.intake.sensors, robot, *frames)["imu"]
-        return clock
+        return own_clocks(starts, self.intake.sensors, robot, *frames)["imu"]
 
     @cached_property
     def smoothed(self) -> SmoothedJoints:

@@ -42,8 +42,7 @@ from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.signals.clocks import Clock
-from ur5lib.signals.host_drifts import read_clock
+from ur5lib.signals.clock import Clock
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
@@ -129,7 +128,7 @@ class RealRecording:
         start = self.intake.quality["starts"]["force"]
         placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
         moved = moved_tool(self.robot, self.kinematics, self.motion)
-        clock_std = self.sensor_clock.end_std(signals.time[-1] - signals.time[0])
+        clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
         reading = sensor_reading(self.robot, signals, moved, clock_std, placed)
         window = self.settings.sensor.bias_window_s
         known = self.robot, signals, reading, self.kinematics, window
@@ -170,7 +169,7 @@ class RealStudy:
         looked = {name: look_through(entry, self.study) for name, entry in self.entries.items()}
         parts = ({name: own[k] for name, own in looked.items()} for k in (0, 1))
         found = settled(self.study, *parts)
-        return {name: read_clock(own["force"]) for name, own in found.items() if "force" in own}
+        return {name: own["force"] for name, own in found.items() if "force" in own}
 
     @property
     def currents_lowpass(self) -> Butterworth:

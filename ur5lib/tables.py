@@ -12,8 +12,9 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # that are read or written at once
 Column = NDArray[Any]
+Record = TypeVar("Record")
 
 
 def unit(column: str) -> str:
@@ -160,13 +162,23 @@ def write_json(data: object, path: str | Path) -> None:
 
 
 def json_text(data: object) -> str:
-    """Return plain data and arrays as JSON; NaN and infinity become null."""
+    """Return plain data, arrays and dataclasses as JSON; NaN and infinity become null."""
     return json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
 
 
 def read_json(path: str | Path) -> Any:
     """Read a summary."""
     return json.loads(Path(path).read_text(encoding="utf-8"))
+
+
+def read_record(kind: type[Record], path: str | Path) -> Record:
+    """Read a summary of which the fields are declared: a dataclass, or a dictionary of them.
+
+    Raises pydantic's ValidationError where the file contains something else.
+    """
+    from pydantic import TypeAdapter  # slow to import
+
+    return TypeAdapter(kind).validate_python(read_json(path))
 
 
 def write_text(text: str, path: str | Path) -> None:
@@ -201,6 +213,8 @@ def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
 
 
 def _plain(data: object) -> object:
+    if is_dataclass(data):
+        return {field.name: _plain(getattr(data, field.name)) for field in fields(data)}
     if isinstance(data, dict):
         return {key: _plain(value) for key, value in data.items()}
     if isinstance(data, list | tuple):

@@ -14,15 +14,8 @@ from scipy import signal
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.signals.clocks import (
-    LATENCY,
-    WANDER,
-    Clock,
-    clock_from_rotation,
-    clock_from_stamps,
-    even_samples,
-    interpolate,
-)
+from ur5lib.signals.clock import Clock, clock_from_stamps
+from ur5lib.signals.clocks import LATENCY, WANDER, clock_from_rotation, even_samples, interpolate
 from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
@@ -258,7 +251,7 @@ def test_time_is_counted_from_either_clock() -> None:
     clock = Clock(-0.5, 0.03, 0.01, 0.002, "")
     device = np.array([0.0, 10.0])
     np.testing.assert_allclose(clock.device_time(-0.5 + 1.01 * device), device, atol=1e-12)
-    assert clock.end_std(20.0) == pytest.approx(0.05)
+    assert clock.std_after(20.0) == pytest.approx(0.05)
     unknown = clock_from_stamps(2.0, 0.03)
     np.testing.assert_allclose(unknown.device_time(2.0 + device), device)
 

@@ -15,7 +15,7 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.signals.clocks import BY_HOST
+from ur5lib.signals.clock import BY_HOST, OwnClock
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.host_drifts import settle_clocks
 
@@ -75,8 +75,10 @@ def test_the_clock_needs_no_motion(entry: dict[str, Any]) -> None:
     nothing = np.zeros((0, 3))
     clock, warning = device_clock(np.zeros(0), nothing, stamp, (nothing,) * 3, (nothing,) * 2)
     assert (clock.method, clock.drift, warning) == (BY_HOST, 0.0, None)
-    settled = settle_clocks({"force": vars(clock) | {"warning": None}}, {}, SECONDS)
-    assert settled["force"]["end_std"] < 0.002
+    settled = settle_clocks(
+        {"force": OwnClock(**vars(clock), warning=None, stamps=0.0)}, {}, SECONDS
+    )
+    assert settled["force"].end_std < 0.002
 
 
 def test_without_stamps_of_the_robot_a_sensor_cannot_be_placed(entry: dict[str, Any]) -> None:

@@ -1,38 +1,39 @@
 """How late the clocks of one host start and how they drift, all of its devices alike."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from ur5lib.signals.clocks import UNKNOWN_DRIFT, Clock
+from ur5lib.signals.clock import BY_MOTION, BY_STAMPS, UNKNOWN_DRIFT, Clock, OwnClock, SettledClock
 from ur5lib.signals.host_drifts import HostDrift, pool, pool_drifts, settle_clocks
 
 HOSTS = {"pc": ["force", "imu"]}
-STAMPS: dict[str, Any] = {
-    "offset": -0.006,
-    "offset_std": 0.006,
-    "drift": None,
-    "drift_std": None,
-    "method": "start stamps",
-    "stamps": -0.006,
-    "warning": None,
-}
+STAMPS = OwnClock(
+    offset=-0.006,
+    offset_std=0.006,
+    drift=None,
+    drift_std=None,
+    method=BY_STAMPS,
+    warning=None,
+    stamps=-0.006,
+)
 SECONDS = 34.0
 
 
-def by_motion(drift: float, std: float = 1e-4, late: float = 0.0) -> dict[str, Any]:
+def by_motion(
+    drift: float, std: float = 1e-4, late: float = 0.0, stamps: float = -0.006
+) -> OwnClock:
     """late: how much later than its stamps say the device's clock began [s]."""
-    found = {"offset": STAMPS["stamps"] + late, "offset_std": 0.005}
-    return STAMPS | found | {"drift": drift, "drift_std": std, "method": "angular rate"}
+    found = {"offset": stamps + late, "offset_std": 0.005, "stamps": stamps, "method": BY_MOTION}
+    return replace(STAMPS, **found, drift=drift, drift_std=std)
 
 
 def test_what_motion_told_is_pooled_by_its_error() -> None:
     clocks = {
         "a": {"imu": by_motion(-0.0033, 1e-4)},
         "b": {"imu": by_motion(-0.0034, 2e-4), "force": STAMPS},
-        "another run's": {"imu": STAMPS | {"warning": "of another run"}},
+        "another run's": {"imu": replace(STAMPS, warning="of another run")},
         "without": {},
     }
     found = pool_drifts(clocks, HOSTS)["pc"]
@@ -45,7 +46,7 @@ def test_what_motion_told_is_pooled_by_its_error() -> None:
 def test_starts_are_pooled_by_their_distance_from_the_stamps() -> None:
     """The robot's own stamp is off alike for all devices, whatever theirs say."""
     clocks = {
-        name: {"imu": by_motion(-0.0033, late=late) | {"stamps": stamps, "offset": stamps + late}}
+        name: {"imu": by_motion(-0.0033, late=late, stamps=stamps)}
         for name, stamps, late in (("a", 0.1, -0.07), ("b", -2.0, -0.06), ("c", 0.0, -0.065))
     }
     found = pool_drifts(clocks, HOSTS)["pc"]
@@ -76,7 +77,7 @@ def test_one_recording_shows_no_spread() -> None:
     assert pool(np.array([-0.0033]), np.array([1e-4])) == (-0.0033, 1e-4, 1e-4)
 
 
-def settled(own: dict[str, Any], hosts: dict[str, HostDrift]) -> Any:
+def settled(own: OwnClock, hosts: dict[str, HostDrift]) -> SettledClock:
     return settle_clocks({"force": own}, hosts, SECONDS)["force"]
 
 
@@ -85,25 +86,25 @@ HOST = HostDrift(["force", "imu"], -0.0033, 3e-5, 4e-5, -0.065, 0.002, 0.003, ["
 
 def test_start_stamps_take_start_and_drift_of_their_host() -> None:
     clock = settled(STAMPS, {"pc": HOST})
-    assert clock["method"] == "start stamps, start and drift of its host"
-    assert clock["offset"] == pytest.approx(-0.006 - 0.065)
-    assert clock["offset_std"] == pytest.approx(np.linalg.norm([0.006, 0.002, 0.003]))
-    assert clock["drift"] == -0.0033
-    assert clock["drift_std"] == pytest.approx(np.sqrt(25e-10 + (0.004 / SECONDS) ** 2))
-    end = np.hypot(clock["offset_std"], SECONDS * clock["drift_std"])
-    assert clock["end_std"] == pytest.approx(end)
+    assert clock.method == "start stamps, start and drift of its host"
+    assert clock.offset == pytest.approx(-0.006 - 0.065)
+    assert clock.offset_std == pytest.approx(np.linalg.norm([0.006, 0.002, 0.003]))
+    assert clock.drift == -0.0033
+    assert clock.drift_std == pytest.approx(np.sqrt(25e-10 + (0.004 / SECONDS) ** 2))
+    end = np.hypot(clock.offset_std, SECONDS * clock.drift_std)
+    assert clock.end_std == pytest.approx(end)
     other = replace(HOST, devices=["imu"], drift=0.1)
-    assert settled(STAMPS, {"laptop": other})["drift"] is None
-    assert settled(STAMPS, {"laptop": other})["offset"] == STAMPS["offset"]
+    assert settled(STAMPS, {"laptop": other}).drift is None
+    assert settled(STAMPS, {"laptop": other}).offset == STAMPS.offset
 
 
 def test_a_clock_that_motion_told_stays() -> None:
     clock = settled(by_motion(-0.0031), {"pc": HOST})
-    assert (clock["method"], clock["drift"], clock["drift_std"]) == ("angular rate", -0.0031, 1e-4)
+    assert (clock.method, clock.drift, clock.drift_std) == ("angular rate", -0.0031, 1e-4)
 
 
 def test_an_unknown_drift_is_in_the_error_at_the_end() -> None:
     clock = settled(STAMPS, {})
-    assert clock["drift"] is None
-    assert clock["end_std"] == pytest.approx(np.hypot(0.006, UNKNOWN_DRIFT * SECONDS))
-    assert Clock(0.0, 0.006, 0.0, 0.0, "").end_std(SECONDS) == 0.006
+    assert clock.drift is None
+    assert clock.end_std == pytest.approx(np.hypot(0.006, UNKNOWN_DRIFT * SECONDS))
+    assert Clock(0.0, 0.006, 0.0, 0.0, "").std_after(SECONDS) == 0.006

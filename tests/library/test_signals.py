@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ur5lib.signals.clocks import clock_from_stamps
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import causal_lowpass, zero_phase_lowpass

@@ -236,9 +236,9 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     robot = Signals.from_table(intake.robot)
     rotation, _, jacobian = flange_kinematics(recorded.arm, robot.actual_q)
     found = own_clocks(intake.quality["starts"], intake.sensors, robot, rotation, jacobian)["imu"]
-    assert found["warning"] is None
-    assert found["offset"] == pytest.approx(0.05, abs=0.005)
-    assert found["drift"] == pytest.approx(-2500e-6, abs=5e-4)
+    assert found.warning is None
+    assert found.offset == pytest.approx(0.05, abs=0.005)
+    assert found.drift == pytest.approx(-2500e-6, abs=5e-4)
 
 
 def off_the_true_wrench(recorded: Recorded) -> tuple[float, Array]:

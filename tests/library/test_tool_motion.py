@@ -18,7 +18,7 @@ from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
 from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.robots.description import Payload, Robot
-from ur5lib.signals.clocks import clock_from_stamps
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.end_effector import point_acceleration
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders

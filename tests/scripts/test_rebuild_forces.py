@@ -19,6 +19,7 @@ from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.pipeline.records.table import Table
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot, robot_path
+from ur5lib.signals.clock import BY_STAMPS, SettledClock
 from ur5lib.tables import read_json, write_json, write_table
 
 PERIOD, COUNT = 0.008, 2500
@@ -106,7 +107,8 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
     write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
-    write_json({"force": {"end_std": 0.001}}, folder / "clocks.json")
+    clock = SettledClock(START, 0.001, None, None, BY_STAMPS, warning=None, end_std=0.001)
+    write_json({"force": clock}, folder / "clocks.json")
     write_json({"stop_signs": []}, folder / "torques.json")
     write_json({"from": []}, folder / "friction.json")
     inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}

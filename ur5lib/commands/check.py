@@ -1,6 +1,7 @@
 """A study's recordings looked through, without the workflow."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from ur5lib.report.findings import group_findings
 from ur5lib.report.tables.files import stop_rows
 from ur5lib.report.tables.making import made
 from ur5lib.robots.description import Robot
+from ur5lib.signals.clock import OwnClock, SettledClock
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
@@ -53,7 +55,10 @@ def print_findings_of(study: Study) -> int:
     recordings = track(there, "reading", console=console, transient=True)
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
-    clocks = settled(study, qualities, {name: own for name, (_, own) in results.items()})
+    found = settled(study, qualities, {name: own for name, (_, own) in results.items()})
+    clocks = {
+        name: {device: asdict(one) for device, one in own.items()} for name, own in found.items()
+    }
     return print_tables(console, qualities, clocks)
 
 
@@ -124,7 +129,7 @@ def unusable(error: InputError) -> dict[str, Any]:
     return {"devices": [], "files": {}, "findings": [finding.as_row()]}
 
 
-def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
+def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
     if not intake.sensors:
         return {}
     from ur5lib.dynamics.flange import flange_kinematics  # imports torch, needed only for a clock
@@ -135,9 +140,9 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, Any]:
 
 
 def settled(
-    study: Study, qualities: Mapping[str, Any], own: Mapping[str, Any]
-) -> dict[str, dict[str, Any]]:
-    """Return each recording's clocks.json from the own_clocks.json and quality.json of all."""
+    study: Study, qualities: Mapping[str, Any], own: Mapping[str, Mapping[str, OwnClock]]
+) -> dict[str, dict[str, SettledClock]]:
+    """Return each recording's clocks from the devices' own ones and quality.json of all."""
     free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(

@@ -1,22 +1,21 @@
 """Samples of a recording's IMU and joints for the calibration."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any
 
 import numpy as np
 
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clocks import BY_HOST, BY_MOTION
+from ur5lib.signals.clock import BY_HOST, BY_MOTION, Clock
 from ur5lib.signals.imu_calibration import ImuRecord
 from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.lowpass import Butterworth
 
 
-def has_valid_imu(clocks: Mapping[str, Any]) -> bool:
-    """Return whether the IMU's clock is known by motion or its host's stamps (clocks.json)."""
-    return clocks.get("imu", {}).get("method") in (BY_MOTION, BY_HOST)
+def has_valid_imu(clocks: Mapping[str, Clock]) -> bool:
+    """Return whether a recording has an IMU with a clock that motion or its host's stamps show."""
+    return "imu" in clocks and clocks["imu"].method in (BY_MOTION, BY_HOST)
 
 
 def imu_samples(
@@ -36,12 +35,12 @@ def imu_samples(
 
 def all_imu_samples(
     robot: Robot,
-    recordings: Iterable[tuple[str, list[float] | None, str, str, Mapping[str, Any]]],
+    recordings: Iterable[tuple[str, list[float] | None, str, str, Mapping[str, Clock]]],
     design: Butterworth,
 ) -> dict[str, ImuRecord]:
     """Return the same of each recording with a valid IMU, by name.
 
-    recordings: name, gravity, paths of signals and kinematics, and clocks.json of each.
+    recordings: name, gravity, paths of signals and kinematics, and the devices' clocks.
     """
     return {
         name: imu_samples(

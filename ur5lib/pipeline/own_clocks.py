@@ -1,4 +1,4 @@
-"""Clocks of a recording's devices from start stamps and motion, as own_clocks.json."""
+"""Clocks of a recording's devices from start stamps and motion."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.signals.clock import OwnClock
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.timeseries.arrays import Array
 
@@ -19,7 +20,7 @@ def own_clocks(
     robot: Signals,
     rotation: Array,
     jacobian: Array,
-) -> dict[str, Any]:
+) -> dict[str, OwnClock]:
     """Return each device's clock.
 
     starts: of quality.json; devices: as read, each on its own clock; rotation, jacobian: R_6
@@ -36,5 +37,5 @@ def own_clocks(
             (robot.time, robot.segment, robot.actual_q),
             (rotation, jacobian),
         )
-        clocks[name] = asdict(clock) | {"warning": warning, "stamps": start["seconds"]}
+        clocks[name] = OwnClock(**asdict(clock), warning=warning, stamps=start["seconds"])
     return clocks

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import pandas as pd
 
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS
-from ur5lib.signals.clocks import clock_from_stamps
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.arrays import Array
 

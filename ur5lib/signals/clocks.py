@@ -1,4 +1,4 @@
-"""The relation of a device's clock to the robot's: offset and drift."""
+"""Estimation of a device's clock from an angular rate that the joints share."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ur5lib.signals.clock import BY_MOTION, Clock
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import inner_lowpass
@@ -21,48 +22,7 @@ SAMPLES = 20  # least number in a block
 # Errors that a jackknife of one recording does not contain [s]: clocks from gyroscope and
 # accelerometer of one IMU differ by 3 to 7 ms; and a clock wanders about a straight line.
 LATENCY, WANDER = 0.005, 0.004
-# Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
-# host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
-UNKNOWN_DRIFT = 0.003
-BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"  # methods
 NOTHING = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
-
-
-@dataclass(frozen=True)
-class Clock:
-    """t_robot = offset + (1 + drift) t_device, both counted from their own start stamps.
-
-    offset, offset_std: [s]; drift, drift_std: dimensionless, None if not estimated; method: source
-    of the offset.
-    """
-
-    offset: float
-    offset_std: float
-    drift: float | None
-    drift_std: float | None
-    method: str
-
-    def device_time(self, time: Array) -> Array:
-        """Return the device's time at the robot's times (N,) [s]."""
-        return (time - self.offset) / (1 + (self.drift or 0.0))
-
-    def end_std(self, duration: float) -> float:
-        """Return the standard error [s] at the end of a recording of this duration [s].
-
-        A drift that was not estimated counts as 0 ± UNKNOWN_DRIFT.
-        """
-        drift_std = UNKNOWN_DRIFT if self.drift_std is None else self.drift_std
-        return float(np.hypot(self.offset_std, drift_std * duration))
-
-
-def clock_from_stamps(offset: float, std: float) -> Clock:
-    """Return the clock of start stamps `offset` [s] apart; its drift is unknown."""
-    return Clock(offset, std, None, None, BY_STAMPS)
-
-
-def clock_from_host(offset: float, std: float, drift_std: float) -> Clock:
-    """Return the clock of a device whose samples the robot's host stamped, with its errors."""
-    return Clock(offset, std, 0.0, drift_std, BY_HOST)
 
 
 def clock_from_rotation(

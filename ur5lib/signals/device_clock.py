@@ -5,12 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from ur5lib.signals.clocks import (
-    Clock,
-    clock_from_host,
-    clock_from_rotation,
-    clock_from_stamps,
-)
+from ur5lib.signals.clock import Clock, clock_from_host, clock_from_stamps
+from ur5lib.signals.clocks import clock_from_rotation
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.segments import by_segment, period

@@ -1,12 +1,12 @@
 """Drift and start common to the clocks of all devices of one host."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ur5lib.signals.clocks import BY_MOTION, BY_STAMPS, WANDER, Clock
+from ur5lib.signals.clock import BY_MOTION, BY_STAMPS, Clock, OwnClock, SettledClock
+from ur5lib.signals.clocks import WANDER
 from ur5lib.timeseries.arrays import Array
 
 
@@ -31,12 +31,12 @@ class HostDrift:
 
 
 def pool_drifts(
-    clocks: Mapping[str, Mapping[str, Any]], hosts: Mapping[str, Sequence[str]]
+    clocks: Mapping[str, Mapping[str, OwnClock]], hosts: Mapping[str, Sequence[str]]
 ) -> dict[str, HostDrift]:
     """Return each host's drift and start from the clocks that were estimated by motion.
 
-    clocks: by recording and device, as in own_clocks.json; hosts: the devices of each host. Hosts
-    without a clock that was estimated by motion are left out.
+    clocks: by recording and device; hosts: the devices of each host. Hosts without a clock that was
+    estimated by motion are left out.
     """
     found = {}
     for host, devices in hosts.items():
@@ -44,7 +44,7 @@ def pool_drifts(
         if known:
             names = ("drift", "drift_std", "offset", "offset_std", "stamps")
             drift, std, offset, offset_std, stamps = (
-                np.array([clock[name] for clock in known.values()]) for name in names
+                np.array([getattr(clock, name) for clock in known.values()]) for name in names
             )
             # the error of the robot's own start stamp is common to all devices
             start = pool(offset - stamps, offset_std)
@@ -53,12 +53,12 @@ def pool_drifts(
 
 
 def _by_motion(
-    clocks: Mapping[str, Mapping[str, Any]], devices: Sequence[str]
-) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    clocks: Mapping[str, Mapping[str, OwnClock]], devices: Sequence[str]
+) -> Iterator[tuple[str, OwnClock]]:
     """Yield recordings in which motion determines the clock of one of the devices; the clock."""
     for recording, own in clocks.items():
         for device in devices:
-            if device in own and own[device]["method"] == BY_MOTION:
+            if device in own and own[device].method == BY_MOTION:
                 yield recording, own[device]
 
 
@@ -81,29 +81,25 @@ def pool(value: Array, std: Array) -> tuple[float, float, float]:
 
 
 def settle_clocks(
-    own: Mapping[str, Mapping[str, Any]], drifts: Mapping[str, HostDrift], duration: float
-) -> dict[str, dict[str, Any]]:
-    """Return the clocks of a recording's devices, as in clocks.json.
+    own: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
+) -> dict[str, SettledClock]:
+    """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
 
-    own: clocks from each device's start stamp and motion, as in own_clocks.json; drifts: of the
-    hosts; duration: of the recording [s]. A clock that was estimated by motion is kept; one of
-    start stamps takes the drift and start of its host if known. `end_std` is the standard error at
-    the end [s].
+    A clock that was estimated by motion is kept; one of start stamps takes the drift and start of
+    its host if known.
     """
-    settled = {}
-    for device, entry in own.items():
-        clock = read_clock(entry)
-        for host in drifts.values():
-            if device in host.devices:
-                clock = _with_drift(clock, host, duration)
-        added = {"end_std": clock.end_std(duration), "warning": entry["warning"]}
-        settled[device] = asdict(clock) | added
-    return settled
+    return {device: _settled(device, clock, drifts, duration) for device, clock in own.items()}
 
 
-def read_clock(entry: Mapping[str, Any]) -> Clock:
-    """Return the clock of an entry of clocks.json or own_clocks.json."""
-    return Clock(**{field.name: entry[field.name] for field in fields(Clock)})
+def _settled(
+    device: str, own: OwnClock, drifts: Mapping[str, HostDrift], duration: float
+) -> SettledClock:
+    clock: Clock = own
+    for host in drifts.values():
+        if device in host.devices:
+            clock = _with_drift(clock, host, duration)
+    known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
+    return SettledClock(**known, warning=own.warning, end_std=clock.std_after(duration))
 
 
 def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:

@@ -1,8 +1,27 @@
 """The types of the arrays that all modules exchange."""
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
-Mask = NDArray[np.bool_]
+if TYPE_CHECKING:
+    from pydantic_core import CoreSchema
+
+
+@dataclass(frozen=True)
+class FromLists:
+    """How an array is read from a summary: its rows are lists there, and null stands for NaN."""
+
+    dtype: type
+
+    def __get_pydantic_core_schema__(self, _: Any, __: Any) -> "CoreSchema":
+        from pydantic_core.core_schema import no_info_plain_validator_function as by
+
+        return by(lambda rows: np.array(rows, self.dtype))
+
+
+Array = Annotated[NDArray[np.float64], FromLists(np.float64)]
+Labels = Annotated[NDArray[np.int64], FromLists(np.int64)]
+Mask = Annotated[NDArray[np.bool_], FromLists(np.bool_)]

@@ -4,8 +4,9 @@ from typing import Any
 
 from ur5lib.pipeline.imu_samples import all_imu_samples
 from ur5lib.robots.description import load_robot
+from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import calibrate_without_each
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -15,7 +16,7 @@ def calibrate_imu(input: Any, output: Any, params: Any) -> None:
         params.gravities,
         input.signals,
         input.kinematics,
-        map(read_json, input.clocks),
+        [read_record(dict[str, SettledClock], path) for path in input.clocks],
         strict=True,
     )
     design = Butterworth(params.order, params.cutoff_hz)

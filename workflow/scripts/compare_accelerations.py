@@ -18,9 +18,10 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import load_robot
+from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import calibration_for
 from ur5lib.signals.plain_filter import FilteredMotion, filter_encoders
-from ur5lib.tables import read_json, read_table, write_json
+from ur5lib.tables import read_json, read_record, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -28,7 +29,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     signals, robot = Signals.read(input.signals), load_robot(input.arm)
     accelerations = Accelerations(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"errors": {}}
-    if has_valid_imu(read_json(input.clocks)):
+    if has_valid_imu(read_record(dict[str, SettledClock], input.clocks)):
         design = Butterworth(params.order, params.cutoff_hz)
         others, calibration = calibration_for(params.recording, read_json(input.calibration))
         motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)

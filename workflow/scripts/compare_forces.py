@@ -14,7 +14,8 @@ from ur5lib.pipeline.sensor_reference import (
     sensor_wrenches,
 )
 from ur5lib.robots.description import Payload, load_robot
-from ur5lib.tables import read_json, read_table, write_json
+from ur5lib.signals.clock import SettledClock
+from ur5lib.tables import read_json, read_record, read_table, write_json
 
 
 def compare_forces(input: Any, output: Any, params: Any) -> None:
@@ -53,5 +54,5 @@ def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics
         whole = known and signals.ft_raw_wrench is not None  # the controller takes its tool off
         return sensor_reading(robot, signals, moved, tool=Payload(**known) if whole else None)
     placed = by_stamps(read_table(input.force), start, signals.time, "force")
-    clock_std = read_json(input.clocks)["force"]["end_std"]
+    clock_std = read_record(dict[str, SettledClock], input.clocks)["force"].end_std
     return sensor_reading(robot, signals, moved, clock_std, placed)
