@@ -173,7 +173,8 @@ def test_truth_lies_apart(like_no8: Recorded) -> None:
 def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
     """Coulomb, load, viscous and periodic parts, where a joint slides: within 2 %."""
     true, robot = like_no8.true(), like_no8.repaired().robot
-    q, qd, load = channel(true, "q"), channel(true, "qd"), channel(robot, "target_moment")
+    q, qd = channel(true, "q"), channel(true, "qd")
+    load = channel(robot, "target_moment") - channel(true, "tau_contact")  # what the gears transmit
     part = {name: np.array(value) for name, value in like_no8.summary()["friction"].items()}
     dry = part["coulomb"] + part["load"] * np.abs(load)
     periodic = part["periodic"] * np.cos(q + part["phase"])
