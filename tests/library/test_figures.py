@@ -13,6 +13,7 @@ from PIL import Image
 
 from ur5lib.report import house_style
 from ur5lib.report.decimation import decimate
+from ur5lib.report.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
 from ur5lib.report.traces import TORQUE, WRENCH, Traces, draw_traces
 
@@ -91,6 +92,19 @@ def test_forces_stand_left_and_moments_right() -> None:
 def test_joints_have_the_same_colours_everywhere() -> None:
     axes = drawing(panels=TORQUE).figure.axes
     assert [axis.lines[1].get_color() for axis in axes] == [*JOINTS]
+
+
+def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:
+    """Each line's slope is the current that a torque needs, 1/k [A/Nm]."""
+    fitted, known = np.arange(5.0, 11.0), np.full(6, 10.0)
+    torque = np.outer(np.linspace(-1, 1, 50), np.arange(1.0, 7.0))
+    samples = MovingSamples(torque, torque, torque, torque, torque / known, torque / fitted)
+    figures = friction_figures(samples, fitted, known)
+    for name in ("current_torque", "current_torque_friction"):
+        for joint, axis in enumerate(figures[name].figure.axes):
+            _, *lines = axis.lines
+            slopes = [np.polyfit(line.get_xdata(), line.get_ydata(), 1)[0] for line in lines]
+            np.testing.assert_allclose(slopes, [1 / fitted[joint], 1 / known[joint]])
 
 
 def test_errors_stand_under_values() -> None:

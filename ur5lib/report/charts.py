@@ -19,18 +19,21 @@ from ur5lib.report.house_style import (
 )
 from ur5lib.timeseries.arrays import Array
 
+LINES = ("-", "--")
+
 
 def scatter_panels(
     x: Array,
     y: Array,
     axes: tuple[str, str],
-    line: tuple[Array, Array] | None = None,
+    lines: Sequence[tuple[Array, Array]] = (),
     fitted: Array | None = None,
 ) -> Drawing:
     """Draw six panels, joints 1 to 6, of samples (N, 6) over (N, 6).
 
     axes: labels of x and y with units; {} stands for the joint.
-    line: a line (M, 6) over (M, 6); fitted: (N, 6) over the same x, in black.
+    lines: (M, 6) over (M, 6), the first solid, the second dashed; fitted: (N, 6) over the same x,
+    in black.
     """
     if np.isnan(x).all():
         return nothing_to_draw()
@@ -38,8 +41,8 @@ def scatter_panels(
         figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
         for joint, axis in enumerate(figure.subplots(2, 3).flat):
             axis.plot(x[:, joint], y[:, joint], ".", color=JOINTS[joint], **DOTS)
-            if line is not None:
-                axis.plot(line[0][:, joint], line[1][:, joint], color="black", linewidth=0.9)
+            for (along, values), dashes in zip(lines, LINES, strict=False):
+                axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
             if fitted is not None:
                 axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOTS)
             axis.set(xlabel=axes[0].format(joint + 1), ylabel=axes[1].format(joint + 1))

@@ -23,5 +23,5 @@ def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | No
         return nothing_to_draw()
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
-    line = ends, (ends - constants.offset) / constants.torque_constant
-    return scatter_panels(torque, samples.current, ("with friction τ_{} [Nm]", CURRENT), line)
+    lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
+    return scatter_panels(torque, samples.current, ("with friction τ_{} [Nm]", CURRENT), lines)

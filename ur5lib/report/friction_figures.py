@@ -53,12 +53,15 @@ class MovingSamples:
         return cls(*map(np.concatenate, arrays))
 
 
-def friction_figures(samples: MovingSamples, constant: Array) -> dict[str, Drawing]:
-    """Return the four figures by name; constant: torque constants (6,) [Nm/A]."""
+def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> dict[str, Drawing]:
+    """Return the four figures by name.
+
+    constant, known: torque constants (6,) [Nm/A] of the fit, and those known before it.
+    """
     friction = constant * samples.predicted - samples.torque
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
-    line = ends, ends / constant
+    lines = [(ends, ends / constant), (ends, ends / known)]
     current = "i_{} [A]"
     measured = constant * samples.current - samples.torque
     labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
@@ -70,10 +73,10 @@ def friction_figures(samples: MovingSamples, constant: Array) -> dict[str, Drawi
     }
     return {
         "current_torque": scatter_panels(
-            samples.torque, samples.current, ("rigid τ_{} [Nm]", current), line
+            samples.torque, samples.current, ("rigid τ_{} [Nm]", current), lines
         ),
         "current_torque_friction": scatter_panels(
-            needed, samples.current, ("with friction τ_{} [Nm]", current), line
+            needed, samples.current, ("with friction τ_{} [Nm]", current), lines
         ),
         "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
         "residuals": residual_panels(samples.current - samples.predicted, against, "A"),

@@ -17,15 +17,16 @@ from ur5lib.tables import read_json
 
 def draw_friction(input: Any, output: Any, params: Any) -> None:
     friction, model = read_json(input.friction), load_robot(input.arm).fullest_model()
-    parts, constant = list[MovingSamples](), np.ones(6)
+    parts, constant, known = list[MovingSamples](), np.ones(6), np.ones(6)
     if friction["from"]:
         fit = CurrentFit.from_plain(friction["fit"])
         constant, smooth = torque_constants(fit), smoother(params.order, params.cutoff_hz)
+        known = np.array(friction["known_constants"]["value"])
         files = zip(params.recordings, input.signals, input.motion, input.torques, strict=True)
         for name, signals, motion, torques in files:
             tables = Signals.read(signals), Motion.read(motion), Torques.read(torques)
             record = current_record(name, *tables, model)
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
-    for name, figure in friction_figures(MovingSamples.joined(parts), constant).items():
+    for name, figure in friction_figures(MovingSamples.joined(parts), constant, known).items():
         save(figure, output[name])
