@@ -203,6 +203,8 @@ def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
         found = pd.DataFrame(known[part])
         assert (found["low"] < found["value"]).all()
         np.testing.assert_allclose(found[columns], table[columns], rtol=1e-7)
+    constants = friction[friction["parameter"] == "torque_constant"]
+    np.testing.assert_allclose(known["known_constants"]["value"], constants["known"], rtol=1e-7)
     assert known["link_model"]["name"] == "identified"
     assert len(known["torque_noise"]) == len(known["current_model"]) == 6
     quality = read_json(results / "recordings" / "excitation" / "quality.json")

@@ -12,7 +12,7 @@ from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.timeseries.metrics import NORMAL95
 
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
-FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "remarks")
+FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "remarks", "contradicted")
 
 
 def described_arm(arm: Robot, model: str) -> dict[str, Any]:
@@ -46,6 +46,7 @@ def identified_parameters(
         "rotor_inertia": [*_rotor_rows(rotors)],
         "torque_noise": model.get("noise"),
         "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
+        "known_constants": currents.get("known_constants"),
         "current_model": [{name: joint[name] for name in FITTED} for joint in fit["joints"]],
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
