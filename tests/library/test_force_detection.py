@@ -18,7 +18,6 @@ from ur5lib.force.detection import (
     receiver_curve,
     smallest_force,
     spans,
-    try_pushes,
 )
 
 RANDOM = np.random.default_rng(0)
@@ -155,34 +154,6 @@ def test_pushes_follow_one_another() -> None:
     assert profile.max() == pytest.approx(1)
     inside = np.concatenate([np.arange(first, last) for first, last in places])
     assert np.delete(profile, inside).max() == 0
-
-
-def test_trial_pushes_are_found_by_their_torque() -> None:
-    """A detector that alarms above 5 Nm on joint 1, where 1 N along x makes half a Nm."""
-    J = np.zeros((2000, 6, 6))
-    J[:, 0, 0] = 0.5
-    force = np.linspace(1, 30, 25)
-    found = try_pushes(
-        lambda torque: np.abs(torque[:, 0]) - 5, J, np.eye(6)[0], force, 0.01, 0.0, raised=[]
-    )
-    np.testing.assert_array_equal(found, force >= 10)
-
-
-@pytest.mark.parametrize(("alarmed", "free"), [(slice(0, 1000), True), (slice(None), False)])
-def test_pushes_are_not_tried_where_an_alarm_is_raised_without(alarmed: slice, free: bool) -> None:
-    """The detector above, in alarm over half of the motion, then over all of it."""
-    J = np.zeros((2000, 6, 6))
-    J[:, 0, 0] = 0.5
-
-    def log_odds(torque: np.ndarray) -> np.ndarray:
-        odds = np.abs(torque[:, 0]) - 5
-        odds[alarmed] = 1.0
-        return odds
-
-    force = np.linspace(1, 30, 25)
-    raised = alarms(log_odds(np.zeros((2000, 6))), 0.0)
-    found = try_pushes(log_odds, J, np.eye(6)[0], force, 0.01, 0.0, raised)
-    np.testing.assert_array_equal(found, free & (force >= 10))
 
 
 def test_the_smallest_force_of_a_known_detector() -> None:

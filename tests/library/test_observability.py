@@ -5,8 +5,13 @@ import json
 import numpy as np
 import pytest
 
+from tests.library.made_up_torques import MODEL
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import smallest_force
-from ur5lib.force.trial_pushes import LEAST, MOST, Trials, try_each_place
+from ur5lib.force.external_torque import MOVING, STILL
+from ur5lib.force.force_input import ForceInput
+from ur5lib.force.gears import Gears
+from ur5lib.force.trial_pushes import LEAST, MOST, Trials, felt_push, try_each_place
 from ur5lib.identification.predictability import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
 from ur5lib.report.observability_figure import observability_figure
@@ -42,6 +47,23 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
         assert len(part.force) > 30
         np.testing.assert_array_equal(part.found, part.force > limit)
         assert smallest_force(part.force, part.found).force == pytest.approx(limit, rel=0.4)
+
+
+@pytest.mark.parametrize("state", [MOVING, STILL])
+def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
+    """In motion what load friction takes, at rest at most the share of the breakaway torque."""
+    torque = np.array([[0.5, -2.0, 8.0, -30.0, 1.0, 0.0]])
+    given = np.zeros((1, 6)), np.zeros((1, 6)), torque, np.full((1, 6), state, np.int8)
+    gears = Gears(np.full((1, 6), 50.0), np.full((1, 6), 0.2), np.zeros((1, 6)))
+    run = ForceInput(*given, np.zeros(1, int), PERIOD, gears=gears)
+    felt = felt_push(torque, run, MODEL, ContactPrior())
+    if state == MOVING:
+        np.testing.assert_allclose(gears.contact_torque(felt)[0], torque)
+    else:
+        bears = np.sign(torque) * (torque - felt)
+        assert (bears >= 0).all()
+        assert (bears <= np.minimum(0.45 * MODEL.breakaway, np.abs(torque))).all()
+        assert bears[0, 3] == pytest.approx(0.225 * MODEL.breakaway[3])
 
 
 def test_without_a_place_nothing_is_tried() -> None:
@@ -90,11 +112,22 @@ def test_the_table_has_each_joint_and_push() -> None:
     pushes = table[table["quantity"] == "smallest_push_95"]
     assert [*pushes["speed_low"]] == [0.0, 0.5]
     assert pushes["value"].to_numpy() == pytest.approx(10.0, rel=0.4)
+    along = table[table["quantity"].str.startswith("smallest_push_95_")]
+    assert [*along["quantity"].str[-1]] == [*"xyzxyz"]
+    assert [*along["speed_low"]] == [0.0] * 3 + [0.01] * 3
+    assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
+    assert (along["std_error"] > 0).all()
+    assert along["samples"].sum() == len(trials.force)
     drawing = observability_figure(summary["pushes"], summary["shares"], 0.9, MOST)
     assert len(drawing.data) == 2 + 6 * 9
 
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing() -> None:
     summary = observability([], [])
-    assert json.loads(json.dumps(summary)) == {"pushes": [], "shares": [], "predicted": []}
+    assert json.loads(json.dumps(summary)) == {
+        "pushes": [],
+        "axes": [],
+        "shares": [],
+        "predicted": [],
+    }
     assert observability_figure([], [], 0.9, MOST).data.empty

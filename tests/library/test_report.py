@@ -53,6 +53,7 @@ from ur5lib.report.views.forces import (
     fixed_threshold,
     headline,
     likely,
+    pushes_found,
     smallest_pushes,
     summary,
 )
@@ -449,13 +450,16 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
 def test_pushes_never_found_are_told_as_such() -> None:
     """A push that is never found is infinite, and null in the file."""
     found = {"raised": [], "alarms_per_min": 0.0, "threshold": 0.0}
-    smallest = {
-        axis: {"force": force} for axis, force in zip("xyz", (9.0, None, 20.0), strict=True)
-    }
-    found |= {"smallest_force_95": smallest}
+    forces = zip("xyz", (9.0, None, 20.0), strict=True)
+    found["smallest_force_95"] = [
+        {"axis": axis, "speed_low": 0.01, "force": force, "std": 2.0} for axis, force in forces
+    ]
+    found["smallest_force_95"] += [{"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0}]
     rows = table("detection", detection={"free": {"Fmap": found}})
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
-    assert [cell.text for cell in smallest_pushes(results).rows[0]] == ["free", "9", "–", "20"]
+    header, (row,) = smallest_pushes(results)
+    assert header[1:] == ["in motion: x [N]", "in motion: z [N]", "at rest: y [N]"]
+    assert [cell.text for cell in row] == ["free", "9 ± 2", "20 ± 2", "70 ± 20"]
 
 
 def payloads() -> pd.DataFrame:
@@ -495,11 +499,11 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     pushes = dict.fromkeys(PUSHES, 5.0) | {"estimate": "Fmap"}
     detection = pd.DataFrame([{"recording": name} | pushes for name in ("free", "heavy")])
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
+    assert [*pushes_found(results)["recording"]] == ["free"]
     (told,) = loads_found(results)
     assert told.startswith(
         "On heavy, the currents show an undeclared load of 2.75 ± 0.03 kg on the"
     )
-    assert [row[0].text for row in smallest_pushes(results).rows] == ["free"]
 
 
 def test_parts_left_out_stand_beside_the_whole() -> None:

@@ -1,6 +1,5 @@
 """Contact detection: alarms, their comparison with a sensor, and the smallest detectable force."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -141,41 +140,6 @@ def pushes(count: int, period: float) -> tuple[Array, list[Span]]:
     for start in starts:
         profile[start : start + length] = shape
     return profile, [(start, start + length) for start in starts]
-
-
-def try_pushes(
-    log_odds_of: Callable[[Array], Array],
-    jacobian: Array,
-    direction: Array,
-    force: Array,
-    period: float,
-    threshold: float,
-    raised: list[Span],
-) -> Mask:
-    """Return which trial pushes, added to a contact-free recording, raise an alarm: (M,).
-
-    log_odds_of: log-odds (N,) of the recording with an additional external torque (N, 6);
-    jacobian: (N, 6, 6); direction: wrench (6,) of 1 N, base axes, at the origin of frame 6; force:
-    (M,) [N], peak of each push; period: [s]; raised: alarms of the recording itself, during which
-    no push is tried: if it is always in alarm, none is found. Several rounds are made if the pushes
-    do not fit into one.
-    Stiction, which hides pushes at rest, is not simulated: the recording should be in motion.
-    """
-    profile, places = pushes(len(jacobian), period)
-    places = [place for place in places if not any(overlap(alarm, place) for alarm in raised)]
-    found = np.zeros(len(force), bool)
-    if not places:
-        return found
-    unit = profile[:, None] * (jacobian.mT @ direction)
-    for first in range(0, len(force), len(places)):
-        size = np.zeros(len(profile))
-        part = range(first, min(first + len(places), len(force)))
-        for trial, place in zip(part, places, strict=False):
-            size[slice(*place)] = force[trial]
-        answers = alarms(log_odds_of(size[:, None] * unit), threshold)
-        for trial, place in zip(part, places, strict=False):
-            found[trial] = any(overlap(alarm, place) for alarm in answers)
-    return found
 
 
 def smallest_force(force: Array, found: Mask, wanted: float = 0.95) -> SmallestForce:

@@ -1,4 +1,4 @@
-"""Trial pushes on a contact-free motion: which are detected, by the speed of the flange."""
+"""Trial pushes on a contact-free motion: which are detected, by axis and speed of the flange."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,32 +6,56 @@ from typing import Self
 
 import numpy as np
 
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import Span, alarms, overlap, pushes
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.force.external_torque import STATES, STILL
+from ur5lib.force.force_input import ForceInput
+from ur5lib.force.gears import held
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 LEAST, MOST = 5.0, 100.0  # N, of trial pushes
 
 
 @dataclass(frozen=True)
 class Trials:
-    """Peaks (M,) [N] of trial pushes, the flange's mean speed (M,) [m/s] meanwhile, and which were
-    detected (M,).
+    """Peaks (M,) [N] of trial pushes, along x, y or z of the base (M,), 0 to 2, the flange's mean
+    speed (M,) [m/s] meanwhile, and which were detected (M,).
     """
 
     force: Array
+    axis: Labels
     speed: Array
     found: Mask
 
     @classmethod
     def joined(cls, parts: list[Self]) -> Self:
         """Return the trials of several recordings."""
-        names = ("force", "speed", "found")
+        names = ("force", "axis", "speed", "found")
         return cls(*(np.concatenate([getattr(own, name) for own in parts]) for name in names))
 
     def within(self, low: float, high: float) -> "Trials":
         """Return the trials at speeds from `low` to below `high` [m/s]."""
-        chosen = (self.speed >= low) & (self.speed < high)
-        return Trials(self.force[chosen], self.speed[chosen], self.found[chosen])
+        return self._where((self.speed >= low) & (self.speed < high))
+
+    def along(self, axis: int) -> "Trials":
+        """Return the trials along one axis."""
+        return self._where(self.axis == axis)
+
+    def _where(self, chosen: Mask) -> "Trials":
+        return Trials(self.force[chosen], self.axis[chosen], self.speed[chosen], self.found[chosen])
+
+
+def felt_push(torque: Array, run: ForceInput, model: ResidualModel, prior: ContactPrior) -> Array:
+    """Return what the motors feel of a contact's torque (N, 6) [Nm]: less what friction bears.
+
+    In motion, gears lose a part of it; at rest, dry friction bears what it does on average.
+    """
+    still = run.states % STATES == STILL
+    bears = still * held(torque, model.breakaway, prior.stiction)
+    if run.gears is not None:
+        torque = run.gears.where_moving(run.states).felt(torque)
+    return torque - bears
 
 
 def try_each_place(
@@ -47,8 +71,7 @@ def try_each_place(
 
     log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; jacobian:
     (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
-    during which no push is tried; random: deals out peaks and axes. Dry friction, which bears a
-    part of a push at rest, is not simulated.
+    during which no push is tried; random: deals out peaks and axes.
     """
     profile, places = pushes(len(jacobian), period)
     means = [float(speed[slice(*place)].mean()) for place in places]
@@ -58,11 +81,11 @@ def try_each_place(
         if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
     ]
     peaks = random.permutation(np.geomspace(LEAST, MOST, len(free)))
-    axes = random.permutation(np.arange(len(free)) % 3)
+    axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
     force = np.zeros((len(profile), 3))
     for (place, _), peak, axis in zip(free, peaks, axes, strict=True):
         force[slice(*place), axis] = peak * profile[slice(*place)]
     torque = np.matvec(jacobian[:, :3].mT, force)
     answers = alarms(log_odds_of(torque), threshold) if free else []
     found = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
-    return Trials(peaks, np.array([mean for _, mean in free]), np.array(found, bool))
+    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(found, bool))

@@ -1,28 +1,22 @@
 """Contacts by each estimate: alarms, comparison with the sensor, smallest detectable force."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import (
     Span,
     alarms,
     compare,
     raised_live,
     receiver_curve,
-    smallest_force,
-    try_pushes,
 )
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_alarms import force_alarms, pushes_above
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
-from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.force_input import gears
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
@@ -30,7 +24,6 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import marked
 
 CLASSES = [TOUCH, 5.0, 10.0, 15.0]  # N, that a contact reaches by the sensor
-TRIALS, LEAST, MOST = 40, 2.0, 60.0  # pushes in each direction, N
 CLAIMED = 10.0  # N, from which on the thesis calls its detection along z reliable (Section 6)
 
 Kind = Callable[[Span], dict[str, Any]]
@@ -223,19 +216,3 @@ def by_class(least: float, force: Array, raised: list[Span], step: float) -> dic
 def median(delays: Array) -> float | None:
     """Return the median delay [s], None where there is none."""
     return float(np.median(delays)) if len(delays) else None
-
-
-def smallest_forces(
-    problem: Problem, jacobian: Array, prior: ContactPrior, threshold: float, raised: list[Span]
-) -> dict[str, Any]:
-    """Return the force that F̂ᵐᵃᵖ finds with 95 % probability, pushes put onto a free motion.
-
-    jacobian: (N, 6, 6); raised: the alarms without any push.
-    """
-    log_odds_of = partial(problem.odds_under, jacobian=jacobian[problem.rows], prior=prior)
-    tried = np.random.default_rng(0).permutation(np.geomspace(LEAST, MOST, TRIALS))
-    found = {}
-    for axis, direction in zip("xyz", np.eye(6)[:3], strict=True):
-        pushes = jacobian, direction, tried, problem.input.period, threshold, raised
-        found[axis] = asdict(smallest_force(tried, try_pushes(log_odds_of, *pushes)))
-    return found

@@ -6,7 +6,6 @@ which its friction is predicted within its band.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -15,7 +14,7 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms, smallest_force
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.trial_pushes import Trials, try_each_place
+from ur5lib.force.trial_pushes import Trials, felt_push, try_each_place
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.predictability import share_by_speed
 from ur5lib.identification.samples import STEP
@@ -37,14 +36,29 @@ class Judged(NamedTuple):
 
 
 def pushed(
-    problem: Problem, jacobian: Array, prior: ContactPrior, threshold: float, odds: Array
+    problem: Problem,
+    jacobian: Array,
+    prior: ContactPrior,
+    threshold: float,
+    odds: Array,
+    least: int = 0,
 ) -> Trials:
-    """Return trial pushes on a contact-free recording; odds: without any (N,)."""
+    """Return trial pushes on a contact-free recording.
+
+    odds: without any (N,); least: number of pushes, if there is a place for any.
+    """
     one, random = problem.input, np.random.default_rng(0)
     speed = np.linalg.norm(np.matvec(jacobian[:, :3], one.qd), axis=1)
-    log_odds_of = partial(problem.odds_under, jacobian=jacobian[problem.rows], prior=prior)
+
+    def log_odds_of(torque: Array) -> Array:
+        felt = felt_push(torque, one, problem.model, prior)
+        return problem.odds_under(felt, jacobian[problem.rows], prior)
+
     known = speed, one.period, threshold, alarms(odds, threshold), random
-    return Trials.joined([try_each_place(log_odds_of, jacobian, *known) for _ in range(ROUNDS)])
+    first = try_each_place(log_odds_of, jacobian, *known)
+    rounds = max(ROUNDS, -(-least // max(1, len(first.force))))
+    more = [try_each_place(log_odds_of, jacobian, *known) for _ in range(rounds - 1)]
+    return Trials.joined([first, *more])
 
 
 def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
@@ -64,9 +78,11 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
 
 def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> dict[str, Any]:
     """Return smallest pushes by speed, and by joint the shares by speed and where they suffice."""
-    summary: dict[str, Any] = {"pushes": [], "shares": [], "predicted": []}
+    summary: dict[str, Any] = {"pushes": [], "axes": [], "shares": [], "predicted": []}
     if trials:
-        summary["pushes"] = [*by_flange_speed(Trials.joined([*trials]))]
+        together = Trials.joined([*trials])
+        summary["pushes"] = [*by_flange_speed(together)]
+        summary["axes"] = [*by_axis(together)]
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         for joint in range(6):
@@ -81,8 +97,20 @@ def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> dict[st
 def by_flange_speed(trials: Trials) -> Iterator[Mapping[str, Any]]:
     """Yield the smallest push that is detected in 95 of 100 cases, by speed of the flange."""
     for low, high in pairwise(FLANGE_SPEEDS):
-        part = trials.within(low, high)
-        tried, found = len(part.found), int(part.found.sum())
-        if tried >= FEWEST_TRIALS:
-            smallest = asdict(smallest_force(part.force, part.found))
-            yield {"speed_low": low, "speed_high": high, "tried": tried, "found": found} | smallest
+        yield from limit(trials.within(low, high), speed_low=low, speed_high=high)
+
+
+def by_axis(trials: Trials) -> Iterator[Mapping[str, Any]]:
+    """Yield the same along x, y and z, at rest and in motion."""
+    for low, high in pairwise((*FLANGE_SPEEDS[:2], np.inf)):
+        for axis, name in enumerate("xyz"):
+            part = trials.within(low, high).along(axis)
+            yield from limit(part, axis=name, speed_low=low, speed_high=high)
+
+
+def limit(trials: Trials, **about: Any) -> Iterator[Mapping[str, Any]]:
+    """Yield the smallest push that is detected, with its standard error, if trials suffice."""
+    tried, found = len(trials.found), int(trials.found.sum())
+    if tried >= FEWEST_TRIALS:
+        smallest = asdict(smallest_force(trials.force, trials.found))
+        yield about | {"tried": tried, "found": found} | smallest

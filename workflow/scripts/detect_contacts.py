@@ -3,13 +3,16 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder, smallest_forces
+from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
 from ur5lib.pipeline.force_estimates import direct_problems
+from ur5lib.pipeline.observability import by_axis, pushed
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import read_json, write_json
+
+TRIALS = 120  # pushes
 
 
 def detect_contacts(input: Any, output: Any, params: Any) -> None:
@@ -25,8 +28,7 @@ def detect_contacts(input: Any, output: Any, params: Any) -> None:
     if params.role == "validate" and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
         problem = direct_problems(motion, currents, residuals)["Fmap"]
-        threshold = thresholds["Fmap"]
-        raised = found["Fmap"].raised
-        smallest = smallest_forces(problem, jacobian, prior, threshold, raised)
-        summary["Fmap"]["smallest_force_95"] = smallest
+        known = thresholds["Fmap"], forces.log_odds["Fmap"], TRIALS
+        trials = pushed(problem, jacobian, prior, *known)
+        summary["Fmap"]["smallest_force_95"] = [*by_axis(trials)]
     write_json(summary, output.detection)

@@ -72,8 +72,11 @@ def detection(own: Own) -> Iterator[Row]:
     """
     same = ("threshold", "precision", "time_in_alarm", "free_time_in_alarm", "alarms_per_min")
     for estimate, found in own["detection"].items():
-        smallest = found.get("smallest_force_95", {})
-        pushes = {f"smallest_force_95_{axis}": push["force"] for axis, push in smallest.items()}
+        pushes = {
+            f"smallest_force_{kind}_{'' if push['speed_low'] else 'rest_'}{push['axis']}": own
+            for push in found.get("smallest_force_95", [])
+            for kind, own in (("95", push["force"]), ("std", push["std"]))
+        }
         classes, causal = found.get("classes", [{}]), found.get("causal", {})
         past = causal.get("classes", [{}] * len(classes))
         for i, (part, by_then) in enumerate(zip(classes, past, strict=True)):
@@ -133,12 +136,14 @@ def _place(probabilities: Sequence[float] | None) -> Row:
 def observability(own: Own) -> Iterator[Row]:
     """Yield what an arm's recordings let one observe; an empty speed_high: any faster one.
 
-    smallest_push_95: by speed of the flange; friction_in_band: share of the samples, by speed of
-    the joint; least_velocity: from which on, up to speed_high, that share suffices.
+    smallest_push_95: by speed of the flange, and along one axis; friction_in_band: share of the
+    samples, by speed of the joint; least_velocity: from which on, up to speed_high, that share
+    suffices.
     """
     found, names = own["observability"], ("joint", "speed_low", "speed_high", "samples")
-    for push in found["pushes"]:
-        about = {"quantity": "smallest_push_95", "speed_unit": "m/s", "unit": "N"}
+    for push in [*found["pushes"], *found["axes"]]:
+        along = f"_{push['axis']}" if "axis" in push else ""
+        about = {"quantity": f"smallest_push_95{along}", "speed_unit": "m/s", "unit": "N"}
         numbers = {"value": push["force"], "std_error": push["std"], "samples": push["tried"]}
         yield about | numbers | {name: push[name] for name in ("speed_low", "speed_high")}
     for share in found["shares"]:

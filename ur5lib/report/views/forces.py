@@ -355,11 +355,22 @@ def alarms(results: Results) -> Body:
 def smallest_pushes(results: Results) -> Body:
     """Return the smallest push along each axis that is detected on contact-free motions."""
     rows = pushes_found(results)
-    body = [
-        [Cell(name), *(number(force, 0) for force in forces)]
-        for name, forces in zip(rows["recording"], rows[PUSHES].to_numpy(float), strict=True)
+    kinds = {"": "in motion", "rest_": "at rest"}
+    known = [
+        (where, axis)
+        for where in kinds
+        for axis in "xyz"
+        if rows[f"smallest_force_95_{where}{axis}"].notna().any()
     ]
-    return Body(["recording", *(f"{axis} [N]" for axis in "xyz")], body)
+    body = [[Cell(row["recording"]), *_limits(row, known)] for _, row in rows.iterrows()]
+    return Body(["recording", *(f"{kinds[where]}: {axis} [N]" for where, axis in known)], body)
+
+
+def _limits(row: pd.Series, known: list[tuple[str, str]]) -> Iterator[Cell]:
+    """Yield the smallest push found, with its error, at rest or in motion, along an axis."""
+    for where, axis in known:
+        force, std = (row[f"smallest_force_{kind}_{where}{axis}"] for kind in ("95", "std"))
+        yield with_error(force, std, 0)
 
 
 def pushes_found(results: Results) -> pd.DataFrame:

@@ -11,7 +11,7 @@ from ur5lib.report.cells import fixed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.observability_figure import flange_speeds
 from ur5lib.report.results import Body, Column, Results, tabulated
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import Sentence, joined, say
 
 
 def arms(results: Results) -> list[str]:
@@ -28,6 +28,24 @@ def told(results: Results) -> Iterator[Sentence]:
                 rows.loc[place] for place in (rows["value"].idxmin(), rows["value"].idxmax())
             )
             yield say("observed.pushes", robot=robot, best=_push_at(best), worst=_push_at(worst))
+        yield from _by_axis(results, robot)
+
+
+def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
+    """State the push along each axis that would be found, at rest and in motion."""
+    rows = results.rows("observability", robot=robot)
+    rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]
+    limits = [
+        (say("observed.rest", slowest=slowest), joined(map(_limit, own.itertuples()), ", "))
+        for slowest, own in rows.groupby("speed_low")
+    ]
+    if limits:
+        yield say("observed.missed", robot=robot, limits=limits)
+
+
+def _limit(row: Any) -> Sentence:
+    """Return a push and its standard error, along the axis that its quantity ends with."""
+    return say("observed.limit", row=row, most=MOST)
 
 
 def pushes(results: Results) -> Body:
@@ -73,7 +91,9 @@ def _share(rows: pd.DataFrame) -> Cell:
 
 
 def _push(row: Any) -> Cell:
-    return Cell(f"> {MOST:.0f}") if row.value > MOST else with_error(row.value, row.std_error, 0)
+    if row.value <= MOST:
+        return with_error(row.value, row.std_error, 0)
+    return Cell(f"> {MOST:.0f}")
 
 
 def _push_at(row: Any) -> tuple[Sentence, Sentence]:
