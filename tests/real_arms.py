@@ -29,6 +29,7 @@ from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
 from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
@@ -224,7 +225,10 @@ class Fitted:
         known = [(self.currents(one), one.motion) for one in self.recordings]
         paths, cutoff = self.friction["paths"], self.lowpass.cutoff
         breakaway, explained = breakaway_torque(self.whole), self.friction["explained"]
-        return residual_summary(known, breakaway, paths, cutoff, explained)
+        found = residual_summary(known, breakaway, paths, cutoff, explained)
+        jacobians = [one.kinematics.jacobian for one in self.recordings]
+        touched = [(*own, J) for own, J in zip(known, jacobians, strict=True)]
+        return with_trials(found, touched, PRIOR)
 
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""
@@ -244,8 +248,8 @@ class Fitted:
         self, one: RealRecording, extra: Array | float = 0.0, prior: ContactPrior = PRIOR
     ) -> WrenchEstimate:
         """Fmap; extra: (N, 6) [Nm], put onto the external torque."""
-        known, model = self.problem(one)
-        pushed = Problem(known.with_torque(known.torque + extra, known.states), model)
+        known = self.problem(one)
+        pushed = known.pushed(extra + 0 * known.input.torque)
         return pushed.solve(one.kinematics.jacobian[pushed.rows], prior)
 
     def repeated(self, one: RealRecording, free: Sequence[RealRecording]) -> WrenchEstimate | None:

@@ -10,7 +10,10 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, joint_states
+from ur5lib.force.gate import Noise
 from ur5lib.force.gears import Gears
+from ur5lib.force.map_estimate import regularised_wrench
+from ur5lib.force.missed_contacts import hiding
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.robots.description import Robot
@@ -124,6 +127,20 @@ def residual(states: States, period: float, random: np.random.Generator) -> Arra
         quick = kept[1] * quick + np.sqrt(1 - kept[1] ** 2) * random.normal(size=6)
         result[t] = steady[t] * slow + change[t] * quick
     return result
+
+
+def unnoticed(
+    estimate: WrenchEstimate, jacobian: Array, states: States, model: ResidualModel
+) -> Array:
+    """Deviation (N, 6) of the estimate, and of what its torques hide where the gate is shut.
+
+    A push that is there, and is missed, is none of the mixture of which the band holds 95 %.
+    """
+    noise = Noise.of(states, model, PRIOR, np.zeros(states.shape))
+    hidden, nothing = model.missed_to**2 * hiding(states, noise), np.zeros(states.shape)
+    missed = regularised_wrench(nothing, jacobian, hidden, PRIOR.unknown()).covariance
+    shut = (estimate.wrench == 0).all(axis=1)[:, None]
+    return np.where(shut, np.sqrt(np.diagonal(missed, axis1=1, axis2=2)), estimate.std)
 
 
 def between(time: Array, start: float, end: float) -> Array:

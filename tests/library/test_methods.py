@@ -90,7 +90,9 @@ def statements() -> Iterator[str]:
     yield (
         f"| {wrench_estimate.OPENS:g}, {wrench_estimate.CLOSES:g}, {wrench_estimate.MARGIN:g} s |"
     )
-    yield f"| {PRIOR.resolution:g} s; {PRIOR.unnoticed:g} standard deviations |"
+    yield f"| {PRIOR.resolution:g} s; {residual_model.MISSED_TO:g} |"
+    yield f"Without any trial, κ is {residual_model.MISSED_TO:g}."
+    yield f"a force that does not count as contact ({PRIOR.quiet:g} N)"
     yield (
         f"| {external_torque.STOP:g} s, {external_torque.RELAXING:g} s; "
         f"{external_torque.RELAXING:g} s |"

@@ -169,7 +169,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/force/residual_model.py",
          jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
         ("ur5lib/force/contact_prior.py",
-         jobs("estimate_forces", *FROM_SENSOR) | {"set_threshold": 1} | OBSERVABILITY | REPORT),
+         jobs("estimate_forces", *FROM_SENSOR) | RESIDUALS | REPORT),
         ("ur5lib/force/grasp.py", jobs(*FROM_ALARMS) | REPORT),
         ("ur5lib/force/contact_link.py", jobs("locate_contacts") | REPORT),
         ("ur5lib/timeseries/trajectories.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),

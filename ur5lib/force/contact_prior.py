@@ -27,8 +27,7 @@ class ContactPrior:
     follows no contact.
 
     resolution [s]: uncertainty of the time of a change of the force (half the blur of the 2 Hz
-    low-pass); unnoticed: standard deviations of the force that a contact in motion may reach
-    without opening the gate, as a factor on the free band.
+    low-pass).
     """
 
     force: float = 15.0
@@ -46,7 +45,6 @@ class ContactPrior:
     settling: float = 3.0
     unprovoked: float = 1e-4
     resolution: float = 0.05
-    unnoticed: float = 2.0
 
     def usual(self) -> Array:
         """Return the covariance (6, 6) of the wrench of a typical contact."""

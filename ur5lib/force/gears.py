@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from ur5lib.force.external_torque import REVERSING, STATES, States
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
 
@@ -28,7 +28,7 @@ class Gears:
         """Return gears that neither rub nor lose anything of a torque (N, 6)."""
         return cls(*(np.zeros_like(torque) for _ in range(3)))
 
-    def at(self, rows: slice | Mask) -> Self:
+    def at(self, rows: slice | Mask | Labels) -> Self:
         """Return the gears in some samples."""
         return type(self)(self.load[rows], self.loss[rows], self.friction[rows])
 

@@ -25,6 +25,7 @@ SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its 
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
 ENOUGH = 5  # paths, from which on the gate is as unsure as the bands
 LEAST = 1e-3  # Nm, least standard deviation
+MISSED_TO = 2.0  # deviations up to which most contacts are missed, where none was tried
 
 
 class Stretch(NamedTuple):
@@ -43,7 +44,8 @@ class ResidualModel:
     error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
     correlation: (6, 6), between joints; independent: [s], between independent values of the fast
     error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
-    bands of forces, beside the deviations, since few paths hardly show how paths differ.
+    bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
+    size up to which most contacts are missed, in deviations of what hides them.
     """
 
     spread: Array
@@ -53,6 +55,7 @@ class ResidualModel:
     independent: float
     breakaway: Array
     doubt: float = 1.0
+    missed_to: float = MISSED_TO
 
     def covariance(self, of: Array, states: States) -> Array:
         """Return D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
@@ -90,7 +93,7 @@ class ResidualModel:
     def from_dict(cls, data: dict[str, Any]) -> Self:
         """Return the model that `to_dict` was called on."""
         arrays = {k: np.array(v) for k, v in data.items() if isinstance(v, list)}
-        return cls(**arrays, independent=data["independent"], doubt=data["doubt"])
+        return cls(**data | arrays)
 
 
 def fit_residual_model(

@@ -18,7 +18,12 @@ from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.gate import Noise, find_contacts
 from ur5lib.force.gears import MEAN, Gears, held
 from ur5lib.force.hidden_markov import log_odds
-from ur5lib.force.map_estimate import regularised_wrench
+from ur5lib.force.missed_contacts import (
+    hiding,
+    missed_contacts,
+    mixture_std,
+    probability_while_shut,
+)
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.interpolation import interpolated
@@ -208,13 +213,14 @@ def _estimate(
         _put(chosen, part, contact_wrench(*own, worth, period, prior, typical))
         _put(plain, part, least_squares_wrench(*own))
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
-    unnoticed = _unnoticed(jacobian, noise, prior, model.doubt)
+    shut = _std_while_shut(jacobian, states, noise, model, prior, gate.probability, inside, period)
     wrench = likely[:, None] * chosen.mean
     second = model.doubt**2 * chosen.variance + chosen.mean**2
-    second = likely[:, None] * second + (1 - likely[:, None]) * unnoticed
+    second = likely[:, None] * second + (1 - likely[:, None]) * shut**2
+    std = np.sqrt(np.maximum(second - wrench**2, 0.0))
     return StretchEstimate(
         wrench=wrench,
-        std=np.sqrt(np.maximum(second - wrench**2, 0.0)),
+        std=np.where(inside[:, None], std, shut),
         log_odds=log_odds(gate.probability),
         background=gate.background.mean,
         least_squares=plain.mean,
@@ -229,17 +235,26 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
-def _unnoticed(jacobian: Array, noise: Noise, prior: ContactPrior, doubt: float) -> Array:
-    """Return the variance (N, 6) of a wrench that may act though the gate is shut.
+def _std_while_shut(
+    jacobian: Array,
+    states: States,
+    noise: Noise,
+    model: ResidualModel,
+    prior: ContactPrior,
+    likely: Array,
+    inside: Mask,
+    period: float,
+) -> Array:
+    """Return the standard deviation (n, 6) whose ± 1.96 is the 95 % band where the gate is shut.
 
-    In motion, a slowly growing contact up to two standard deviations of the background may remain
-    unnoticed; at rest, one that dry friction absorbs. doubt: factor on both.
+    The band is that of a mixture of a free arm, with a force that does not count as contact, and a
+    missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
     """
-    resting = np.asarray(noise.still.all(axis=1))[:, None, None]
-    hidden = doubt**2 * np.where(resting, noise.hidden, prior.unnoticed**2 * noise.spread)
-    nothing = np.zeros(jacobian.shape[:2])
-    free = regularised_wrench(nothing, jacobian, hidden, prior.unknown()).covariance
-    return np.diagonal(free, axis1=1, axis2=2)
+    hidden = (model.doubt * model.missed_to) ** 2 * hiding(states, noise)
+    share, variance = missed_contacts(jacobian, hidden, prior)
+    probability = probability_while_shut(share, inside, period, prior)
+    free = np.diagonal(prior.when_free())
+    return mixture_std(np.maximum(probability, likely[:, None]), variance, free)
 
 
 def _nothing(torque: Array) -> Wrench:

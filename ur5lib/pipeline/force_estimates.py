@@ -47,10 +47,13 @@ class Problem(NamedTuple):
         samples = one.torque, jacobian, one.states, one.segment, one.period
         return estimate_wrench(*samples, self.model, prior, one.doubt, ablation, one.gears)
 
+    def pushed(self, torque: Array) -> "Problem":
+        """Return the problem with an additional external torque (N, 6) [Nm]."""
+        return self._replace(input=replace(self.input, torque=self.input.torque + torque))
+
     def odds_under(self, pushed: Array, jacobian: Array, prior: ContactPrior) -> Array:
         """Return the log-odds (N,) of contact with an additional external torque (N, 6) [Nm]."""
-        own = self.input.with_torque(self.input.torque + pushed, self.input.states)
-        return self._replace(input=own).solve(jacobian, prior).log_odds
+        return self.pushed(pushed).solve(jacobian, prior).log_odds
 
 
 def is_fitted(friction: Mapping[str, Any], rigid: Mapping[str, Any]) -> bool:

@@ -24,6 +24,7 @@ rule fit_residuals:
     input:
         currents=fitted_results("currents.parquet"),
         motion=fitted_results("motion.parquet"),
+        kinematics=fitted_results("kinematics.parquet"),
         friction=parameter("friction.json"),
     output:
         residuals=parameter("residuals.json"),
@@ -31,6 +32,7 @@ rule fit_residuals:
         **traces("fit_residuals", "{robot}"),
     params:
         code=code("fit_residuals"),
+        contact_force_n=SETTINGS.contact.force_n,
         cutoff_hz=SETTINGS.lowpass.currents.cutoff_hz,
     run:
         run_step(rule, input, output, params, log)

@@ -4,8 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.identification.currents import CurrentFit, breakaway_torque
+from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.tables import read_json, write_json
@@ -22,4 +25,8 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
         explained = None if shares is None else np.array(shares, float)
         known = recordings, breakaway, friction["paths"], params.cutoff_hz
         summary = residual_summary(*known, explained)
+        jacobians = [Kinematics.read(path).jacobian for path in input.kinematics]
+        with_jacobians = [(*own, J) for own, J in zip(recordings, jacobians, strict=True)]
+        prior = ContactPrior(force=params.contact_force_n)
+        summary = with_trials(summary, with_jacobians, prior)
     write_json(summary, output.residuals)
