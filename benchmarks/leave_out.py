@@ -225,9 +225,13 @@ class Fold:
                 "friction": self.shared("friction.json"),
                 "currents": [self.own(own, "currents.parquet") for own in self.fitted],
                 "motion": [own.file("motion.parquet") for own in self.fitted],
+                "kinematics": [own.file("kinematics.parquet") for own in self.fitted],
             },
             {"residuals": self.shared("residuals.json")},
-            {"cutoff_hz": lowpass["cutoff_hz"]},
+            {
+                "cutoff_hz": lowpass["cutoff_hz"],
+                "contact_force_n": settings.contact.force_n,
+            },
         )
         for own in everything:
             self.forces(own, [one for one in everything if one not in (own, *touched)])

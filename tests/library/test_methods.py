@@ -30,7 +30,7 @@ from ur5lib.identification import (
     samples,
     selection,
 )
-from ur5lib.signals import clocks, imu_calibration, noise
+from ur5lib.signals import clock, clocks, imu_calibration, noise
 from ur5lib.timeseries.arrays import Array
 
 PRIOR = ContactPrior()
@@ -54,7 +54,7 @@ def statements() -> Iterator[str]:
     yield f"jackknife over {COUNTED[clocks.BLOCKS]} blocks of time"
     yield f"widened by {1e3 * clocks.LATENCY:g} ms for latencies"
     yield f"by {1e3 * clocks.WANDER:g} ms of wander over the recording"
-    yield f"counts as 0 ± {1e6 * clocks.UNKNOWN_DRIFT:g} ppm"
+    yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT:g} ppm"
     # motion and the IMU
     yield f"in windows of {noise.WINDOW:g} s"
     yield f"jackknife over blocks of {imu_calibration.BLOCK:g} s. *Evidence:* on 20 simulated"
