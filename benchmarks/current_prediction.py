@@ -32,7 +32,6 @@ from benchmarks.harness.prediction import (
     OURS,
     prediction_table,
 )
-from ur5lib.identification.friction import MOVING
 from ur5lib.identification.samples import (
     Record,
     Smooth,
@@ -50,6 +49,7 @@ from ur5lib.robots.description import Robot, load_robot
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_json, write_csv
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import MOVING
 from ur5lib.timeseries.segments import starts
 from ur5lib.timeseries.trajectories import nearest, place
 

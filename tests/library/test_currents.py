@@ -40,15 +40,7 @@ from ur5lib.identification.estimation import (
     estimate_together,
     physical,
 )
-from ur5lib.identification.friction import (
-    BASE,
-    CONSIDERED,
-    FAMILY,
-    KARNOPP,
-    MOVING,
-    JointMotion,
-    Term,
-)
+from ur5lib.identification.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import (
     STEP,
@@ -74,6 +66,7 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import MOVING
 
 RUNS = 200
 STUDY = 10  # recordings

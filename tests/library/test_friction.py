@@ -7,7 +7,6 @@ from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
     FAMILY,
-    MOVING,
     JointMotion,
     Term,
     friction_direction,
@@ -15,6 +14,7 @@ from ur5lib.identification.friction import (
     karnopp_direction,
     resting,
 )
+from ur5lib.timeseries.metrics import MOVING
 
 RANDOM = np.random.default_rng(0)
 Q, QD, TORQUE = RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]

@@ -9,7 +9,6 @@ from ur5lib.commands.known_parameters import described_arm, identified_parameter
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, torque_constants
-from ur5lib.identification.friction import MOVING
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
@@ -22,6 +21,7 @@ from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
 from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import MOVING
 
 WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "urdf": lambda arm, model, friction: urdf(arm, rigid_bodies(arm, model), friction),

@@ -11,9 +11,9 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import MOVING
 from ur5lib.timeseries.segments import starts
 
-MOVING = 0.02  # rad/s; the dead zone of Equation 6.4: below it, friction is stiction
 # Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
 # shorter ones are below the encoder's resolution. The first is used if cross-validation is
 # impossible.

@@ -15,7 +15,6 @@ from ur5lib.identification.friction import (
     BASE,
     CONSIDERED,
     KARNOPP,
-    MOVING,
     USUAL,
     JointMotion,
     Term,
@@ -24,11 +23,11 @@ from ur5lib.identification.friction import (
     resting,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import BLOCK, MOVING
 from ur5lib.timeseries.segments import starts
 from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 STEP = 0.1  # s between samples
-BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
 FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
 STRETCH = 5  # blocks
 LEAST_PATHS = 3  # as many as README asks for

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.identification.friction import BASE, MOVING, Term
+from ur5lib.identification.friction import BASE, Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.chunks import in_chunks
+from ur5lib.timeseries.metrics import MOVING
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.identification.friction import MOVING
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import MOVING
 
 CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
 LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated

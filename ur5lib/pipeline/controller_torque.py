@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.identification.samples import BLOCK
 from ur5lib.pipeline.carried import told_payload
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -15,6 +14,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
+from ur5lib.timeseries.metrics import BLOCK
 from ur5lib.timeseries.segments import by_segment, unbroken
 
 STEP = 0.032  # s between samples of a block, whose errors are correlated

@@ -6,11 +6,11 @@ import numpy as np
 
 from ur5lib.force.current_based import friction_torque
 from ur5lib.force.current_torque_line import current_on_torque, torque_on_current
-from ur5lib.identification.samples import BLOCK
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import BLOCK
 
 LINES = {"torque_on_current": torque_on_current, "current_on_torque": current_on_torque}
 

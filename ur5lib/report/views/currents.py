@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.identification.currents import UNDETERMINED
-from ur5lib.identification.friction import MOVING
 from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
+from ur5lib.timeseries.metrics import MOVING
 
 MODELS = {
     "fitted": "fitted",
