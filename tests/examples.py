@@ -116,7 +116,7 @@ def kind_of(block: str) -> str:
         return "way-points"
     if MOVE.match(first):
         return "moves"
-    return "equation" if all(" = " in line for line in filled) else "unknown"
+    return "equation" if all(re.search(" [=∝] ", line) for line in filled) else "unknown"
 
 
 # Shell

@@ -266,19 +266,24 @@ def detections(results: Results) -> Body:
                 number(first["extra_alarms"], 0),
                 number(100 * first["free_time_in_alarm"], 0),
                 number(first["median_delay_s"], 2),
-                _share(first, found="causal_found"),
-                number(first["causal_false_alarms_per_min"], 1),
-                number(first["causal_delay_s"], 2),
+                _causal(first),
             ]
         )
     header = ["recording", "estimate", "from [N]", *(f"≥ {force:.0f} N" for force in classes)]
-    header += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]"]
-    header += ["causal: found", "causal: false [1/min]", "causal: delay [s]"]
+    header += ["false [1/min]", "extra", "free time in alarm [%]", "delay [s]", "causal"]
     return Body(header, body)
 
 
-def _share(row: pd.Series, total: str = "contacts", found: str = "found") -> Cell:
-    return Cell("–" if math.isnan(row[found]) else f"{row[found]:.0f} of {row[total]:.0f}")
+def _share(row: pd.Series, total: str = "contacts") -> Cell:
+    return Cell(f"{row['found']:.0f} of {row[total]:.0f}")
+
+
+def _causal(row: pd.Series) -> Cell:
+    """Return the contacts that causal alarms find, and after how long."""
+    if math.isnan(row["causal_found"]):
+        return Cell("–")
+    after = f", {row['causal_delay_s']:.2f} s" if row["causal_found"] else ""
+    return Cell(f"{row['causal_found']:.0f} of {row['contacts']:.0f}{after}")
 
 
 def fixed_threshold(results: Results) -> Body:
