@@ -181,7 +181,8 @@ def multiplied(results: Results, count: int, figures: Path) -> Results:
         if "recording" not in table:
             return table
         return pd.concat(
-            [table.replace({"recording": {recording["name"]: name}}) for name in names]
+            [table.replace({"recording": {recording["name"]: name}}) for name in names],
+            ignore_index=True,
         )
 
     study: dict[str, Any] = {**results.study, "recordings": entries}

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
 from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
@@ -27,7 +26,7 @@ def by_joint(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> 
 
 def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> pd.Series:
     """Return place, recording, error and zero of the largest error, which no mean hides."""
-    row = rows.iloc[int(np.nanargmax(rows[error]))]  # labels of rows may occur twice
+    row = rows.loc[rows[error].idxmax()]
     places = {"place": row[name], "recording": row["recording"]}
     return pd.Series(places | {"error": row[error], "zero": row[zero]})
 
