@@ -43,12 +43,19 @@ def strange_currents(
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
     """
-    if CURRENT not in means.currents:
+    if CURRENT not in means.currents or not is_driven(robot):
         return
     yield from delayed(robot, arm, step)
     exchanged = [*exchanged_currents(means, arm)]
     yield from exchanged or turned(means, arm)
     yield from scaled(means)
+
+
+def is_driven(robot: pd.DataFrame) -> bool:
+    """Return whether a joint is to move; friction does not brake a joint that a contact moves."""
+    if "target_qd_0" not in robot:
+        return True
+    return bool((np.nanmean(channel(robot, "target_qd") ** 2, axis=0) > MOVES**2).any())
 
 
 def moving(means: BlockMeans) -> Mask:
