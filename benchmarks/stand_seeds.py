@@ -9,7 +9,7 @@ and while in contact.
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -191,7 +191,7 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     """Rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
     for own in fitted:
-        yield from truth_table.clock_rows({"imu": own.clock}, own.summary)
+        yield from truth_table.clock_rows({"imu": asdict(own.clock)}, own.summary)
     true = robot.models[summary["model"]].rotor_inertias
     yield from truth_table.rotor_rows(rotors(fitted), true)
     calibration = calibrate([own.imu for own in fitted])
@@ -237,7 +237,7 @@ def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> I
     prior = ContactPrior(force=SETTINGS.contact.force_n)
     fmap = found["Fmap"]
     estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
-    forces = force_record(pushed.motion, {"Fmap": estimate})
+    forces = force_record(pushed.motion, {"Fmap": estimate}, causal=None)
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):
