@@ -1,5 +1,6 @@
 """What `make` says where it cannot set up, and which studies it builds."""
 
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -54,6 +55,11 @@ STUDIES = {
 }
 
 
+def own_environment() -> dict[str, str]:
+    """Without what a `make` around the tests hands down: it names the folders that it enters."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
+
+
 def make_studies(folder: Path, snakemake: str) -> tuple[int, str]:
     """The exit status and the output of `make studies`, with another snakemake."""
     for name, text in STUDIES.items():
@@ -68,7 +74,9 @@ def make_studies(folder: Path, snakemake: str) -> tuple[int, str]:
     program.chmod(0o755)
     (folder / ".venv" / "ready").touch()
     make = ["make", "studies"]
-    done = subprocess.run(make, cwd=folder, text=True, capture_output=True, check=False)
+    done = subprocess.run(
+        make, cwd=folder, text=True, capture_output=True, check=False, env=own_environment()
+    )
     return done.returncode, done.stdout
 
 
