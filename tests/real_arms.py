@@ -19,7 +19,7 @@ from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.sensor import SensorOffset
-from ur5lib.force.wrench_estimate import WrenchEstimate
+from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
 from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
@@ -226,8 +226,11 @@ class Fitted:
         paths, cutoff = self.friction["paths"], self.lowpass.cutoff
         breakaway, explained = breakaway_torque(self.whole), self.friction["explained"]
         found = residual_summary(known, breakaway, paths, cutoff, explained)
-        jacobians = [one.kinematics.jacobian for one in self.recordings]
-        touched = [(*own, J) for own, J in zip(known, jacobians, strict=True)]
+        at_used_rows = [
+            one.kinematics.jacobian[used_rows(one.motion.segment, one.motion.period)]
+            for one in self.recordings
+        ]
+        touched = [(*own, J) for own, J in zip(known, at_used_rows, strict=True)]
         return with_trials(found, touched, PRIOR)
 
     def currents(self, one: RealRecording) -> Currents:

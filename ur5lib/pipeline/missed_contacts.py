@@ -20,15 +20,16 @@ def with_trials(
 ) -> dict[str, Any]:
     """Return residual models with the size up to which contacts are missed, `missed_to`.
 
-    residuals: of `residual_summary`; recordings: those of the fit, with their Jacobians (N, 6, 6).
-    Each model counts the size in its own deviations; the trials are those of the external torque.
+    residuals: of `residual_summary`; recordings: those of the fit, with their Jacobians
+    (M, 6, 6), at `used_rows`. Each model counts the size in its own deviations; the trials are
+    those of the external torque.
     """
     if "tau_ext" not in residuals:
         return {**residuals}
     random, tried = np.random.default_rng(0), []
     for currents, motion, jacobian in recordings:
         if (fmap := direct_problems(motion, currents, residuals).get("Fmap")) is not None:
-            tried.append(_tried(fmap, jacobian[fmap.rows], prior, random))
+            tried.append(_tried(fmap, jacobian, prior, random))
     missed_to = largest_of_trials(tried)
     return {
         name: own | {"missed_to": missed_to} if isinstance(own, dict) else own

@@ -55,7 +55,7 @@ def residual_summary(
             summary[name] = _residual_model(inputs, breakaway, paths, cutoff)
         except InputError as error:  # too little without contact: then no force is estimated
             summary["refused"] = str(error)
-    if "refused" not in summary and (found := [*_remarks(paths, rest_seconds(recordings))]):
+    if "refused" not in summary and (found := [*_remarks(paths, recordings)]):
         summary["remarks"] = found
     return summary
 
@@ -72,11 +72,11 @@ def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
     )
 
 
-def _remarks(paths: int, rest: float) -> Iterator[str]:
-    """Say what so few paths, and so many seconds at rest, do not show."""
+def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[str]:
+    """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
         yield ONE_PATH
-    if paths < LEAST_PATHS and rest < REST:
+    if paths < LEAST_PATHS and (rest := rest_seconds(recordings)) < REST:
         yield (
             f"the arm rests for {rest:.0f} s of the fit recordings only, so that pushes at rest "
             "may remain unnoticed; record half a minute at rest, in several poses"

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.identification.currents import CurrentFit, breakaway_torque
 from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
@@ -25,8 +26,10 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
         explained = None if shares is None else np.array(shares, float)
         known = recordings, breakaway, friction["paths"], params.cutoff_hz
         summary = residual_summary(*known, explained)
-        jacobians = [Kinematics.read(path).jacobian for path in input.kinematics]
-        with_jacobians = [(*own, J) for own, J in zip(recordings, jacobians, strict=True)]
+        with_jacobians = [
+            (*own, Kinematics.read(path, used_rows(own[1].segment, own[1].period)).jacobian)
+            for own, path in zip(recordings, input.kinematics, strict=True)
+        ]
         prior = ContactPrior(force=params.contact_force_n)
         summary = with_trials(summary, with_jacobians, prior)
     write_json(summary, output.residuals)
