@@ -11,8 +11,6 @@ many contacts of the sensor are found, where the arm rests and where it moves. T
 stays the study's: the controller's own torque tells it, not the currents.
 """
 
-import argparse
-import sys
 import tempfile
 from collections.abc import Sequence
 from itertools import chain, combinations
@@ -22,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 import torch
 
+from benchmarks.harness.options import arm_options, built
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal
 from ur5lib.force.detection import alarms, compare
 from ur5lib.force.external_torque import SLOW
@@ -50,15 +49,10 @@ class Result(NamedTuple):
 
 def main() -> None:
     """Print a line for each subset."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
-    options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
+    options = arm_options(__doc__)
     options.add_argument("--draws", type=int, default=20, help="subsets that are drawn")
-    options.add_argument("--quick", action="store_true", help="one: only shows that it runs")
     given = options.parse_args()
-    folder = Path("results") / given.study
-    if not (folder / "parameters").exists():
-        sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
+    [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
     study = read_study(folder, given.robot, ("fit", "contact"))
     drawn = [study.fit, *subsets(study, given.draws)]

@@ -14,9 +14,7 @@ rigid-body model stays the study's: the controller's own torque tells it, not th
 `--quick` does a part of all this.
 """
 
-import argparse
 import runpy
-import sys
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -30,6 +28,7 @@ import pandas as pd
 import torch
 import yaml
 
+from benchmarks.harness.options import arm_options, built
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import SLOW, is_still
@@ -113,14 +112,8 @@ Tried = tuple[str, list[Recording], list[Recording]]  # label, to fit on, to try
 
 def main() -> None:
     """Print alarms a minute and the estimates of trial pushes."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
-    options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
-    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
-    given = options.parse_args()
-    folder = Path("results") / given.study
-    if not (folder / "configuration.yaml").exists():
-        sys.exit(f"{folder} is not built; run `snakemake` first, with `--configfile` its study")
+    given = arm_options(__doc__).parse_args()
+    [folder] = built([Path("results") / given.study])
     torch.set_num_threads(1)
     compare(f"{given.study}, {given.robot}", read_study(folder, given.robot), given.quick)
 
@@ -137,13 +130,13 @@ def compare(title: str, known: Study, quick: bool) -> None:
     print(f"{title}: {len(known.fit)} recordings to fit on")
     rows: list[dict[str, Any]] = []
     joints: list[dict[str, Any]] = []
-    for fold, tested in built("paths and days left out", known, folds):
+    for fold, tested in built_folds("paths and days left out", known, folds):
         joints += [row for own in tested for row in predicted(fold, own)]
         rows += [row for own in tested for row in pushed(fold, own, quick)]
     with pd.option_context("display.max_rows", None, "display.width", 120):
         report_joints(pd.DataFrame(joints))
         report_pushes(pd.DataFrame(rows))
-    for _ in built("one recording to fit on", known, alone):
+    for _ in built_folds("one recording to fit on", known, alone):
         pass
 
 
@@ -369,7 +362,9 @@ def refusal(fold: Fold, tested: list[Recording]) -> str | None:
     return next(filter(None, found), None)
 
 
-def built(title: str, study: Study, tried: list[Tried]) -> Iterator[tuple[Fold, list[Recording]]]:
+def built_folds(
+    title: str, study: Study, tried: list[Tried]
+) -> Iterator[tuple[Fold, list[Recording]]]:
     """Folds whose files are there, and what is tried in each; prints all alarms, or why none is."""
     found = []
     for label, fitted, tested in tried:

@@ -27,6 +27,15 @@ def asked(about: str, seeds: int, first: int = 0) -> Asked:
     return Asked(1 if given.quick else given.seeds, given.quick)
 
 
+def arm_options(about: str) -> argparse.ArgumentParser:
+    """Return the options of a benchmark of one arm of a built study; about: of the benchmark."""
+    options = argparse.ArgumentParser(description=about.splitlines()[0])
+    options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
+    options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
+    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
+    return options
+
+
 def built(folders: Iterable[Path]) -> list[Path]:
     """Return the results of studies, results/<study>; exit with a sentence if one is not built."""
     found = [*folders]
