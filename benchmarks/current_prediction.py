@@ -49,8 +49,7 @@ from ur5lib.robots.description import Robot, load_robot
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_json, write_csv
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.metrics import MOVING
-from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import nearest, place
 
 STUDIES = ["thesis", "ur10e"]
@@ -159,7 +158,7 @@ def write_samples(arm: Known) -> None:
     parts = [
         {
             "q": own.record.q,
-            "qd": np.where(np.abs(own.record.qd) > MOVING, own.record.qd, 0.0),
+            "qd": np.where(np.abs(own.record.qd) > DEAD_ZONE, own.record.qd, 0.0),
             "qdd": own.qdd,
             "torque": constant * own.record.current - own.payload_torque,
             "starts": starts(own.record.segment),

@@ -66,7 +66,7 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 RUNS = 200
 STUDY = 10  # recordings
@@ -527,7 +527,7 @@ def test_the_baseline_is_equations_6_4_and_6_6(study: list[Record]) -> None:
     constants = coefficients_of_constants(CONSTANT, OFFSET, coulomb, viscous)
     qd = study[0].qd
     torque = CONSTANT * baseline_current(study[0], constants) + OFFSET - study[0].torque
-    expected = viscous * qd + coulomb * np.sign(qd) * (np.abs(qd) > MOVING)
+    expected = viscous * qd + coulomb * np.sign(qd) * (np.abs(qd) > DEAD_ZONE)
     np.testing.assert_allclose(torque, expected, atol=1e-12)
 
 

@@ -14,7 +14,7 @@ from ur5lib.identification.friction import (
     karnopp_direction,
     resting,
 )
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 RANDOM = np.random.default_rng(0)
 Q, QD, TORQUE = RANDOM.normal(size=(3, 200)) * [[2.0], [1.0], [20.0]]
@@ -69,7 +69,7 @@ def test_friction_turns_over_a_distance_however_finely_it_is_sampled() -> None:
 
 
 def test_karnopp_sticks_in_the_dead_zone_and_reverses_at_once() -> None:
-    qd = MOVING * np.array([0.5, 2, 0.5, -0.9, -1.1, -0.1, 0.1, 3, 0.2])
+    qd = DEAD_ZONE * np.array([0.5, 2, 0.5, -0.9, -1.1, -0.1, 0.1, 3, 0.2])
     segment = np.array([0, 0, 0, 0, 0, 0, 0, 1, 2])
     direction = karnopp_direction(qd, segment)
     np.testing.assert_array_equal(direction, [0, 1, 1, 1, -1, -1, -1, 1, 0])
@@ -81,7 +81,7 @@ def test_nothing_is_known_of_friction_where_a_segment_begins() -> None:
 
 def test_a_joint_rests_within_the_dead_zone() -> None:
     np.testing.assert_allclose(
-        resting(np.array([0.0, 5 * MOVING, -5 * MOVING])), [1, 0, 0], atol=1e-3
+        resting(np.array([0.0, 5 * DEAD_ZONE, -5 * DEAD_ZONE])), [1, 0, 0], atol=1e-3
     )
 
 

@@ -30,7 +30,8 @@ from ur5lib.identification import (
     samples,
     selection,
 )
-from ur5lib.signals import clock, clocks, imu_calibration, noise
+from ur5lib.signals import clock, clocks, noise
+from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
 PRIOR = ContactPrior()
@@ -57,7 +58,7 @@ def statements() -> Iterator[str]:
     yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT:g} ppm"
     # motion and the IMU
     yield f"in windows of {noise.WINDOW:g} s"
-    yield f"jackknife over blocks of {imu_calibration.BLOCK:g} s. *Evidence:* on 20 simulated"
+    yield f"jackknife over blocks of {segments.BLOCK:g} s. *Evidence:* on 20 simulated"
     # identification
     yield f"within the {percent(closed_loop.LEVEL)} point of F(2, n − 2)"
     yield f"narrower than a factor of {closed_loop.KNOWN:g}."
@@ -68,8 +69,8 @@ def statements() -> Iterator[str]:
     yield f"load-dependent friction {friction.LOAD:g} Nm/Nm"
     yield f"torque {percent(friction.PERIODIC)} of the motor's largest torque"
     yield f"with fewer than {COUNTED[samples.FEW]} paths"
-    yield f"over stretches of {samples.STRETCH * samples.BLOCK:g} s"
-    yield f"over blocks of {samples.BLOCK:g} s alone"
+    yield f"over stretches of {samples.STRETCH * segments.BLOCK:g} s"
+    yield f"over blocks of {segments.BLOCK:g} s alone"
     yield f"contains {percent(currents.COVERED)} of the samples"
     yield f"motion for less than {selection.FEWEST * samples.STEP:g} s, they are taken together"
     yield f"with more than {'ten' if currents.FOLDS == 10 else currents.FOLDS} paths"

@@ -21,7 +21,7 @@ from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
 from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "urdf": lambda arm, model, friction: urdf(arm, rigid_bodies(arm, model), friction),
@@ -105,7 +105,7 @@ def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
     """
     from scipy.optimize import nnls
 
-    moving = (np.abs(qd) > MOVING) & np.isfinite(torque)
+    moving = (np.abs(qd) > DEAD_ZONE) & np.isfinite(torque)
     if np.count_nonzero(moving) < FEWEST:
         return np.full(2, np.nan)
     columns = np.column_stack([np.sign(qd), qd])[moving]

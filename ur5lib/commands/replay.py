@@ -17,8 +17,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.metrics import MOVING
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
 
 DISABLED = mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_LIMIT
 ORDER, CUTOFF = 4, 2.0  # Hz; above, measured currents are mostly noise
@@ -50,7 +49,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
         "zero": np.zeros_like(measured),
     }
     slow = partial(zero_phase_lowpass, rate=1 / signals.period, order=ORDER, cutoff=CUTOFF)
-    still = np.abs(motion.qd) < MOVING
+    still = np.abs(motion.qd) < DEAD_ZONE
     yield f"{'torque error [Nm], joint':<40}" + "".join(f"{joint:>9}" for joint in range(1, 7))
     for label, torque in compared.items():
         error = by_segment(slow, measured - torque, signals.segment)

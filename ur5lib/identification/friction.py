@@ -11,8 +11,7 @@ import numpy as np
 from scipy.linalg import solve_banded
 
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import MOVING
-from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.segments import DEAD_ZONE, starts
 
 # Presliding distance [rad]: Coulomb torque over it is the stiffness of a gear, 1e4 to 1e5 Nm/rad;
 # shorter ones are below the encoder's resolution. The first is used if cross-validation is
@@ -56,11 +55,11 @@ def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
 def karnopp_direction(qd: Array, segment: Labels) -> Array:
     """Return the direction (N,) of a joint's dry friction, -1, 0 or 1, by Karnopp (1985).
 
-    The sign of qd (N,) [rad/s] outside the dead zone MOVING. Inside, the joint sticks, and friction
+    The sign of qd (N,) [rad/s] outside DEAD_ZONE. Inside, the joint sticks, and friction
     is whatever holds it: the direction before is kept, and its size is fitted (`resting`). Zero, as
     unknown, until a segment's first motion.
     """
-    moves = np.abs(qd) > MOVING
+    moves = np.abs(qd) > DEAD_ZONE
     rows = np.arange(len(qd))
     last = np.maximum.accumulate(np.where(moves | starts(segment), rows, 0))
     direction: Array = np.where(moves, np.sign(qd), 0.0)[last]
@@ -69,7 +68,7 @@ def karnopp_direction(qd: Array, segment: Labels) -> Array:
 
 def resting(qd: Array) -> Array:
     """Return 1 at rest, 0 in motion, (N,), with a smooth step in the dead zone of Equation 6.4."""
-    return 1 - np.abs(np.tanh(qd / MOVING))
+    return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
 
 
 def _coulomb(motion: JointMotion, _: float) -> list[Array]:

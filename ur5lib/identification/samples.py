@@ -23,8 +23,7 @@ from ur5lib.identification.friction import (
     resting,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.metrics import BLOCK, MOVING
-from ur5lib.timeseries.segments import starts
+from ur5lib.timeseries.segments import BLOCK, DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import Passed, group_by_path
 
 STEP = 0.1  # s between samples
@@ -189,7 +188,7 @@ def design(
 
 def smoothed_moving(record: Record, smooth: Smooth) -> Mask:
     """Return where each joint moves, (N, 6), throughout the reach of the low-pass."""
-    moving = (np.abs(record.qd) > MOVING).astype(float)
+    moving = (np.abs(record.qd) > DEAD_ZONE).astype(float)
     moving[~np.isfinite(record.qd)] = np.nan
     return smooth(moving, record) > 0.9
 

@@ -11,7 +11,7 @@ from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.chunks import in_chunks
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ def fitted_on_tested_on(
 
 def _baseline_columns(torque: Array, qd: Array) -> Array:
     """Return the baseline's columns (N, 6, 4): torque, one, direction, velocity."""
-    direction = np.where(np.abs(qd) > MOVING, np.sign(qd), 0.0)
+    direction = np.where(np.abs(qd) > DEAD_ZONE, np.sign(qd), 0.0)
     return np.stack([torque, np.ones_like(qd), direction, qd], axis=2)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
 LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
@@ -23,7 +23,7 @@ def by_range(differences: Differences, qd: Array) -> dict[str, Any]:
     rx, ry, rz [rad/s²], and quantiles (101, 6) of the absolute difference. A state without any
     sample is left out.
     """
-    moving = np.abs(qd).max(axis=1) > MOVING
+    moving = np.abs(qd).max(axis=1) > DEAD_ZONE
     low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
     ranges: dict[str, Any] = {name: {} for name in low[2.0]}
     for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):

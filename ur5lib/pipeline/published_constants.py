@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import BLOCK
+from ur5lib.timeseries.segments import BLOCK
 
 LINES = {"torque_on_current": torque_on_current, "current_on_torque": current_on_torque}
 

@@ -10,9 +10,8 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import BLOCK, by_segment
 
-BLOCK = 2.0  # s; residuals further apart than this count as independent
 OWN = 4  # parameters of a recording: the accelerometer's bias and a remaining clock error
 PLACE = slice(8, 11)  # of the IMU, after mounting, tilt and gyroscope's bias
 

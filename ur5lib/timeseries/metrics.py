@@ -6,10 +6,6 @@ from scipy.special import ndtri
 from ur5lib.timeseries.arrays import Array
 
 NORMAL95 = 1.96  # standard deviations to either side of the mean that hold 95 %
-BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
-MOVING = (
-    0.02  # rad/s; the dead zone of Equation 6.4: below it, a joint rests and friction is stiction
-)
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:

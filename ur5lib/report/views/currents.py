@@ -11,7 +11,7 @@ from ur5lib.report.cells import extremes, interval, number, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
-from ur5lib.timeseries.metrics import MOVING
+from ur5lib.timeseries.segments import DEAD_ZONE
 
 MODELS = {
     "fitted": "fitted",
@@ -104,7 +104,7 @@ def reversals(results: Results) -> Iterator[Sentence]:
             "ratio": least["karnopp"] / least["dahl"],
             "chosen": [*rows.query("model == 'karnopp' and chosen == 'yes'")["joint"]],
         }
-        yield say("currents.reversals", robot=robot, moving=MOVING, **words)
+        yield say("currents.reversals", robot=robot, moving=DEAD_ZONE, **words)
 
 
 def next_recordings(results: Results) -> Iterator[Sentence]:
