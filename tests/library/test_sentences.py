@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.artefacts.documents import check_numbers
 from tests.conftest import PROJECT
 from ur5lib.report import sentences
 from ur5lib.report.sentences import Stated, capital, joined, say
@@ -34,6 +35,27 @@ def test_numbers_of_parts_stand_in_their_order() -> None:
     told = say("loop.published", parts=parts)
     assert [number.value for number in told.numbers] == [3, 12, 4, 12]
     assert capital(joined(parts)).numbers == told.numbers
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("joints 1 to 4 lost 2,216 frames", [1, 2, 3, 4, 2216]),
+        ("off by < 0.01 Nm on joint 3", [0.004, 3]),
+        ("−2.75 ± 0.03 kg, 5 to 7 N", [-2.75, 5, 7]),
+    ],
+)
+def test_the_documents_check_refuses_each_wrong_number(text: str, numbers: list[float]) -> None:
+    def check(known: list[float]) -> None:
+        check_numbers(
+            {"text": text, "numbers": [{"value": one, "std_error": None} for one in known]}
+        )
+
+    check(numbers)
+    for place, right in enumerate(numbers):
+        for wrong in (right + 1.5, -right - 0.5, 10 * right + 1):
+            with pytest.raises(AssertionError):
+                check([*numbers[:place], wrong, *numbers[place + 1 :]])
 
 
 def test_a_number_below_its_bound_is_not_zero() -> None:
