@@ -82,16 +82,32 @@ def kept_motion(common_folder: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def real_ur5(thesis_data: Path, kept_motion: Path) -> "RealStudy":
-    from tests.real_arms import RealStudy
+    from tests.real_arms import RealStudy, workflow_study
 
-    return RealStudy("thesis", thesis_data, kept_motion)
+    return RealStudy(workflow_study("thesis", thesis_data), kept_motion)
 
 
 @pytest.fixture(scope="session")
 def real_ur10e(ur10e_data: Path, kept_motion: Path) -> "RealStudy":
-    from tests.real_arms import RealStudy
+    from tests.real_arms import RealStudy, workflow_study
 
-    return RealStudy("ur10e", ur10e_data, kept_motion)
+    return RealStudy(workflow_study("ur10e", ur10e_data), kept_motion)
+
+
+@pytest.fixture(scope="session")
+def real_ur3(kept_motion: Path) -> "RealStudy":
+    """Three runs of another lab, of which only positions, speeds and currents are known."""
+    from tests.real_arms import RealStudy
+    from ur5lib.study.reading import parse_study
+
+    folder = shared_folder("ur3-cb", "they are recordings of a real UR3")
+    channels = ["time", "actual_q", "actual_qd", "actual_current"]
+    alike = {"robot": "ur3", "format": "table-csv", "folder": str(folder), "role": "fit"}
+    files = {"id1": "id1.csv", "id2": "id2.csv", "circle": "_2019-11-27-20-59-11.csv"}
+    runs = [alike | {"name": n, "file": file, "columns": channels} for n, file in files.items()]
+    return RealStudy(
+        parse_study({"study": "ur3", "title": "", "recordings": runs}, ""), kept_motion
+    )
 
 
 @pytest.fixture(scope="module")

@@ -136,17 +136,22 @@ class RealRecording:
         return sensor_wrenches(*known).wrench["compensated"], reading.offset
 
 
-class RealStudy:
+def workflow_study(name: str, data: Path) -> Study:
     """A study of the workflow, whose recordings lie in a folder of their own."""
+    path = PROJECT / "workflow" / "studies" / f"{name}.yaml"
+    raw = yaml.safe_load(path.read_text())
+    raw.pop("reference", None)
+    for recording in raw["recordings"]:
+        recording["folder"] = recording["folder"].replace(f"raw/{name}", str(data))
+    return parse_study(raw, str(path))
 
-    def __init__(self, name: str, data: Path, kept: Path) -> None:
-        """data: of the recordings; kept: where smoothed motion is put."""
-        path, self.kept = PROJECT / "workflow" / "studies" / f"{name}.yaml", kept
-        raw = yaml.safe_load(path.read_text())
-        raw.pop("reference", None)
-        for recording in raw["recordings"]:
-            recording["folder"] = recording["folder"].replace(f"raw/{name}", str(data))
-        self.study: Study = parse_study(raw, str(path))
+
+class RealStudy:
+    """A study with what its recordings give."""
+
+    def __init__(self, study: Study, kept: Path) -> None:
+        """kept: where smoothed motion is put."""
+        self.study, self.kept = study, kept
         self.entries = {recording.name: recording for recording in self.study.recordings}
         self.recording = cache(self._recording)
 

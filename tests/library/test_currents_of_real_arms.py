@@ -14,12 +14,14 @@ from ur5lib.identification.currents import (
     friction_current,
     parameters,
     predict,
+    torque_constants,
 )
 from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
 from ur5lib.pipeline.load_regressor import load_regressor
+from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
 
 # Coulomb, viscous friction and an offset, fitted on the same recordings: RMSE at 2 Hz [A].
@@ -108,6 +110,45 @@ def test_nonsense_changes_nothing_on_the_ur5(
     records = [one.record for one in real_ur5.recordings(names)]
     fit = fit_currents(records, real_ur5.smooth, real_ur5.prior(names), family)
     assert [joint.terms for joint in fit.joints] == [joint.terms for joint in ur5_fit.joints]
+
+
+def test_motors_of_a_cb_arm_have_the_constants_of_the_e_series(ur5_fit: CurrentFit) -> None:
+    """Of that size, on all joints but the first; none has that of the thesis's table."""
+    rows = [row for row in parameters(ur5_fit) if row.name == "torque_constant"]
+    for row, size, table in zip(
+        rows, ["cb3"] * 3 + ["cb1"] * 3, [*load_robot(robot_path("ur5")).joints], strict=True
+    ):
+        low, high = row.interval
+        assert row.joint == 1 or low < _after_gear(size) < high
+        assert high < _after_gear(table)
+
+
+def _after_gear(size: str) -> float:
+    """Torque constant [Nm/A] of a size of joints."""
+    motor = joint_sizes()[size]
+    return motor["torque_constant"] * motor["gear_ratio"]
+
+
+# A UR3 whose currents hardly show inertia
+
+
+@pytest.mark.parametrize("names", [("id1", "id2", "circle"), ("id1",), ("circle",)])
+def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
+    real_ur3: RealStudy, names: tuple[str, ...]
+) -> None:
+    """Nothing tells the constant of joint 1, which falls back to the known one."""
+    fitted = real_ur3.fitted(names)
+    fit, known = fitted.whole, fitted.friction["known_constants"]
+    rows = [row for row in parameters(fit) if row.name == "torque_constant"]
+    for row, value, width in zip(rows, known["value"], known["std_error"], strict=True):
+        assert row.interval[0] - width < value < row.interval[1] + width
+    robot = fitted.recordings[0].robot
+    largest = [robot.motor(joint).torque_max for joint in range(1, 7)]
+    for one in fitted.recordings:
+        friction = torque_constants(fit) * friction_current(fit, one.record)
+        assert (np.abs(friction) < 0.4 * np.array(largest)).all()
+    assert fit.joints[0].contradicted is not None
+    assert not rows[0].determined
 
 
 # The UR10e

@@ -151,11 +151,13 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     """Return which torque constants (6,) are far larger than known, or negative.
 
     The current then hardly follows the joint's torque. The deviation is that of k, since 1/k
-    cannot be far below its known value.
+    cannot be far below its known value; one that is less certain than the known k counts as far.
     """
     inverse, known, std = _beside_known(fit, prior)
+    error = np.array([joint.estimate.std_error[0] for joint in fit.joints])
     far = 1 / inverse - 1 / known > DEVIATIONS * std / known**2
-    return (inverse <= 0) | (far & (inverse < known / RATIO))
+    vague = error > std / known**2
+    return (inverse <= 0) | ((far | vague) & (inverse < known / RATIO))
 
 
 def too_small(fit: CurrentFit, prior: Prior) -> Mask:
