@@ -30,7 +30,7 @@ from benchmarks.stand_seeds import SECONDS, SEEDS, SETTINGS, Taken, plans, taken
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
 from ur5lib.force.sensed_contacts import in_contact, is_free
-from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
+from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
@@ -230,10 +230,8 @@ def judged(runs: Sequence[Run], fitted: Fitted) -> Iterator[dict[str, Any]]:
             for own, run in zip(zip(currents, motions, strict=True), runs, strict=True)
             if run.fitted
         ],
-        breakaway_torque(CurrentFit.from_plain(friction["fit"])),
-        friction["paths"],
+        friction,
         LOWPASS.cutoff_hz,
-        friction["explained"],
     )
     for run, record, own, motion in zip(runs, fitted.records, currents, motions, strict=True):
         assert own.external_torque is not None

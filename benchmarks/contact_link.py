@@ -25,7 +25,6 @@ from ur5lib.dynamics.flange import link_frames
 from ur5lib.force.contact_link import TOOL, likely_links, touched_link
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.identification.currents import CurrentFit, breakaway_torque
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.pipeline.touched_links import middle_half, probabilities
@@ -109,10 +108,8 @@ def links_of(fitted: list[Taken], pushed: Taken, starts: list[float]) -> Iterato
 
 def residual_model(friction: dict[str, Any], free: list[Taken]) -> ResidualModel:
     """Return what is left of the torque without contact."""
-    breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
     known = [(currents(friction, own), own.motion) for own in free]
-    settings = friction["paths"], CURRENTS.cutoff, friction["explained"]
-    return ResidualModel.from_dict(residual_summary(known, breakaway, *settings)["tau_ext"])
+    return ResidualModel.from_dict(residual_summary(known, friction, CURRENTS.cutoff)["tau_ext"])
 
 
 if __name__ == "__main__":

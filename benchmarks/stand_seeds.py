@@ -21,7 +21,7 @@ import torch
 from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
+from ur5lib.identification.currents import fit_for
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import carried
@@ -228,11 +228,8 @@ def currents(friction: dict[str, Any], own: Taken) -> Currents:
 
 def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
-    breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
     known = [(currents(friction, own), own.motion) for own in free]
-    residuals = residual_summary(
-        known, breakaway, friction["paths"], CURRENTS.cutoff, friction["explained"]
-    )
+    residuals = residual_summary(known, friction, CURRENTS.cutoff)
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
     prior = ContactPrior(force=SETTINGS.contact.force_n)
     fmap = found["Fmap"]

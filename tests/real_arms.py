@@ -20,7 +20,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
-from ur5lib.identification.currents import CurrentFit, breakaway_torque, fit_for
+from ur5lib.identification.currents import CurrentFit, fit_for
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
@@ -228,9 +228,7 @@ class Fitted:
     def residuals(self) -> dict[str, Any]:
         """As residuals.json has it."""
         known = [(self.currents(one), one.motion) for one in self.recordings]
-        paths, cutoff = self.friction["paths"], self.lowpass.cutoff
-        breakaway, explained = breakaway_torque(self.whole), self.friction["explained"]
-        found = residual_summary(known, breakaway, paths, cutoff, explained)
+        found = residual_summary(known, self.friction, self.lowpass.cutoff)
         at_used_rows = [
             one.kinematics.jacobian[used_rows(one.motion.segment, one.motion.period)]
             for one in self.recordings

@@ -1,9 +1,11 @@
 """The wrench of one contact: its limits, and what its size is learnt from."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tests.library.made_up_torques import PRIOR, REGULAR, jacobians, torque_of
 from ur5lib.force.contact_wrench import contact_wrench, learned_size, least_squares_wrench
@@ -65,6 +67,26 @@ def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:
     root = np.linalg.inv(own[1].mT) * (0.1 * torque_of(own[1], without.mean))[:, None]
     expected = (root**2).sum(axis=2)
     np.testing.assert_allclose((with_it.variance - without.variance), expected, rtol=0.05)
+
+
+@pytest.mark.parametrize("doubted", [range(6), [1]])
+def test_bands_hold_forces_of_motors_whose_constants_are_hardly_known(
+    ur5: Robot, doubted: Sequence[int]
+) -> None:
+    """Errors of 30 %, as of known constants; with their width, the band holds 90 % and more."""
+    doubt = np.where(np.isin(np.arange(6), doubted), 0.3, 0.0)
+    held: dict[bool, list[np.ndarray]] = {True: [], False: []}
+    for seed in range(50):
+        random = np.random.default_rng(1000 + seed)
+        force = 30.0 * np.array([1.0, 0, 0]) @ Rotation.random(rng=random).as_matrix()
+        torque, J, noise = contact(ur5, np.append(force, np.zeros(3)), seed, noise=0.3)
+        own = torque * (1 + doubt * random.standard_normal(6)), J, noise
+        for known, lost in ((True, np.hypot(PRIOR.load_friction, doubt)), (False, 0.1)):
+            found = contact_wrench(*own, WORTH, PERIOD, replace(PRIOR, load_friction=lost))
+            error = found.mean[COUNT // 2, :3] - force
+            held[known].append(np.abs(error) < 1.96 * np.sqrt(found.variance[COUNT // 2, :3]))
+    assert 0.9 <= np.mean(held[True]) <= 0.99
+    assert np.mean(held[False]) < 0.9
 
 
 def test_a_force_that_changes_is_told_less_exactly(ur5: Robot) -> None:

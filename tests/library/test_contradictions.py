@@ -1,6 +1,6 @@
 """A fit that contradicts the arm is a stop sign, and so is a recording that does."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from tests.library.current_study import (
 from tests.made_tables import empty, table
 from ur5lib.identification.currents import (
     CurrentFit,
+    constants_doubt,
     fit_currents,
     fit_without_each_path,
     parameters,
@@ -107,15 +108,16 @@ def test_hand_led_currents_are_explained_by_none() -> None:
     )
     assert shares is not None
     assert (shares <= 0).sum() > 3
-    summary = residual_summary([], np.ones(6), 2, 2.0, shares)
+    summary = residual_summary([], {"explained": shares}, 2.0)
     assert summary.keys() == {"refused"}
     assert "record motions that nobody leads or touches" in summary["refused"]
 
 
 @pytest.mark.parametrize(("known", "refused"), [(2, True), (3, False)])
-def test_a_force_needs_three_joints(known: int, refused: bool) -> None:
+def test_a_force_needs_three_joints(fit: CurrentFit, known: int, refused: bool) -> None:
     shares = np.where(np.arange(6) < known, 0.5, -0.5)
-    told = residual_summary([], np.ones(6), 2, 2.0, shares).get("refused", "")
+    others = {"explained": shares, "fit": asdict(fit), "paths": 2}
+    told = residual_summary([], others, 2.0).get("refused", "")
     assert ("joints 3, 4, 5, 6 than" in told) == refused
 
 
@@ -173,6 +175,8 @@ def test_a_current_without_torque_keeps_the_known_constant() -> None:
         assert not constant.determined
         assert constant.std_error == pytest.approx(0.3 * CONSTANT[joint - 1], rel=0.4)
         assert coulomb.interval[0] < FRICTION[joint - 1][0] < coulomb.interval[1]
+    assert (constants_doubt(fit)[[0, 4]] > 0.25).all()
+    assert (constants_doubt(fit)[[1, 2, 3]] < 0.1).all()
     require_known_constants(fit, prior(0.3))
 
 

@@ -17,10 +17,10 @@ class ContactPrior:
     not count as contact, such as a hose's; duration, pause: mean duration of contacts and of the
     pauses between them [s].
 
-    Gears: load_friction: relative deviation of each joint's torque from what the fit says that the
-    gears pass on of a contact; friction_std: relative deviation of each joint's friction in one run
-    from that of the fit; stiction, rubbing: part of a contact that dry friction may absorb at rest
-    and in motion, as shares of the breakaway torque.
+    Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
+    what the fit says that the gears pass on of a contact; friction_std: relative deviation of each
+    joint's friction in one run from that of the fit; stiction, rubbing: part of a contact that dry
+    friction may absorb at rest and in motion, as shares of the breakaway torque.
 
     Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
     breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that
@@ -37,7 +37,7 @@ class ContactPrior:
     quiet: float = 1.0
     duration: float = 1.0
     pause: float = 10.0
-    load_friction: float = 0.1
+    load_friction: float | Array = 0.1
     friction_std: float = 0.2
     stiction: float = 0.45
     rubbing: float = 0.2

@@ -103,7 +103,7 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
 
 def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from each joint's load friction under this contact."""
-    # cov τ_lost = diag((0.15 Jᵀ F)²), propagated by the gain: K cov τ_lost Kᵀ
+    # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
     carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, 6)
     lost = diagonal((prior.load_friction * carried) ** 2)
     return _diagonal(estimate.gain @ lost @ estimate.gain.mT)

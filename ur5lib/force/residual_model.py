@@ -45,7 +45,8 @@ class ResidualModel:
     correlation: (6, 6), between joints; independent: [s], between independent values of the fast
     error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
     bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
-    size up to which most contacts are missed, in deviations of what hides them.
+    size up to which most contacts are missed, in deviations of what hides them; constants_doubt:
+    (6,), relative standard errors of the torque constants that the torques come from.
     """
 
     spread: Array
@@ -56,6 +57,7 @@ class ResidualModel:
     breakaway: Array
     doubt: float = 1.0
     missed_to: float = MISSED_TO
+    constants_doubt: Array | float = 0.0
 
     def covariance(self, of: Array, states: States) -> Array:
         """Return D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""

@@ -205,12 +205,13 @@ def _estimate(
     covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     worth = min(1.0, period / model.independent)
+    lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
     chosen, plain = _nothing(torque), _nothing(torque)
     for span in contacts:
         part = slice(*span)
         own = carried[part], jacobian[part], covariance[part]
         typical = None if ablation.learning else prior.usual()
-        _put(chosen, part, contact_wrench(*own, worth, period, prior, typical))
+        _put(chosen, part, contact_wrench(*own, worth, period, lossy, typical))
         _put(plain, part, least_squares_wrench(*own))
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
     shut = _std_while_shut(jacobian, states, noise, model, prior, gate.probability, inside, period)

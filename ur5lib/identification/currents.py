@@ -154,9 +154,8 @@ def too_large(fit: CurrentFit, prior: Prior) -> Mask:
     cannot be far below its known value; one that is less certain than the known k counts as far.
     """
     inverse, known, std = _beside_known(fit, prior)
-    error = np.array([joint.estimate.std_error[0] for joint in fit.joints])
     far = 1 / inverse - 1 / known > DEVIATIONS * std / known**2
-    vague = error > std / known**2
+    vague = constants_doubt(fit) / np.abs(inverse) > std / known**2
     return (inverse <= 0) | ((far | vague) & (inverse < known / RATIO))
 
 
@@ -256,6 +255,12 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 def torque_constants(fit: CurrentFit) -> Array:
     """Return the torque constants (6,) [Nm/A] of the joints."""
     return 1 / _inverse_constants(fit)
+
+
+def constants_doubt(fit: CurrentFit) -> Array:
+    """Return the relative standard errors (6,) of the torque constants."""
+    errors = np.array([joint.estimate.std_error[0] for joint in fit.joints])
+    return np.abs(errors / torque_constants(fit))
 
 
 def predict(fit: CurrentFit, record: Record) -> Array:

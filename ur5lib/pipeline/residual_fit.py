@@ -1,6 +1,7 @@
 """Residual models of the external torque without contact, as residuals.json."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from ur5lib.errors import InputError
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Stretch, fit_residual_model
+from ur5lib.identification.currents import CurrentFit, breakaway_torque, constants_doubt
 from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
@@ -30,20 +32,17 @@ DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 
 def residual_summary(
-    recordings: Sequence[tuple[Currents, Motion]],
-    breakaway: Array,
-    paths: int,
-    cutoff: float,
-    explained: Array | None,
+    recordings: Sequence[tuple[Currents, Motion]], friction: Mapping[str, Any], cutoff: float
 ) -> dict[str, Any]:
     """Return the residual model of each external torque, or the reason why there is none.
 
-    recordings: those to fit, without contact, predicted by fits without their own path; paths:
-    their number; breakaway: (6,) [Nm]; cutoff: of the torques [Hz]; explained: share (6,) of the
-    currents' variance that fits to other paths explain, None where there is one path.
+    recordings: those to fit, without contact, predicted by fits without their own path; friction:
+    friction.json; cutoff: of the torques [Hz].
     """
-    if explained is not None and (explained > 0).sum() < DIRECTIONS:
-        return {"refused": unknown_torques(explained)}
+    explained = friction["explained"]  # by fits to other paths, None where there is one path
+    if explained is not None and (np.array(explained, float) > 0).sum() < DIRECTIONS:
+        return {"refused": unknown_torques(np.array(explained, float))}
+    fit, paths = CurrentFit.from_plain(friction["fit"]), friction["paths"]
     summary: dict[str, Any] = {}
     for name, (field, states_of) in TORQUES.items():
         inputs = [
@@ -52,7 +51,7 @@ def residual_summary(
             if (torque := getattr(currents, field)) is not None
         ]
         try:
-            summary[name] = _residual_model(inputs, breakaway, paths, cutoff)
+            summary[name] = _residual_model(inputs, fit, paths, cutoff)
         except InputError as error:  # too little without contact: then no force is estimated
             summary["refused"] = str(error)
     if "refused" not in summary and (found := [*_remarks(paths, recordings)]):
@@ -84,7 +83,10 @@ def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Itera
 
 
 def unknown_torques(explained: Array) -> str:
-    """Say why currents tell no force; explained: (6,), as above."""
+    """Say why currents tell no force.
+
+    explained: share (6,) of the currents' variance that fits to other paths explain.
+    """
     joints = ", ".join(f"{joint + 1}" for joint in np.flatnonzero(~(explained > 0)))
     return (
         f"a constant current is nearer to the currents of joints {joints} than what fits to other "
@@ -94,12 +96,12 @@ def unknown_torques(explained: Array) -> str:
 
 
 def _residual_model(
-    inputs: Sequence[ForceInput], breakaway: Array, paths: int, cutoff: float
+    inputs: Sequence[ForceInput], fit: CurrentFit, paths: int, cutoff: float
 ) -> dict[str, Any]:
     stretches = [
         Stretch(one.torque[rows], one.states[rows], one.period)
         for one in inputs
         for rows in unbroken(one.segment)
     ]
-    model = fit_residual_model(stretches, cutoff, breakaway)
-    return model.of_few_paths(paths).to_dict()
+    model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
+    return replace(model, constants_doubt=constants_doubt(fit)).to_dict()

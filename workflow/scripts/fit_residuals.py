@@ -2,11 +2,8 @@
 
 from typing import Any
 
-import numpy as np
-
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.wrench_estimate import used_rows
-from ur5lib.identification.currents import CurrentFit, breakaway_torque
 from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -21,11 +18,7 @@ def fit_residuals(input: Any, output: Any, params: Any) -> None:
     if friction["from"]:
         files = zip(input.currents, input.motion, strict=True)
         recordings = [(Currents.read(currents), Motion.read(motion)) for currents, motion in files]
-        breakaway = breakaway_torque(CurrentFit.from_plain(friction["fit"]))
-        shares = friction["explained"]
-        explained = None if shares is None else np.array(shares, float)
-        known = recordings, breakaway, friction["paths"], params.cutoff_hz
-        summary = residual_summary(*known, explained)
+        summary = residual_summary(recordings, friction, params.cutoff_hz)
         with_jacobians = [
             (*own, Kinematics.read(path, used_rows(own[1].segment, own[1].period)).jacobian)
             for own, path in zip(recordings, input.kinematics, strict=True)
