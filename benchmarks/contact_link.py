@@ -109,7 +109,9 @@ def links_of(fitted: list[Taken], pushed: Taken, starts: list[float]) -> Iterato
 def residual_model(friction: dict[str, Any], free: list[Taken]) -> ResidualModel:
     """Return what is left of the torque without contact."""
     known = [(currents(friction, own), own.motion) for own in free]
-    return ResidualModel.from_dict(residual_summary(known, friction, CURRENTS.cutoff)["tau_ext"])
+    model = residual_summary(known, friction, CURRENTS.cutoff).tau_ext
+    assert model is not None
+    return model
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import SLOW, is_still
 from ur5lib.force.force_input import ForceInput
+from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
@@ -41,7 +42,7 @@ from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_json, read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import Passed, group_by_path
@@ -433,7 +434,7 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     """Return slope and coverage of each push that is added to a recording."""
     motion, settings = Motion.read(own.file("motion.parquet")), fold.study.settings
     currents = Currents.read(fold.own(own, "currents.parquet"))
-    found = direct_problems(motion, currents, read_json(fold.shared("residuals.json")))
+    found = direct_problems(motion, currents, read_record(Residuals, fold.shared("residuals.json")))
     time = motion.time - motion.time[0]
     if "Fmap" not in found or time[-1] < START + SHORTEST + MARGIN:
         return

@@ -18,6 +18,7 @@ from tests.conftest import PROJECT
 from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
 from ur5lib.identification.currents import CurrentFit, fit_for
@@ -225,8 +226,8 @@ class Fitted:
         return CurrentFit.from_plain(self.friction["fit"])
 
     @cached_property
-    def residuals(self) -> dict[str, Any]:
-        """As residuals.json has it."""
+    def residuals(self) -> Residuals:
+        """Residual models of the external torques."""
         known = [(self.currents(one), one.motion) for one in self.recordings]
         found = residual_summary(known, self.friction, self.lowpass.cutoff)
         at_used_rows = [

@@ -20,6 +20,7 @@ from tests.library.current_study import (
     with_noise,
 )
 from tests.made_tables import empty, table
+from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.currents import (
     CurrentFit,
     constants_doubt,
@@ -108,17 +109,17 @@ def test_hand_led_currents_are_explained_by_none() -> None:
     )
     assert shares is not None
     assert (shares <= 0).sum() > 3
-    summary = residual_summary([], {"explained": shares}, 2.0)
-    assert summary.keys() == {"refused"}
-    assert "record motions that nobody leads or touches" in summary["refused"]
+    found = residual_summary([], {"explained": shares}, 2.0)
+    assert found == Residuals(refused=found.refused)
+    assert "record motions that nobody leads or touches" in (found.refused or "")
 
 
 @pytest.mark.parametrize(("known", "refused"), [(2, True), (3, False)])
 def test_a_force_needs_three_joints(fit: CurrentFit, known: int, refused: bool) -> None:
     shares = np.where(np.arange(6) < known, 0.5, -0.5)
     others = {"explained": shares, "fit": asdict(fit), "paths": 2}
-    told = residual_summary([], others, 2.0).get("refused", "")
-    assert ("joints 3, 4, 5, 6 than" in told) == refused
+    told = residual_summary([], others, 2.0).refused
+    assert ("joints 3, 4, 5, 6 than" in (told or "")) == refused
 
 
 def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:

@@ -15,7 +15,7 @@ from tests.scripts.conftest import script
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
-from ur5lib.force.residual_model import ResidualModel, few_paths
+from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
 from ur5lib.identification.payload import LEFT, PayloadEstimate
 from ur5lib.identification.validation import least_squares_coefficients
@@ -30,7 +30,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Payload, Robot, robot_path
-from ur5lib.tables import read_json, read_table, write_json
+from ur5lib.tables import read_json, read_record, read_table, write_json
 
 PERIOD = 0.016
 BARE = {"carried": 0.0, "std_error": 0.05}
@@ -70,10 +70,7 @@ class Recording:
             smallest_singular_value=nothing[:, 0],
         ).write(self.kinematics)
         write_json({"load": load, "extent": passed(motion, currents)}, self.load)
-        write_json(
-            {name: MODEL.to_dict() for name in ("tau_ext", "tau_observer", "tau_causal")},
-            self.residuals,
-        )
+        write_json(Residuals(MODEL, MODEL, MODEL), self.residuals)
         write_json({"from": ["free"]}, self.friction)
         write_json({"stop_signs": []}, self.rigid)
         return self
@@ -356,9 +353,7 @@ def test_without_unloaded_runs_the_mass_stands_alone() -> None:
 # What is left without contact
 
 
-def fit_residuals(
-    tmp_path: Path, friction: dict[str, Any], paths: int, *runs: Free
-) -> dict[str, Any]:
+def fit_residuals(tmp_path: Path, friction: dict[str, Any], paths: int, *runs: Free) -> Residuals:
     recordings = [Recording(tmp_path / f"{i}").write(run) for i, run in enumerate(runs)]
     write_json(friction | {"paths": paths, "explained": None}, tmp_path / "friction.json")
     input = SimpleNamespace(
@@ -369,8 +364,12 @@ def fit_residuals(
     )
     output = SimpleNamespace(residuals=tmp_path / "residuals.json")
     script("fit_residuals").fit_residuals(input, output, SETTINGS)
-    result: dict[str, Any] = read_json(output.residuals)
-    return result
+    return read_record(Residuals, output.residuals)
+
+
+def torque_model(residuals: Residuals) -> ResidualModel:
+    assert residuals.tau_ext is not None
+    return residuals.tau_ext
 
 
 def test_residuals_of_few_paths_are_wider(
@@ -378,17 +377,15 @@ def test_residuals_of_few_paths_are_wider(
 ) -> None:
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
     found = {paths: fit_residuals(tmp_path, friction, paths, *runs) for paths in (1, 2, 5)}
-    models = {
-        paths: ResidualModel.from_dict(summary["tau_ext"]) for paths, summary in found.items()
-    }
+    models = {paths: torque_model(residuals) for paths, residuals in found.items()}
     assert models[2].doubt == pytest.approx(few_paths(2) / few_paths(5))
     assert models[5].doubt == 1
     np.testing.assert_array_equal(models[1].spread, models[2].spread)
     np.testing.assert_allclose(models[2].spread, models[5].spread)
-    assert "one path" in found[1]["remarks"][0]
-    assert "record another path" in found[1]["remarks"][0]
-    assert [len(found[paths].get("remarks", [])) for paths in (1, 2, 5)] == [2, 1, 0]
-    assert {"tau_ext", "tau_observer"} <= found[5].keys()
+    assert "one path" in found[1].remarks[0]
+    assert "record another path" in found[1].remarks[0]
+    assert [len(found[paths].remarks) for paths in (1, 2, 5)] == [2, 1, 0]
+    assert found[5].tau_observer is not None
     assert (models[5].breakaway > 0).all()
 
 
@@ -399,7 +396,7 @@ def test_few_paths_that_hardly_rest_ask_for_rest(
     """From ten seconds on it is known what a joint holds."""
     resting = free_run(ur5, 2, seconds=seconds, moving=False, period=PERIOD)
     found = fit_residuals(tmp_path, friction, 2, free_run(ur5, 1, period=PERIOD), resting)
-    assert len(found.get("remarks", [])) == remarks
+    assert len(found.remarks) == remarks
 
 
 def test_recordings_of_several_rates_leave_the_same(
@@ -409,7 +406,7 @@ def test_recordings_of_several_rates_leave_the_same(
     often = free_run(ur5, 3, seconds=40, period=0.004)
     seldom = Free(*(values[::4] for values in vars(often).values()))
     spreads = [
-        ResidualModel.from_dict(fit_residuals(tmp_path, friction, 5, *runs)["tau_ext"])
+        torque_model(fit_residuals(tmp_path, friction, 5, *runs))
         for runs in ([often], [seldom], [often, seldom], [seldom, often])
     ]
     for other in spreads[1:]:
@@ -424,12 +421,12 @@ def test_a_joint_that_never_moves_is_refused(
     run = free_run(ur5, 4, period=PERIOD)
     qd = run.qd * [1, 1, 1, 1, 1, 0]
     found = fit_residuals(tmp_path, friction, 5, Free(**vars(run) | {"qd": qd}))
-    assert "moves joint 6" in found["refused"]
-    assert "tau_ext" not in found
+    assert "moves joint 6" in (found.refused or "")
+    assert found.tau_ext is None
 
 
 def test_without_a_fit_there_are_no_residuals(tmp_path: Path) -> None:
-    assert fit_residuals(tmp_path, {"from": []}, 0) == {}
+    assert fit_residuals(tmp_path, {"from": []}, 0) == Residuals()
 
 
 def test_breakaway_is_the_friction_of_the_fit(
@@ -438,7 +435,7 @@ def test_breakaway_is_the_friction_of_the_fit(
     records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
     expected = breakaway_torque(fit_currents(records, smooth, prior(), ()))
     found = fit_residuals(tmp_path, friction, 5, free_run(ur5, 1, period=PERIOD))
-    np.testing.assert_allclose(found["tau_ext"]["breakaway"], expected)
+    np.testing.assert_allclose(torque_model(found).breakaway, expected)
 
 
 # Alarms

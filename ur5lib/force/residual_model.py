@@ -1,8 +1,8 @@
 """Statistics of the external torque without contact: a slow background and a fast error."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple, Self
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -87,15 +87,20 @@ class ResidualModel:
             rate=np.concatenate([self.rate, repeated.rate]),
         )
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the model as plain numbers and lists, for JSON."""
-        return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
 
-    @classmethod
-    def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Return the model that `to_dict` was called on."""
-        arrays = {k: np.array(v) for k, v in data.items() if isinstance(v, list)}
-        return cls(**data | arrays)
+@dataclass(frozen=True)
+class Residuals:
+    """The residual models of an arm's external torques, None where a torque has none.
+
+    refused: why a torque has none, although friction was fitted; remarks: what the fit recordings
+    do not show.
+    """
+
+    tau_ext: ResidualModel | None = None
+    tau_observer: ResidualModel | None = None
+    tau_causal: ResidualModel | None = None
+    refused: str | None = None
+    remarks: tuple[str, ...] = ()
 
 
 def fit_residual_model(

@@ -129,19 +129,19 @@ def load_finder(
     currents: Currents,
     forces: Forces,
     regressor: LoadRegressor,
-    residuals: Mapping[str, Any],
+    model: ResidualModel | None,
 ) -> Kind:
     """Return a function that decides whether a contact is a grasped load, and estimates its mass.
 
-    residuals: residuals.json.
+    model: of the external torque.
     """
     per_load = regressor.load_regressor
-    if currents.external_torque is None or forces.background is None or per_load is None:
+    external, background = currents.external_torque, forces.background
+    if external is None or background is None or per_load is None or model is None:
         return lambda _: {"kind": "contact"}
-    torque = currents.external_torque - forces.background
+    torque = external - background
     if (known_gears := gears(currents)) is not None:
         torque, _ = known_gears.contact_torque(torque)
-    model = ResidualModel.from_dict(residuals["tau_ext"])
     spread = model.doubt * model.spread[MOVING]
 
     def kind(span: Span) -> dict[str, Any]:

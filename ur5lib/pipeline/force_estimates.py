@@ -11,7 +11,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.gears import Gears
-from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.pipeline.force_input import force_input
@@ -64,20 +64,17 @@ def is_fitted(friction: Mapping[str, Any], rigid: Mapping[str, Any]) -> bool:
     return bool(friction["from"] or "stopped" in friction or rigid["stop_signs"])
 
 
-def direct_problems(
-    motion: Motion, currents: Currents, residuals: Mapping[str, Any]
-) -> dict[str, Problem]:
+def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:
     """Return the problems of Fmap, by the external torque, and of the observer, by its own.
 
-    residuals: residuals.json. Without those whose torque is not known.
+    Without those whose torque is not known.
     """
     found = {}
-    for name, torque, fitted in (
-        ("Fmap", currents.external_torque, "tau_ext"),
-        ("observer", currents.observed_torque, "tau_observer"),
+    for name, torque, model in (
+        ("Fmap", currents.external_torque, residuals.tau_ext),
+        ("observer", currents.observed_torque, residuals.tau_observer),
     ):
-        if torque is not None and fitted in residuals:
-            model = ResidualModel.from_dict(residuals[fitted])
+        if torque is not None and model is not None:
             found[name] = Problem(force_input(motion, torque, currents), model)
     return found
 
@@ -85,18 +82,18 @@ def direct_problems(
 def causal_odds(
     motion: Motion,
     currents: Currents,
-    residuals: Mapping[str, Any],
+    residuals: Residuals,
     jacobian: Array,
     prior: ContactPrior,
 ) -> Array | None:
     """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
 
-    residuals: residuals.json; jacobian: (M, 6, 6), at `used_rows`.
+    jacobian: (M, 6, 6), at `used_rows`.
     """
-    if currents.causal_torque is None or "tau_causal" not in residuals:
+    if currents.causal_torque is None or residuals.tau_causal is None:
         return None
     run = force_input(motion, currents.causal_torque, currents, past_states)
-    return causal_log_odds(run, jacobian, ResidualModel.from_dict(residuals["tau_causal"]), prior)
+    return causal_log_odds(run, jacobian, residuals.tau_causal, prior)
 
 
 def repeat_problem(

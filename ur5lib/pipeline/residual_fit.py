@@ -1,4 +1,4 @@
-"""Residual models of the external torque without contact, as residuals.json."""
+"""Residual models of the external torque without contact."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.residual_model import Stretch, fit_residual_model
+from ur5lib.force.residual_model import ResidualModel, Residuals, Stretch, fit_residual_model
 from ur5lib.identification.currents import CurrentFit, breakaway_torque, constants_doubt
 from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_input import force_input
@@ -33,7 +33,7 @@ DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 def residual_summary(
     recordings: Sequence[tuple[Currents, Motion]], friction: Mapping[str, Any], cutoff: float
-) -> dict[str, Any]:
+) -> Residuals:
     """Return the residual model of each external torque, or the reason why there is none.
 
     recordings: those to fit, without contact, predicted by fits without their own path; friction:
@@ -41,9 +41,9 @@ def residual_summary(
     """
     explained = friction["explained"]  # by fits to other paths, None where there is one path
     if explained is not None and (np.array(explained, float) > 0).sum() < DIRECTIONS:
-        return {"refused": unknown_torques(np.array(explained, float))}
+        return Residuals(refused=unknown_torques(np.array(explained, float)))
     fit, paths = CurrentFit.from_plain(friction["fit"]), friction["paths"]
-    summary: dict[str, Any] = {}
+    models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
         inputs = [
             force_input(motion, torque, currents, states_of)
@@ -51,12 +51,11 @@ def residual_summary(
             if (torque := getattr(currents, field)) is not None
         ]
         try:
-            summary[name] = _residual_model(inputs, fit, paths, cutoff)
+            models[name] = _residual_model(inputs, fit, paths, cutoff)
         except InputError as error:  # too little without contact: then no force is estimated
-            summary["refused"] = str(error)
-    if "refused" not in summary and (found := [*_remarks(paths, recordings)]):
-        summary["remarks"] = found
-    return summary
+            refused = str(error)
+    remarks = () if refused else tuple(_remarks(paths, recordings))
+    return Residuals(**models, refused=refused, remarks=remarks)
 
 
 def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
@@ -97,11 +96,11 @@ def unknown_torques(explained: Array) -> str:
 
 def _residual_model(
     inputs: Sequence[ForceInput], fit: CurrentFit, paths: int, cutoff: float
-) -> dict[str, Any]:
+) -> ResidualModel:
     stretches = [
         Stretch(one.torque[rows], one.states[rows], one.period)
         for one in inputs
         for rows in unbroken(one.segment)
     ]
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
-    return replace(model, constants_doubt=constants_doubt(fit)).to_dict()
+    return replace(model, constants_doubt=constants_doubt(fit))

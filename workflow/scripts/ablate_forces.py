@@ -3,13 +3,14 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_ablation import figures_in_contact, variants
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_record, write_json
 
 
 def ablate_forces(input: Any, output: Any, params: Any) -> None:
@@ -19,7 +20,7 @@ def ablate_forces(input: Any, output: Any, params: Any) -> None:
         reference = sensor.wrench["compensated"][:, :3]
         motion, currents = Motion.read(input.motion), Currents.read(input.currents)
         prior = ContactPrior(force=params.contact_force_n)
-        fmap = direct_problems(motion, currents, read_json(input.residuals))["Fmap"]
+        fmap = direct_problems(motion, currents, read_record(Residuals, input.residuals))["Fmap"]
         jacobian = Kinematics.read(input.kinematics, fmap.rows).jacobian
         estimates = variants(fmap, jacobian, prior, reference)
         for name in ("least_squares", "repeat"):

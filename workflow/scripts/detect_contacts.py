@@ -3,6 +3,7 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.contacts import all_alarms, causally, detected, load_finder
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.observability import by_axis, pushed
@@ -10,7 +11,7 @@ from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_json, read_record, write_json
 
 TRIALS = 120  # pushes
 
@@ -18,9 +19,12 @@ TRIALS = 120  # pushes
 def detect_contacts(input: Any, output: Any, params: Any) -> None:
     forces, sensor = Forces.read(input.forces), SensorWrenches.read(input.sensor)
     currents, thresholds = Currents.read(input.currents), read_json(input.threshold)
-    regressor, residuals = LoadRegressor.read(input.regressor), read_json(input.residuals)
+    regressor, residuals = (
+        LoadRegressor.read(input.regressor),
+        read_record(Residuals, input.residuals),
+    )
     prior = ContactPrior(force=params.contact_force_n)
-    kind = load_finder(currents, forces, regressor, residuals)
+    kind = load_finder(currents, forces, regressor, residuals.tau_ext)
     found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
     summary = detected(found, sensor, thresholds, kind)
     if "Fmap" in summary and (causal := causally(forces, sensor, thresholds)):

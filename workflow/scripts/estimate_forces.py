@@ -3,6 +3,7 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
 from ur5lib.pipeline.force_estimates import (
     causal_odds,
@@ -19,7 +20,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json
+from ur5lib.tables import read_json, read_record
 from ur5lib.timeseries.arrays import Array
 
 
@@ -43,7 +44,7 @@ def _static(input: Any, params: Any) -> Forces:
 
 def _estimates(input: Any, params: Any) -> tuple[dict[str, WrenchEstimate], Array | None]:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
-    residuals = read_json(input.residuals)
+    residuals = read_record(Residuals, input.residuals)
     found = direct_problems(motion, currents, residuals)
     rows = used_rows(motion.segment, motion.period)
     jacobian = Kinematics.read(input.kinematics, rows).jacobian

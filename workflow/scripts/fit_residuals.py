@@ -3,6 +3,7 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
 from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
@@ -14,15 +15,15 @@ from ur5lib.tables import read_json, write_json
 
 def fit_residuals(input: Any, output: Any, params: Any) -> None:
     friction = read_json(input.friction)
-    summary: dict[str, Any] = {}
+    residuals = Residuals()
     if friction["from"]:
         files = zip(input.currents, input.motion, strict=True)
         recordings = [(Currents.read(currents), Motion.read(motion)) for currents, motion in files]
-        summary = residual_summary(recordings, friction, params.cutoff_hz)
+        residuals = residual_summary(recordings, friction, params.cutoff_hz)
         with_jacobians = [
             (*own, Kinematics.read(path, used_rows(own[1].segment, own[1].period)).jacobian)
             for own, path in zip(recordings, input.kinematics, strict=True)
         ]
         prior = ContactPrior(force=params.contact_force_n)
-        summary = with_trials(summary, with_jacobians, prior)
-    write_json(summary, output.residuals)
+        residuals = with_trials(residuals, with_jacobians, prior)
+    write_json(residuals, output.residuals)

@@ -3,6 +3,7 @@
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.currents import fit_for
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.observability import judged, observability, pushed
@@ -10,13 +11,12 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_json, read_record, write_json
 
 
 def measure_observability(input: Any, output: Any, params: Any) -> None:
-    friction, residuals, thresholds = map(
-        read_json, (input.friction, input.residuals, input.threshold)
-    )
+    friction, thresholds = read_json(input.friction), read_json(input.threshold)
+    residuals = read_record(Residuals, input.residuals)
     prior, trials, errors = ContactPrior(force=params.contact_force_n), [], []
     files = input.motion, input.currents, input.kinematics, input.forces, input.loads
     for name, *paths in zip(params.recordings, *files, strict=True):
