@@ -7,9 +7,9 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.readings import SURE, Order, own_order, slopes, unit_scores
 from ur5lib.recordings.block_means import BlockMeans, size
 from ur5lib.recordings.exchanged import SMOOTHER, roughness
+from ur5lib.recordings.readings import SURE, Order, own_order, slopes, unit_scores
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array

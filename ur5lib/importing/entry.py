@@ -10,8 +10,8 @@ from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.proposal import Proposal
-from ur5lib.importing.readings import IN_ORDER
 from ur5lib.recordings.columns import SKIPPED
+from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line
 Commented = tuple[dict[str, Any], Sequence[str]]  # an entry, and the comments above it

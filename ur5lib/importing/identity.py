@@ -6,14 +6,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing import poses, readings
+from ur5lib.importing import poses
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block, names_joints
 from ur5lib.importing.contents import Contents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.readings import IN_ORDER, SURE, Order, Reading
+from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.readings import IN_ORDER, SURE, Order, Reading
 from ur5lib.robots.description import Robot, robot_names
 
 UNNAMED = "unnamed joints"  # the finding of a bag whose messages do not name an arm's joints
@@ -35,13 +36,13 @@ def identified(
     """
     arms = [described(name) for name in names or robot_names()]
     by_name = names_order(moving.position, found)
-    by_pose = _by_pose(found, moving, arms, account)
+    orders = [IN_ORDER] if by_name else readings.all_orders()
+    by_pose = _by_pose(found, moving, arms, orders, account)
     weighed = efforts and (by_name or not by_pose)
     likely = readings.likeliest(means, efforts, arms) if weighed else []
     if by_name:
         account.proven.append(f"the joints' order, by their names in {moving.position.title}")
         _expect_agreement(likely, found)
-        by_pose = [one for one in by_pose if one.order == IN_ORDER]
     if by_pose:
         return _of_pose(found, by_pose, means, efforts, account)
     if by_name:
@@ -84,7 +85,11 @@ def _expect_agreement(likely: Sequence[Reading], found: Contents) -> None:
 
 
 def _by_pose(
-    found: Contents, moving: ImportedMotion, arms: Sequence[Robot], account: Account
+    found: Contents,
+    moving: ImportedMotion,
+    arms: Sequence[Robot],
+    orders: Sequence[Order],
+    account: Account,
 ) -> list[poses.Placed]:
     """Return the readings that put the flange where a recorded pose has it."""
     clock = moving.position.clock
@@ -93,9 +98,7 @@ def _by_pose(
         return []
     if not np.allclose(found.clocks[pose.clock], found.clocks[clock], atol=1e-3):
         return []
-    every, bare = poses.placed(
-        moving.in_si()["actual_q"], pose.rows[:, :3], arms, readings.all_orders()
-    )
+    every, bare = poses.placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
     good = poses.fitting(every)
     if not good:
         account.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")

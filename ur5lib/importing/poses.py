@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.importing.readings import Order
+from ur5lib.recordings.readings import Order
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array

@@ -13,11 +13,11 @@ from ur5lib.importing.contents import AGAIN, Contents
 from ur5lib.importing.efforts import name_efforts
 from ur5lib.importing.identity import identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
-from ur5lib.importing.readings import Order, Reading
 from ur5lib.importing.wrenches import wrench_frame
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.frames import repair_frames
+from ur5lib.recordings.readings import Order, Reading
 
 FEWEST = 8  # blocks of 0.1 s
 EFFORTS = ("effort", "actual_current", "target_current", "target_moment")

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.importing.readings import INDEPENDENT, SURE, Order
 from ur5lib.recordings.block_means import BlockMeans, size
+from ur5lib.recordings.readings import SURE, Order
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
@@ -49,7 +49,7 @@ def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Orde
         without = _solved(np.column_stack(columns), own)[1]
         solution, left = _solved(np.column_stack([*columns, torque[:, joint]]), own)
         if solution[-1] > 0:
-            total += INDEPENDENT * len(own) * np.log(without / left)
+            total += float(means.log_likelihood((left / without) ** 2))
     return total
 
 

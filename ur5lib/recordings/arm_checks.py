@@ -16,7 +16,6 @@ from ur5lib.timeseries.arrays import Array
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
 SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 24
-INDEPENDENT = 0.25  # share of the blocks that count as independent
 PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
@@ -89,18 +88,17 @@ def _likelier_arms(
     names = [arm.name, *(name for name in robot_names() if name != arm.name)]
     arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
     likelihoods = [
-        max(_likelihood(_residual(means, torque, one.carrying(own))) for own in payloads)
-        for one in arms
+        max(_likelihood(means, torque, one.carrying(own)) for own in payloads) for one in arms
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > SURE:
         yield f"`robot: {names[best]}`"
 
 
-def _likelihood(residual: Array) -> float:
-    """Return the log-likelihood of residuals (M, 6) [Nm], each joint with a variance of its own."""
-    variance = (residual**2).mean(axis=0) + PRECISE**2
-    return float(-INDEPENDENT * len(residual) / 2 * np.log(variance).sum())
+def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
+    """Return the log-likelihood of a torque (M, 6) [Nm], each joint with a variance of its own."""
+    variance = (_residual(means, torque, arm) ** 2).mean(axis=0) + PRECISE**2
+    return float(means.log_likelihood(variance).sum())
 
 
 def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[str]:

@@ -12,6 +12,7 @@ from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
 BLOCK = 0.1  # s
+INDEPENDENT = 0.4  # s between errors that count as independent
 FILLED = 0.6  # share of a block's frames that may have been lost; in some recordings, half are
 SLOW = 0.02  # rad/s; faster joints have their full friction
 TINY = 1e-300
@@ -40,6 +41,10 @@ class BlockMeans:
     def beside_inertia(self, torque: Array) -> Array:
         """Return what of torques (M, 6) is not proportional to accelerations."""
         return torque - self.qdd @ np.linalg.lstsq(self.qdd, torque, rcond=None)[0]
+
+    def log_likelihood(self, variance: Array) -> Array:
+        """Return the log-likelihoods of errors of these mean squares, as far as independent."""
+        return -len(self.q) * BLOCK / INDEPENDENT / 2 * np.log(variance)
 
     def friction(self, joint: int) -> Array:
         """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
@@ -72,6 +77,18 @@ def block_means(
 def size(values: Array) -> float:
     """Return the root of the sum of squares, above zero."""
     return float(np.linalg.norm(values)) + TINY
+
+
+def combination(columns: Array, values: Array, weights: Sequence[float]) -> tuple[float, float]:
+    """Return a weighted sum of least-squares coefficients, and its standard error.
+
+    columns: (M, n) over blocks; values: (M,); weights: of the first coefficients.
+    """
+    inverse = np.linalg.pinv(columns)
+    solution, own = inverse @ values, np.asarray(weights)
+    noise = np.std(values - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
+    first = inverse[: len(own)]
+    return float(own @ solution[: len(own)]), float(noise * np.linalg.norm(own @ first))
 
 
 def fitted_load(columns: Array, torque: Array) -> tuple[float, float]:

@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from ur5lib.recordings.block_means import BLOCK, TINY, BlockMeans, size
-from ur5lib.recordings.current_checks import CONSTANTS
+from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination
+from ur5lib.recordings.readings import IN_ORDER, Order, readings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
@@ -21,13 +21,9 @@ from ur5lib.timeseries.arrays import Array, Mask
 
 CURRENT = "actual_current"
 MOVES = 0.05  # rad/s, root mean square; slower joints show no friction
-INDEPENDENT = 0.4  # s between errors that count as independent
 SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 16
 NOISE = 0.02  # A; nothing is explained better
 SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 24
-SLOPES = (1 / CONSTANTS[1], 1 / CONSTANTS[0])  # A/Nm
-SPREAD = 0.2  # of torque constants around those of the joints' sizes
-TELLS = 0.5  # Nm, root mean square; less gravity says nothing about a torque constant
 RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
 STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
@@ -65,9 +61,9 @@ def moving(means: BlockMeans) -> Mask:
 
 def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
     """Find two joints, each of which explains the current of the other better by far."""
-    left = np.log(_left(means, arm) + NOISE**2)
+    score = means.log_likelihood(_left(means, arm) + NOISE**2)
     gains = {
-        (j, k): _worth(means) * (left[j, j] + left[k, k] - left[j, k] - left[k, j])
+        (j, k): score[j, k] + score[k, j] - score[j, j] - score[k, k]
         for j, k in combinations(np.flatnonzero(moving(means)).tolist(), 2)
     }
     j, k = max(gains, key=gains.__getitem__, default=(0, 0))
@@ -82,53 +78,43 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[str]:
     """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
     if CURRENT not in means.currents:
         return
-    own = likelihood(means, arm)
-    for j, k in combinations(range(3), 2):
-        order = [{j: k, k: j}.get(joint, joint) for joint in range(6)]
-        if likelihood(means, arm, order) - own > SURE:
+    orders = {_exchanged(*pair): pair for pair in combinations(range(3), 2)}
+    scores = {
+        one.order: one.score for one in readings(means, [CURRENT], [arm], [IN_ORDER, *orders])
+    }
+    for order, (j, k) in orders.items():
+        if scores[order] - scores[IN_ORDER] > SURE:
             yield (
                 f"joints {j + 1} and {k + 1} are exchanged: gravity explains the currents better "
                 "by far if their columns change places; correct the columns"
             )
 
 
+def _exchanged(j: int, k: int) -> Order:
+    return tuple({j: k, k: j}.get(joint, joint) for joint in IN_ORDER)
+
+
 def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[str]:
     """Find another arm whose gravity explains the currents better by far; all under their load."""
     if CURRENT not in means.currents:
         return
-    found = {other.name: likelihood(means, other) for other in others}
-    best = max(found, key=found.__getitem__)
-    if found[best] - likelihood(means, arm) > SURE_ARM:
+    (own,) = readings(means, [CURRENT], [arm], [IN_ORDER])
+    best = readings(means, [CURRENT], others, [IN_ORDER])[0]
+    if best.score - own.score > SURE_ARM:
         yield (
-            f"the currents are not those of {arm.name}: the gravity of `robot: {best}` explains "
-            "them better by far; correct `robot`, or columns and units"
+            f"the currents are not those of {arm.name}: the gravity of `robot: {best.arm}` "
+            "explains them better by far; correct `robot`, or columns and units"
         )
-
-
-def likelihood(means: BlockMeans, arm: Robot, order: Sequence[int] = range(6)) -> float:
-    """Return how well gravity explains the currents, as a log-likelihood.
-
-    order: the column of joints 1 to 6, from 0. Torque constants are those of the joints' sizes,
-    within their spread.
-    """
-    gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
-    known = np.array(arm.maker_torque_constants())
-    total = 0.0
-    for joint, column in enumerate(order):
-        both = np.column_stack([gravity[:, joint], means.currents[CURRENT][:, column]])
-        own, current = _beside(np.column_stack([means.friction(column), means.qdd]), both).T
-        slope = np.clip(own @ current / (own @ own + TINY), *SLOPES)
-        total -= _worth(means) * np.log(((current - slope * own) ** 2).mean() + NOISE**2)
-        if np.isfinite(known[joint]) and size(own) > TELLS * np.sqrt(len(own)):
-            total -= (np.log(slope * known[joint]) / SPREAD) ** 2 / 2
-    return float(total)
 
 
 def turned(means: BlockMeans, arm: Robot) -> Iterator[str]:
     """Find currents whose friction drives the motion instead of braking it."""
-    gravity = means.gravity(arm)
+    gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
+    speed = np.sqrt((means.qd**2).mean(axis=0))  # usual
     for joint in np.flatnonzero(moving(means)).tolist():
-        if _friction_drives(means, gravity[:, joint], joint):
+        columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
+        friction = combination(columns, means.currents[CURRENT][:, joint], [1.0, speed[joint]])
+        if friction[0] < -BRAKES * friction[1]:
             yield (
                 f"the sign of the current of joint {joint + 1} is turned: friction would drive its "
                 "motion; correct the column"
@@ -145,7 +131,7 @@ def scaled(means: BlockMeans) -> Iterator[str]:
         own, friction = target[:, joint], means.friction(joint)
         load = np.abs(own) * friction[:, 0]
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
-        slope, error = _slope(columns, means.currents[CURRENT][:, joint])
+        slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
         if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
             yield (
                 f"the current of joint {joint + 1} is {slope:.2f} times its target; correct its "
@@ -199,11 +185,6 @@ def _beside(columns: Array, values: Array) -> Array:
     return np.asarray(values - basis @ (basis.T @ values))
 
 
-def _worth(means: BlockMeans) -> float:
-    """Return half the number of independent blocks."""
-    return len(means.q) * BLOCK / INDEPENDENT / 2
-
-
 def _left(means: BlockMeans, arm: Robot) -> Array:
     """Return the mean squares (6, 6) that the motion of each joint leaves of each current.
 
@@ -225,28 +206,6 @@ def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> A
 def _rest(columns: Array, current: Array) -> float:
     """Return the mean square that columns with positive coefficients leave of a current."""
     return float(nnls(columns, current)[1] ** 2 / len(current))
-
-
-def _friction_drives(means: BlockMeans, gravity: Array, joint: int) -> bool:
-    """Return whether friction at a joint's usual speed is negative by BRAKES standard errors."""
-    current = means.currents[CURRENT][:, joint]
-    columns = np.column_stack([means.friction(joint), gravity, means.qdd, np.ones(len(current))])
-    speed = np.sqrt((means.qd[:, joint] ** 2).mean())
-    at_speed = np.zeros(columns.shape[1])
-    at_speed[:2] = 1.0, speed
-    inverse = np.linalg.pinv(columns)
-    solution = inverse @ current
-    noise = np.std(current - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
-    error = noise * np.linalg.norm(at_speed @ inverse)
-    return bool(at_speed @ solution < -BRAKES * error)
-
-
-def _slope(columns: Array, current: Array) -> tuple[float, float]:
-    """Return the coefficient of the first column, and its standard error."""
-    inverse = np.linalg.pinv(columns)
-    solution = inverse @ current
-    noise = np.std(current - columns @ solution) * np.sqrt(INDEPENDENT / BLOCK)
-    return float(solution[0]), float(noise * np.linalg.norm(inverse[0]))
 
 
 def _means(values: Array, count: int) -> Array:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.block_means import BlockMeans
+from ur5lib.recordings.block_means import BlockMeans, combination
 from ur5lib.recordings.current_checks import CONSTANTS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
@@ -27,7 +27,6 @@ SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effor
 NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 KNOWN = 0.2  # spread of torque constants around those of the joints' sizes
 MOST = 40  # blocks that are looked at
-INDEPENDENT = 0.25  # share of the blocks that count as independent
 SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
 CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
 LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
@@ -142,7 +141,7 @@ def own_order(means: BlockMeans, effort: str, arm: Robot, order: Order) -> float
     margins = []
     for low, high in SLOPES.values():
         left = [_left(means, values, torque[:, j], k, low, high) for j, k in enumerate(order)]
-        scores = -INDEPENDENT * len(values) / 2 * np.log(np.array(left) + floor)
+        scores = means.log_likelihood(np.array(left) + floor)
         margins.append(scores[np.arange(6), every].sum(axis=1))
     total = np.max(margins, axis=0)
     same = (every == order).all(axis=1)
@@ -179,10 +178,7 @@ def _heavier(means: BlockMeans, effort: Array, order: Order) -> bool | None:
 def _inertia(means: BlockMeans, effort: Array, column: int) -> tuple[float, float]:
     """Return effort per acceleration of a joint's own, and its standard error."""
     own = np.column_stack([means.qdd[:, column], means.friction(column), np.ones(len(effort))])
-    inverse = np.linalg.pinv(own)
-    solution = inverse @ effort[:, column]
-    left = np.std(effort[:, column] - own @ solution)
-    return float(solution[0]), float(left * np.linalg.norm(inverse[0]) / math.sqrt(INDEPENDENT))
+    return combination(own, effort[:, column], [1.0])
 
 
 def _motion(means: BlockMeans, column: int) -> Array:
@@ -211,7 +207,6 @@ def _scores(
 
     torque: (K, M, 6) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
     """
-    count = INDEPENDENT * torque.shape[1]
     total = {unit: np.zeros(len(columns)) for unit in SLOPES}
     for column in range(6):
         basis = _motion(means, column)
@@ -223,7 +218,7 @@ def _scores(
             for unit, (low, high) in SLOPES.items():
                 bounded = np.clip(slope, low, high)
                 left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
-                total[unit][rows] -= count / 2 * np.log(left + NOISE**2)
+                total[unit][rows] += means.log_likelihood(left + NOISE**2)
                 total[unit][rows] -= _surprise(bounded, known if unit == "A" else 1.0, own)
     return total
 
