@@ -200,7 +200,7 @@ class Fold:
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)}
-            | {"loads": [own.file("torques.json") for own in self.fitted]},
+            | {"contradictions": [own.file("contradictions.json") for own in self.fitted]},
             {"friction": self.shared("friction.json")},
             lowpass
             | {"terms": settings.friction.terms}
@@ -256,6 +256,7 @@ class Fold:
             | {name: self.own(own, file) for name, file in PAYLOAD.items()}
             | {
                 "load": own.file("torques.json"),
+                "contradictions": own.file("contradictions.json"),
                 "unloaded": [self.own(other, "payload.json") for other in self.fitted],
             },
             {
@@ -271,7 +272,7 @@ class Fold:
             "estimate_forces",
             self.inputs_of(own)
             | {
-                "rigid": own.file("torques.json"),
+                "contradictions": own.file("contradictions.json"),
                 "kinematics": own.file("kinematics.parquet"),
                 "currents": self.own(own, "currents.parquet"),
                 "load": self.own(own, "currents.json"),

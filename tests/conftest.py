@@ -8,13 +8,15 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from tests import warm_snakemake
 from tests.commands import Command
 from tests.synthetic import write_recording
+from ur5lib.recordings.quality import Finding
+from ur5lib.report.finding_sentences import worded
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
 if TYPE_CHECKING:
@@ -39,6 +41,12 @@ def ur5() -> Robot:
 @pytest.fixture
 def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> Command:
     return Command(monkeypatch, capsys)
+
+
+def said(finding: Finding | dict[str, Any]) -> str:
+    """The sentence of the report and of `ur5 check` about a finding, or a row of quality.json."""
+    row = finding.as_row() if isinstance(finding, Finding) else finding
+    return str(worded(row)["detail"])
 
 
 def recordings(name: str, remedy: str) -> Path:

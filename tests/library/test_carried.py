@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.conftest import said
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Payload
@@ -88,7 +89,7 @@ def test_another_payload_than_the_controller_s_is_told(
     signals = steady(recorded(channels))
     found = disagreements(declared, None, signals)
     assert [one.finding for one in found] == (["payload"] if words else [])
-    assert all(words in one.detail for one in found if words)
+    assert all(words in said(one) for one in found if words)
 
 
 def steady(signals: Signals) -> Signals:
@@ -105,7 +106,7 @@ def steady(signals: Signals) -> Signals:
 
 def test_a_payload_that_changes_is_told() -> None:
     (found,) = disagreements(None, None, recorded(TOLD))
-    assert "changes from 1.5 to 100 kg in the recording; its median is used" in found.detail
+    assert "changes from 1.5 to 100 kg in the recording; its median is used" in said(found)
 
 
 @pytest.mark.parametrize(("tcp", "told"), [(0.1, False), (0.103, False), (0.12, True)])

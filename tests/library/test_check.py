@@ -7,9 +7,11 @@ import pandas as pd
 import pytest
 
 from tests.commands import Command, words
+from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
 from ur5lib.commands.check import unfiltered
+from ur5lib.recordings.quality import Finding
 from ur5lib.report.findings import group_findings
 from ur5lib.study.model import Settings, Study
 
@@ -96,8 +98,8 @@ def test_a_wrong_study_is_named(
 
 
 def test_copies_and_poor_clocks_are_findings() -> None:
-    finding = {"device": "robot", "finding": "torn", "severity": "note", "count": 1}
-    torn = [finding | {"detail": f"{name}, line 3: left out"} for name in "ab"]
+    finding = Finding("robot", "torn last line", "note", 1)
+    torn = [finding.as_row() | {"values": {"file": name, "line": 3}} for name in "ab"]
     quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
     poor = {"warning": "the arm rests", "offset_std": 0.1, "end_std": 0.2, "drift": None}
@@ -106,10 +108,10 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
     forces["two"]["offset_doubt"] = "a push"
     qualities = {"one": quality, "two": stale}
-    rows = table("quality", quality=qualities, clocks=clocks, forces=forces, loads={})
+    rows = table("quality", quality=qualities, clocks=clocks, forces=forces, contradictions={})
     grouped = group_findings(rows)
     told = grouped.set_index(["recording", "finding"])["detail"].to_dict()
-    assert told["one", "torn"] == "a, line 3; b, line 3: left out"
+    assert told["one", "torn last line"].startswith("a, line 3; b, line 3: ")
     assert words("two used here") <= words(told["one", "same file"])
     assert words("one not used here") <= words(told["two", "same file"])
     assert told["two", "mounting"] == "upside down"
@@ -133,4 +135,4 @@ def test_a_recording_that_a_filter_leaves_as_it_is_is_told() -> None:
     study = Study.model_construct(settings=settings)
     assert unfiltered(study, 0.002) == []
     (note,) = unfiltered(study, 0.008)
-    assert {"`cutoff_hz`", "motion", "62.5"} <= words(note.detail)
+    assert {"`cutoff_hz`", "motion", "62.5"} <= words(said(note))

@@ -40,8 +40,9 @@ from ur5lib.pipeline.friction_fit import (
     require_no_stop_sign,
 )
 from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.recordings.quality import contradiction
+from ur5lib.report.finding_sentences import worded
 from ur5lib.report.results import Results
-from ur5lib.report.tables.files import stop_rows
 from ur5lib.report.views.found import left_out_fits, stop_signs
 
 WRONG = "another arm"
@@ -130,7 +131,8 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    rows = [{"recording": f"run_{k}"} | row for k in range(signs) for row in stop_rows([WRONG])]
+    sign = worded(contradiction("unusable", error=WRONG).as_row())
+    rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     friction = {"from": []} | ({"stopped": stopped} if stopped else {"refused": "too short"})
     fits = {"identification": {}, "friction": {"ur5": friction}, "residuals": {}}
     tables = {

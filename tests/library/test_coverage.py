@@ -2,6 +2,7 @@
 
 import pytest
 
+from tests.conftest import said
 from ur5lib.recordings.coverage import robot_coverage, sensor_coverage
 
 LENGTH, STD = 200.0, 0.5  # s, of the robot's recording, and of a sensor's start stamp
@@ -27,5 +28,5 @@ def test_a_robot_may_lack_as_much_as_its_clock_may_drift(beyond: float, count: i
 @pytest.mark.parametrize(("late", "starts"), [(0.04, False), (0.06, True)])
 def test_a_delay_that_rounds_to_nothing_is_not_mentioned(late: float, starts: bool) -> None:
     (finding,) = sensor_coverage("imu", (late, 100.0), (0.0, LENGTH), STD)
-    assert ("after the robot" in finding.detail) == starts
-    assert f"ends 100.0 s before {'it' if starts else 'the robot'};" in finding.detail
+    assert ("after the robot" in said(finding)) == starts
+    assert f"ends 100.0 s before {'it' if starts else 'the robot'};" in said(finding)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.delimited import read_numbers
@@ -25,7 +26,7 @@ def test_damaged_lines_are_numbered_through_all_blocks(
     table = read_numbers(path, ["time", "value"], "robot", findings)
     assert table["time"].tolist() == [n for n in range(1, 301) if n not in (20, 150, 290)]
     (finding,) = findings
-    assert finding.detail.startswith("some.csv, line 20, 150, 290 (it has 1 cells)")
+    assert said(finding).startswith("some.csv, line 20, 150, 290 (it has 1 cells)")
     assert finding.count == 3
 
 
@@ -34,7 +35,7 @@ def test_blank_lines_above_a_table_count(tmp_path: Path) -> None:
     path.write_text("\n1,2\n3\n5,6\n")
     findings: list[Finding] = []
     read_numbers(path, ["time", "value"], "robot", findings)
-    assert findings[0].detail.startswith("some.csv, line 3 (")
+    assert said(findings[0]).startswith("some.csv, line 3 (")
 
 
 def test_a_name_that_appears_twice_is_refused(tmp_path: Path) -> None:

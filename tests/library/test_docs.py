@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT
+from ur5lib.report.finding_sentences import templates
 
 PAGES = [
     *(PROJECT / name for name in ("README.md", "CONTRIBUTING.md", "raw/README.md")),
@@ -66,6 +67,7 @@ def texts() -> Iterator[str]:
                 yield "".join(map(str, parts))
             elif isinstance(node, ast.Constant) and isinstance(node.value, str):
                 yield node.value
+    yield from templates().values()
     for path in [PROJECT / "Makefile", PROJECT / "Snakefile", *PROJECT.rglob("workflow/*/*.smk")]:
         yield re.sub(r'"\s*f?"', "", path.read_text())
 

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
+from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.ordering import in_order
@@ -251,7 +252,7 @@ def test_the_pattern_of_lost_frames_is_told() -> None:
     """The three most frequent steps, the longest, and what was interpolated."""
     kept = sorted({*range(COUNT)} - {10, 20, 30, 31, 40, 41, 42, 50, 51, 52, 53})
     _, findings = repair(frames(kept), max_gap=0.025)
-    assert findings["lost frames"].detail == (
+    assert said(findings["lost frames"]) == (
         "most frequent steps: 103 of 8 ms, 2 of 16 ms, 1 of 24 ms; longest 40 ms; "
         "7 frames interpolated"
     )
@@ -266,7 +267,7 @@ def test_jitter_is_told_above_fifty_microseconds(shake: float, told: bool) -> No
     assert list(findings) == ["jitter"] * told
     if told:
         detail = "deviate from the 8 ms grid by 0.055 ms (median), 0.055 ms (99 %); snapped"
-        assert detail in findings["jitter"].detail
+        assert detail in said(findings["jitter"])
     np.testing.assert_allclose(np.diff(repaired["time"]), CYCLE)
 
 
@@ -315,7 +316,7 @@ def test_channels_that_are_not_whole_are_ignored_by_name() -> None:
     repaired, findings = repair(lacking)
     assert not [name for name in repaired if name.startswith(("actual_qd", "actual_current"))]
     assert findings["incomplete channels"].count == 2
-    assert findings["incomplete channels"].detail.startswith("actual_qd, actual_current: columns")
+    assert said(findings["incomplete channels"]).startswith("actual_qd, actual_current: columns")
 
 
 def test_positions_are_interpolated_in_shape_and_other_channels_by_lines() -> None:

@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
+from tests.conftest import said
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
@@ -103,7 +104,7 @@ def missing(entry: dict[str, Any]) -> list[tuple[str, str]]:
     place_sensors(raw, findings)
     found = [one for one in raw.findings + findings if one.finding == "part missing"]
     assert {one.severity for one in found} <= {"warning"}
-    return [(one.device, one.detail) for one in found]
+    return [(one.device, said(one)) for one in found]
 
 
 def test_a_sensor_that_recorded_all_lacks_nothing(entry: dict[str, Any]) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.commands import SECONDS, Command
+from tests.conftest import said
 from tests.corpus import rtde
 from tests.time_limit import time_limit
 from ur5lib.errors import InputError, printable
@@ -50,7 +51,7 @@ def test_control_characters_become_visible(text: str) -> None:
     for shown in (
         printable(text),
         str(InputError(f"a {text} b")),
-        Finding("robot", "torn", "note", 1, text).detail,
+        said(Finding("robot", "torn", "note", 1, {"error": text}, "unusable")),
     ):
         assert shown.isprintable()
         assert "\\" in shown

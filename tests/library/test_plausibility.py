@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs, in_order
 from ur5lib.recordings.plausibility import check_pace, drop_implausible, first_time, stray_times
@@ -40,7 +41,7 @@ def test_what_no_arm_can_do_is_discarded(channel: str, sign: int) -> None:
     kept = drop_implausible(table, "run.csv", "robot", findings)
     assert len(kept) == 98
     assert kept[channel].abs().max() == POSSIBLE[channel][0]
-    ((finding, count, detail),) = ((one.finding, one.count, one.detail) for one in findings)
+    ((finding, count, detail),) = ((one.finding, one.count, said(one)) for one in findings)
     assert (finding, count) == ("impossible frames", 2)
     assert detail.startswith("first in row 61:")
 

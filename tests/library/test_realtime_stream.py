@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
@@ -273,7 +274,7 @@ def test_whole_messages_next_to_damage_are_kept(capture: Path) -> None:
     assert received_of(frame, sent) == [0, 1, 3, 4, 5]
     finding = named(findings)["bytes skipped"]
     assert (finding.severity, finding.count) == ("warning", 500)
-    assert "1 place 2 s after the capture began" in finding.detail
+    assert "1 place 2 s after the capture began" in said(finding)
 
 
 def test_begins_and_ends_within_messages(capture: Path) -> None:
@@ -313,7 +314,7 @@ def test_damaged_lines(capture: Path, line: bytes) -> None:
     assert frame["received"].tolist() == [0.5, 1.5, 5.5, 6.5]
     damaged = named(findings)["damaged lines"]
     assert (damaged.severity, damaged.count) == ("warning", 1)
-    assert damaged.detail.endswith("the first is line 6")
+    assert said(damaged).endswith("the first is line 6")
     assert named(findings)["bytes skipped"].count == SIZE
 
 
@@ -326,7 +327,7 @@ def test_damaged_lines_of_both_kinds_are_numbered(capture: Path) -> None:
         assert received_of(frame, sent) == [0, 1, 2, 3]
         damaged = named(findings)["damaged lines"]
         assert damaged.count == 3
-        assert damaged.detail.endswith(f"line {first}")
+        assert said(damaged).endswith(f"line {first}")
 
 
 def test_torn_last_line(capture: Path) -> None:
@@ -346,7 +347,7 @@ def test_two_layouts_in_one_capture(capture: Path) -> None:
     assert received_of(frame, sent) == list(range(6))
     finding = named(findings)["other layouts"]
     assert (finding.severity, finding.count) == ("warning", 3)
-    assert "1108" in finding.detail
+    assert "1108" in said(finding)
 
 
 def test_whole_multiples_cut_out_leave_no_trace(capture: Path) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 import pytest
 from pydantic import TypeAdapter
 
+from tests.conftest import said
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX, SUFFIXES
@@ -144,7 +145,7 @@ def test_a_torn_last_line_is_left_out_and_located(recording: Path, size: int) ->
     """Even when what is left of it still looks like a whole row."""
     cut(recording / "csv_files" / "log_i_actual.csv", size)
     raw = read(recording)
-    assert found(raw.findings, "torn last line").detail.startswith("log_i_actual.csv, line 125")
+    assert said(found(raw.findings, "torn last line")).startswith("log_i_actual.csv, line 125")
     assert len(raw.robot.table) == 124
 
 
@@ -184,7 +185,7 @@ def test_a_damaged_line_is_located_and_missing_in_its_channel_only(
     raw = read(recording)
     finding = found(raw.findings, "damaged lines")
     assert finding.count == 1
-    assert "log_q_actual.csv, line 51" in finding.detail
+    assert "log_q_actual.csv, line 51" in said(finding)
     missing = raw.robot.table.isna().any()
     assert len(raw.robot.table) == 125
     assert set(missing.index[missing]) == {f"actual_q_{j}" for j in range(6)}
@@ -243,7 +244,7 @@ def test_a_copy_from_another_run_is_not_used(recording: Path) -> None:
     (recording / "csv_files" / "acc_start_time.csv").write_text(f"{stamp:.6g}")
     findings: list[Finding] = []
     assert set(place_sensors(read(recording), findings)) == {"force"}
-    assert "-6000 s" in found(findings, "stale copy").detail
+    assert "-6000 s" in said(found(findings, "stale copy"))
 
 
 def test_midnight_between_two_starts_is_no_stale_copy() -> None:
@@ -386,7 +387,7 @@ def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> No
     path = tmp_path / "robot.csv"
     entry = write_rtde(tmp_path)
     path.write_text(path.read_text().replace("0.1", "01. Jan", 1))
-    detail = found(read_recording(entry).findings, "damaged lines").detail
+    detail = said(found(read_recording(entry).findings, "damaged lines"))
     assert "line 2 ('01. Jan' is not a number; a spreadsheet program may have" in detail
 
 
@@ -424,7 +425,7 @@ def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
     assert "imu" not in raw.sensors
     told = found(raw.findings, "unusable sensor")
     assert (told.severity, told.count) == ("error", 1)
-    assert "(it has 7 cells)" in told.detail
+    assert "(it has 7 cells)" in said(told)
 
 
 def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
@@ -463,7 +464,7 @@ def moving_robot() -> pd.DataFrame:
 
 
 def contradictions(table: pd.DataFrame) -> list[str]:
-    return [told.detail for told in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
+    return [said(told) for told in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
 
 
 def test_channels_that_agree_are_not_remarked() -> None:
@@ -537,7 +538,7 @@ def test_limits_are_each_joints_own() -> None:
     bounds = [6.3] * 6, [3.2] * 6
     (told,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
     assert told.count == 5
-    assert "(joint 3: up to 6.5 rad)" in told.detail
+    assert "(joint 3: up to 6.5 rad)" in said(told)
     bounds[0][2] = 6.5  # reached, not exceeded
     assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
 
@@ -567,8 +568,8 @@ def test_an_imu_at_its_full_scale_is_saturated() -> None:
     assert (one.device, one.finding, one.count) == ("imu", "saturation", 11)
     assert one.severity == "warning"
     for name in ("imu_ax", "imu_ay", "imu_gz"):
-        assert name in one.detail
-    assert "imu_az" not in one.detail
+        assert name in said(one)
+    assert "imu_az" not in said(one)
     accelerometer = table.drop(columns=["imu_gx", "imu_gy", "imu_gz"])
     assert [one.count for one in check_imu(accelerometer, scale)] == [4]
 
@@ -650,7 +651,7 @@ def test_a_compressed_file_is_unpacked_and_told(recording: Path) -> None:
     path = recording / "csv_files" / "log_q_actual.csv"
     path.write_bytes(gzip.compress(path.read_bytes()))
     raw = read(recording)
-    assert found(raw.findings, "compressed file").detail.startswith("log_q_actual.csv")
+    assert said(found(raw.findings, "compressed file")).startswith("log_q_actual.csv")
     assert len(raw.robot.table) == 125
 
 
@@ -678,7 +679,7 @@ def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5
         taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
         names = {finding["finding"] for finding in taken.quality["findings"]}
         assert names - CUT == THESIS_FINDINGS.get(folder.name, {"no sensor"}), folder.name
-        torn = [f["detail"] for f in taken.quality["findings"] if f["finding"] == "torn last line"]
+        torn = [said(f) for f in taken.quality["findings"] if f["finding"] == "torn last line"]
         ragged = {
             path.name
             for path in (folder / "csv_files").glob("log_*.csv")
@@ -703,7 +704,7 @@ def test_the_pattern_of_lost_frames_is_counted(
     taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
     steps = np.diff(stamps[: taken.quality["rows"]])
     (lost,) = [f for f in taken.quality["findings"] if f["finding"] == "lost frames"]
-    assert f"{short} of 8 ms, {long} of 24 ms" in lost["detail"]
+    assert f"{short} of 8 ms, {long} of 24 ms" in said(lost)
     assert lost["count"] == 2 * long
     assert (np.sum(steps <= 0.016), np.sum(steps > 0.016)) == (short, long)  # counted here
 
@@ -732,4 +733,4 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     quality = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1).quality
     found = {one["finding"]: one for one in quality["findings"]}
     assert found["unused channels"]["count"] == 3
-    assert found["unknown channels"]["detail"].startswith("i_actual_0: not among the channels")
+    assert said(found["unknown channels"]).startswith("i_actual_0: not among the channels")

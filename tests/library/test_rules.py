@@ -95,7 +95,7 @@ def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared])
     kinds = {kind for path in TABLES.glob("*.py") for kind in KINDS_READ.findall(path.read_text())}
     tables = declarations().tables()
     names = declared["make_tables"].names
-    assert names["input"] - {"reference", "columns"} == kinds | {*FITS}
+    assert names["input"] - {"reference", "columns", "sentences"} == kinds | {*FITS}
     assert {one.of for _, one in tables.values()} <= kinds | {*FITS}
     assert names["output"] == tables.keys()
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.quality import Finding
@@ -37,7 +38,7 @@ def test_a_single_gap_is_told_from_four_steps_on(tmp_path: Path, steps: float, t
     assert list(findings) == ["lost samples"] * told
     if told:
         assert findings["lost samples"].count == 3
-        assert findings["lost samples"].detail == "longest step 41 ms, median step 10.0 ms"
+        assert said(findings["lost samples"]) == "longest step 41 ms, median step 10.0 ms"
 
 
 @pytest.mark.parametrize(("gaps", "told"), [(10, False), (11, True)])
@@ -85,7 +86,7 @@ def test_a_sensor_has_two_samples(tmp_path: Path, rows: int, usable: bool) -> No
     assert (times is not None) == usable
     if not usable:
         detail = "force.csv has fewer than two complete rows of 7 numbers"
-        assert findings["no sensor"].detail == detail
+        assert said(findings["no sensor"]) == detail
 
 
 def test_samples_are_sorted_and_each_is_counted_once(tmp_path: Path) -> None:
@@ -167,7 +168,7 @@ def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: 
     expected = np.delete(np.arange(rows), np.array(damaged) - 1)
     np.testing.assert_array_equal(numbers["a"], expected)
     np.testing.assert_array_equal(numbers["b"], 2 * expected)
-    ((name, count, detail),) = ((one.finding, one.count, one.detail) for one in findings)
+    ((name, count, detail),) = ((one.finding, one.count, said(one)) for one in findings)
     assert (name, count) == ("damaged lines", 7)
     assert detail.startswith("t.csv, line 3, 4, 17, 30, 31 and 2 more (it has 3 cells)")
 
@@ -177,7 +178,7 @@ def test_the_first_five_damaged_lines_are_named(tmp_path: Path, damaged: int, to
     findings: list[Finding] = []
     path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
     read_numbers(path, ["a", "b"], "robot", findings)
-    assert told in findings[0].detail
+    assert told in said(findings[0])
 
 
 @pytest.mark.parametrize(("damaged", "refused"), [(25, False), (26, True)])
@@ -205,7 +206,7 @@ def test_a_last_line_without_an_end_has_the_form_of_those_before(
     assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == kept
     assert [one.finding for one in findings] == ["torn last line"] * (kept == 3)
     if kept == 3:
-        assert findings[0].detail.startswith("t.csv, line 4: last line is cut off")
+        assert said(findings[0]).startswith("t.csv, line 4: last line is cut off")
 
 
 @pytest.mark.parametrize("empty", ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"])

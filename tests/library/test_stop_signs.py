@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from tests.conftest import PROJECT, recordings
+from tests.conftest import PROJECT, recordings, said
 from tests.synthetic import write_recording
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
@@ -109,7 +109,7 @@ class Taken:
         robot = load_robot(robot_path(arm)).mounted(self.arm.gravity) if arm else self.arm
         load = carried(self.entry.known_payload(), Signals.from_table(table))
         fitted = self.entry.role == "fit"
-        return stop_signs(table, robot, load.told, load.payload, fitted)
+        return [*map(said, stop_signs(table, robot, load.told, load.payload, fitted))]
 
 
 def take(entry: Recording) -> Taken:
@@ -392,9 +392,9 @@ def test_the_unit_of_a_current_is_told_by_what_holds_gravity(
     q, (qd, qdd) = random.uniform(-2, 2, (100, 6)), random.normal(0, 0.3, (2, 100, 6))
     still = BlockMeans(q, qd, qdd, None, {})
     means = BlockMeans(q, qd, qdd, None, {"actual_current": still.gravity(ur5) / constant})
-    said = [*foreign_currents(means, ur5)]
-    assert len(said) == (sentence is not None)
-    assert all(str(sentence) in one for one in said)
+    found = [*foreign_currents(means, ur5)]
+    assert len(found) == (sentence is not None)
+    assert all(str(sentence) in said(one) for one in found)
 
 
 @pytest.mark.parametrize(("study", "name"), REAL)
@@ -411,7 +411,7 @@ def test_a_similar_arm_that_fits_much_better_is_told(made: Path) -> None:
     taken = simulated(made, "slow", "ur5", "floor")
     heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
     (sign,) = stop_signs(taken.table, heavier, None, None, fitted=True)
-    assert "`robot: ur5` would fit" in sign
+    assert "`robot: ur5` would fit" in said(sign)
 
 
 def test_a_tool_that_leaves_the_flange_is_told(made: Path) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.conftest import said
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import load_robot, robot_path
@@ -58,4 +59,4 @@ def test_an_arm_without_a_wrist_sensor_has_none() -> None:
 def test_another_sensor_that_the_study_names_comes_first() -> None:
     robot, findings = with_wrist_sensor(table(ft_raw_wrench=WRENCH), ARM, other=True)
     assert not {*FORCE_CHANNELS} & {*robot}
-    assert "another force sensor" in findings[0].detail
+    assert "another force sensor" in said(findings[0])

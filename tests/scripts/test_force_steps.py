@@ -35,7 +35,7 @@ from ur5lib.tables import read_json, read_record, read_table, write_json
 PERIOD = 0.016
 BARE = {"carried": 0.0, "std_error": 0.05}
 LOADED = {"carried": 2.7, "std_error": 0.05}
-SUMMARIES = {"load", "index", "residuals", "threshold", "detection", "friction", "rigid"}
+SUMMARIES = {"load", "index", "residuals", "threshold", "detection", "friction", "contradictions"}
 SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, role="contact")
 
 
@@ -72,7 +72,7 @@ class Recording:
         write_json({"load": load, "extent": passed(motion, currents)}, self.load)
         write_json(Residuals(MODEL, MODEL, MODEL), self.residuals)
         write_json({"from": ["free"]}, self.friction)
-        write_json({"stop_signs": []}, self.rigid)
+        write_json({"stop_signs": []}, self.contradictions)
         return self
 
     def estimate(self, *others: "Recording") -> Forces:
@@ -89,7 +89,7 @@ class Recording:
             load=self.load,
             free_runs=self.index,
             friction=self.friction,
-            rigid=self.rigid,
+            contradictions=self.contradictions,
         )
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
         return Forces.from_table(read_table(self.forces))  # another estimate may replace the file
@@ -234,7 +234,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     record = replace(bare, current=bare.current + LOAD_2 * np.eye(6)[1] / CONSTANT)
     found = {"parameters": [2.0, 0.1, 0.0, 0.0], "std_error": [0.05] * 4, "parts": [2.0] * 3}
     found = given.get("found", found)
-    known = {"source": "none", "payload": None, "told": None, "stop_signs": given.get("signs", [])}
+    known = {"source": "none", "payload": None, "told": None}
     known |= given.get("known", {})
     unloaded = given.get("unloaded", [{"parameters": [0.05] * 4, "std_error": [0.05] * 4}])
     per_load = np.zeros((count, 6, 4))
@@ -251,7 +251,8 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     torques.write(files["torques"])
     LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
     friction = friction | {"paths": given.get("paths", 5)}
-    summaries = {"payload": found, "load": known, "friction": friction}
+    signs = {"stop_signs": given.get("signs", [])}
+    summaries = {"payload": found, "load": known, "friction": friction, "contradictions": signs}
     for name, summary in summaries.items():
         files[name] = str(folder / f"{name}.json")
         write_json(summary, files[name])

@@ -67,7 +67,7 @@ def torques_of(made: Made, folder: Path, payload: Payload | None) -> tuple[Torqu
     input = SimpleNamespace(arm=robot_path("ur5"), **made.files)
     output = SimpleNamespace(torques=f"{folder}/torques.parquet", summary=f"{folder}/torques.json")
     declared = payload.model_dump_json() if payload else ""
-    params = SimpleNamespace(gravity=made.gravity, payload=declared, tcp=[], role="fit")
+    params = SimpleNamespace(gravity=made.gravity, payload=declared)
     script("compute_torques").compute_torques(input, output, params)
     return Torques.read(output.torques), read_json(output.summary)
 

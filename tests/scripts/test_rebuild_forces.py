@@ -109,9 +109,9 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
     clock = SettledClock(START, 0.001, None, None, BY_STAMPS, warning=None, end_std=0.001)
     write_json({"force": clock}, folder / "clocks.json")
-    write_json({"stop_signs": []}, folder / "torques.json")
+    write_json({"stop_signs": []}, folder / "contradictions.json")
     write_json({"from": []}, folder / "friction.json")
-    inputs |= {"arm": str(robot_path("ur5")), "load": str(folder / "torques.json")}
+    inputs |= {"arm": str(robot_path("ur5")), "contradictions": str(folder / "contradictions.json")}
     inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "clocks", "friction")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet", constants=folder / "c.json")

@@ -18,8 +18,8 @@ from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stop_signs import stop_signs
+from ur5lib.report.finding_sentences import worded
 from ur5lib.report.findings import group_findings
-from ur5lib.report.tables.files import stop_rows
 from ur5lib.report.tables.making import made
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock
@@ -27,6 +27,7 @@ from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 
+SEVERE = ("stop", "error")
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
@@ -71,12 +72,18 @@ def print_tables(
     console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
 ) -> int:
     """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
-    kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "loads": {}}
+    kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
     quality = made("quality", kinds)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
         console.print(_clocks(made("clocks", kinds)))
-    return int(quality["severity"].isin(["stop", "error"]).sum())
+    return int(quality["severity"].isin(SEVERE).sum())
+
+
+def severe(quality: Mapping[str, Any]) -> list[str]:
+    """Return the stop signs and errors of a quality.json, a sentence each."""
+    rows = (row for row in quality["findings"] if row["severity"] in SEVERE)
+    return [worded(row)["detail"] for row in rows]
 
 
 def is_there(recording: Recording) -> bool:
@@ -95,14 +102,14 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
-    signs = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
-    stops = [*stop_rows(signs)]
+    stops = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality["period_s"])
     if recording.role != "contact" and (sensor := _force_of(intake)) is not None:
         mass = load.payload.mass if load.payload else 0.0
         doubts += touched(sensor, mass)
-    findings = [*stops, *intake.quality["findings"], *(doubt.as_row() for doubt in doubts)]
+    before, after = ([one.as_row() for one in found] for found in (stops, doubts))
+    findings = [*before, *intake.quality["findings"], *after]
     return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
 
 
@@ -116,16 +123,13 @@ def unfiltered(study: Study, period: float) -> list[Finding]:
     nyquist = 0.5 / period
     cutoffs = study.settings.lowpass.model_dump()
     beyond = [name for name, design in cutoffs.items() if design["cutoff_hz"] >= nyquist]
-    detail = (
-        f"`cutoff_hz` of {', '.join(beyond)} is not below {nyquist:g} Hz, half the rate of this "
-        "recording, which is not filtered there"
-    )
-    return [Finding("robot", "unfiltered", "note", len(beyond), detail)] if beyond else []
+    values = {"names": beyond, "nyquist_hz": nyquist}
+    return [Finding("robot", "unfiltered", "note", len(beyond), values)] if beyond else []
 
 
 def unusable(error: InputError) -> dict[str, Any]:
     """Return the quality.json of a recording that cannot be read."""
-    finding = Finding("robot", "unusable", "error", 1, str(error))
+    finding = Finding("robot", "unusable", "error", 1, {"error": str(error)})
     return {"devices": [], "files": {}, "findings": [finding.as_row()]}
 
 

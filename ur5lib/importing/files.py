@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ur5lib.commands.check import look_through
+from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import Contents, contents
 from ur5lib.importing.entry import entries_yaml, entry, identifier, study_yaml
 from ur5lib.importing.proposal import propose
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
-
-SEVERE = ("stop", "error")
 
 
 @dataclass(frozen=True)
@@ -82,8 +80,7 @@ def contradictions(its: dict[str, Any]) -> list[str]:
     """Return what contradicts an entry when the recording is read through it."""
     study = parse_study({"study": "import", "title": "Import", "recordings": [its]}, "the entry")
     quality, _ = look_through(study.recordings[0], study)
-    found = [row["detail"] for row in quality["findings"] if row["severity"] in SEVERE]
-    return [f"{Path(its['folder'], its['file'])}: {detail}" for detail in found]
+    return [f"{Path(its['folder'], its['file'])}: {detail}" for detail in severe(quality)]
 
 
 def _of_same_columns(

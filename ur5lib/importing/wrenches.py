@@ -49,7 +49,7 @@ def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Orde
         without = _solved(np.column_stack(columns), own)[1]
         solution, left = _solved(np.column_stack([*columns, torque[:, joint]]), own)
         if solution[-1] > 0:
-            total += float(means.log_likelihood((left / without) ** 2))
+            total += float(means.log_likelihood(np.square(left / without)))
     return total
 
 

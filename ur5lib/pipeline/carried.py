@@ -1,13 +1,12 @@
 """The payload of an arm: the actual one, and the one configured in its controller."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Part, part
 from ur5lib.robots.description import Payload, PerJoint
 from ur5lib.timeseries.arrays import Array
 
@@ -61,12 +60,11 @@ def _medians(values: Array | None, count: int) -> Any:
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
 
 
-def load_account(load: Carried, doubts: Sequence[Finding] = ()) -> dict[str, Any]:
-    """Return the payload, its source, the controller's payload, and doubts, as plain data."""
+def load_account(load: Carried) -> dict[str, Any]:
+    """Return the payload, its source, and the controller's payload, as plain data."""
     payloads = {"payload": load.payload, "told": load.told}
     plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
-    findings = {"findings": [doubt.as_row() for doubt in doubts]} if doubts else {}
-    return plain | {"source": load.source} | findings
+    return plain | {"source": load.source}
 
 
 def disagreements(
@@ -82,49 +80,41 @@ def disagreements(
         "changing payload": _changing_payload(signals),
         "tool centre point": _other_tcp(tcp, signals),
     }
-    return [Finding("robot", name, "warning", 1, text) for name, text in found.items() if text]
+    return [Finding("robot", name, "warning", 1, its) for name, its in found.items() if its]
 
 
-def _other_payload(declared: Payload | None, signals: Signals) -> str:
+def _other_payload(declared: Payload | None, signals: Signals) -> dict[str, object]:
     if declared is None or signals.payload is None:
-        return ""
+        return {}
     told = told_payload(signals)
     apart = declared.mass - (told.mass if told else 0.0)
     away = np.subtract(declared.center_of_mass, told.center_of_mass if told else 0.0)
     if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MOMENT):
-        return ""
-    return (
-        f"the study declares {_in_words(declared)}, the controller was given {_in_words(told)}; "
-        "the currents are taken to carry the study's, `target_moment` to contain the controller's"
-    )
+        return {}
+    return {"declared": _part(declared), "told": _part(told)}
 
 
-def _in_words(payload: Payload | None) -> str:
+def _part(payload: Payload | None) -> Part:
+    """Return a payload as a part of a sentence."""
     if payload is None:
-        return "no payload"
-    return f"{payload.mass:.3g} kg at ({', '.join(f'{x:.3g}' for x in payload.center_of_mass)}) m"
+        return part("no payload")
+    return part("a payload", mass=payload.mass, place=[*payload.center_of_mass])
 
 
-def _changing_payload(signals: Signals) -> str:
+def _changing_payload(signals: Signals) -> dict[str, object]:
     if (
         signals.payload is None
         or np.ptp(mass := signals.payload[np.isfinite(signals.payload)]) == 0
     ):
-        return ""
-    return (
-        f"the payload given to the controller changes from {mass.min():.3g} to {mass.max():.3g} kg "
-        "in the recording; its median is used throughout: cut the recording where it changes"
-    )
+        return {}
+    return {"least": float(mass.min()), "most": float(mass.max())}
 
 
-def _other_tcp(tcp: PerJoint | None, signals: Signals) -> str:
+def _other_tcp(tcp: PerJoint | None, signals: Signals) -> dict[str, object]:
     if tcp is None or signals.tcp_offset is None:
-        return ""
+        return {}
     told = np.array(_medians(signals.tcp_offset, 6))
     apart = np.abs(np.array(tcp) - told)
     if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
-        return ""
-    return (
-        f"the study declares {list(tcp)} (m, rad), the controller was given "
-        f"{np.round(told, 4).tolist()}; correct the study, or the installation of the arm"
-    )
+        return {}
+    return {"declared": [*tcp], "told": told.tolist()}

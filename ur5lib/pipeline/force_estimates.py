@@ -56,12 +56,12 @@ class Problem(NamedTuple):
         return self.pushed(pushed).solve(jacobian, prior).log_odds
 
 
-def is_fitted(friction: Mapping[str, Any], rigid: Mapping[str, Any]) -> bool:
+def is_fitted(friction: Mapping[str, Any], contradictions: Mapping[str, Any]) -> bool:
     """Return whether friction was fitted, or withheld as recordings contradict the study.
 
-    friction: friction.json; rigid: torques.json.
+    friction: friction.json; contradictions: contradictions.json.
     """
-    return bool(friction["from"] or "stopped" in friction or rigid["stop_signs"])
+    return bool(friction["from"] or "stopped" in friction or contradictions["stop_signs"])
 
 
 def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:

@@ -99,9 +99,9 @@ def _without_replicates(fit: dict[str, Any]) -> dict[str, Any]:
     return fit
 
 
-def require_no_stop_sign(loads: Mapping[str, Any]) -> None:
-    """Raise ContradictionError for stop signs; loads: torques.json by recording."""
-    stopped = [name for name, load in loads.items() if load["stop_signs"]]
+def require_no_stop_sign(contradictions: Mapping[str, Any]) -> None:
+    """Raise ContradictionError for stop signs; contradictions.json by recording."""
+    stopped = [name for name, found in contradictions.items() if found["stop_signs"]]
     if stopped:
         raise ContradictionError(
             f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
+from ur5lib.recordings.quality import Finding, Part, contradiction, part
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel, columns
@@ -20,10 +21,9 @@ PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
 DEGREES = 180 / np.pi
-CORRECT = "correct `robot`, `gravity`, `payload`, or columns and units"
 
 
-def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[str]:
+def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
     """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
     if "actual_TCP_pose_0" not in robot:
         return
@@ -35,15 +35,12 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[str]:
     place = np.einsum("nij,ni->nj", rotation[:, 6], away)
     apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
     if apart > TOOL:
-        yield (
-            f"by actual_TCP_pose, the tool moves by {1000 * apart:.0f} mm (median) on the flange "
-            f"of {arm.name}; correct `robot`, or columns and units"
-        )
+        yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)
 
 
 def foreign_torque(
     means: BlockMeans, arm: Robot, payloads: Sequence[Payload | None]
-) -> Iterator[str]:
+) -> Iterator[Finding]:
     """Find a target_moment that is not the arm's; payloads: those that it may contain."""
     torque = means.torque
     if torque is None:
@@ -65,11 +62,8 @@ def foreign_torque(
             *_fitting_units(means, torque, arm),
             *_fitting_columns(means, arm),
         ]
-        cause = f", where {' or '.join(fitting)} would fit" if fitting else ""
-        yield (
-            f"target_moment differs from the torque of {arm.name} by {share:.0%} of its size"
-            f"{cause}; {CORRECT}"
-        )
+        code = "other torque of known cause" if fitting else "other torque"
+        yield contradiction(code, arm=arm.name, share=share, causes=fitting)
 
 
 def _residual(means: BlockMeans, torque: Array, arm: Robot) -> Array:
@@ -83,7 +77,7 @@ def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
 
 def _likelier_arms(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
-) -> Iterator[str]:
+) -> Iterator[Part]:
     """Yield the described arm that explains the torque best, if it is likelier by far."""
     names = [arm.name, *(name for name in robot_names() if name != arm.name)]
     arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
@@ -92,7 +86,7 @@ def _likelier_arms(
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > SURE:
-        yield f"`robot: {names[best]}`"
+        yield part("robot as cause", value=names[best])
 
 
 def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
@@ -101,12 +95,12 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
     return float(means.log_likelihood(variance).sum())
 
 
-def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[str]:
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[Part]:
     """Yield the described arms that leave less than `most` of the torque."""
     for name in robot_names():
         other = described(name).mounted(arm.gravity)
         if size(_residual(means, torque, other)) < most:
-            yield f"`robot: {name}`"
+            yield part("robot as cause", value=name)
 
 
 @cache
@@ -115,24 +109,24 @@ def described(name: str) -> Robot:
     return load_robot(robot_path(name))
 
 
-def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[str]:
+def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Part]:
     """Yield the payload whose torque is the residual (M, 6) [Nm], but for `most` of its size."""
     torque = load_torque(arm, means.q)
     columns = [means.beside_inertia(torque[:, :, k]).ravel() for k in range(4)]
     mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
     if LIGHT < mass < HEAVY and left < most:
-        yield f"a payload of {mass:.1f} kg"
+        yield part("load as cause", value=mass)
 
 
-def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[str]:
+def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Part]:
     """Yield the unit of the positions with which the torque is the arm's."""
     for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
-            yield f"actual_q in {unit}"
+            yield part("unit as cause", value=unit)
 
 
-def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[str]:
+def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[Part]:
     """Yield the currents that are the arm's torque."""
     for name, current in means.currents.items():
         if _fits(means, current, arm):
-            yield f"the column of {name}"
+            yield part("column as cause", value=name)

@@ -1,13 +1,13 @@
 """Checks that the channels of a recording agree with one another and with the arm."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, contradiction, part
 from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 
@@ -75,11 +75,8 @@ def touched(table: pd.DataFrame, mass: float) -> list[Finding]:
     beyond = size > TOUCH + 2 * GRAVITY * mass
     if not beyond.sum() * np.median(np.diff(time)) > TOUCHED:
         return []
-    detail = (
-        f"the force differs from its median by up to {np.nanmax(size):.0f} N, but the recording's "
-        "role means that nothing touches the arm; give it the role contact, or declare `payload`"
-    )
-    return [Finding("force", "contact", "warning", int(beyond.sum()), detail)]
+    force_n = {"force_n": float(np.nanmax(size))}
+    return [Finding("force", "contact", "warning", int(beyond.sum()), force_n)]
 
 
 def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
@@ -89,10 +86,8 @@ def _saturation(table: pd.DataFrame) -> Iterator[Finding]:
     }
     saturated = {name: count for name, count in stuck.items() if count >= STUCK}
     if saturated:
-        detail = (
-            f"{', '.join(saturated)} stay at their largest value; larger forces are not recorded"
-        )
-        yield Finding("force", "saturation", "warning", max(saturated.values()), detail)
+        names = {"names": [*saturated]}
+        yield Finding("force", "saturation", "warning", max(saturated.values()), names)
 
 
 def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
@@ -102,11 +97,8 @@ def _looks_like_imu(table: pd.DataFrame) -> Iterator[Finding]:
     force = table[["ft_fx", "ft_fy", "ft_fz"]].to_numpy()
     low, high = np.quantile(np.linalg.norm(force, axis=1), [0.05, 0.95])
     if UPRIGHT[0] <= low and high <= UPRIGHT[1] and np.ptp(force, axis=0).max() > TURNED:
-        detail = (
-            f"the force keeps a magnitude of {(low + high) / 2:.3g} N while it rotates, like the "
-            "acceleration from an IMU or the weight of 1 kg; check which file the study names"
-        )
-        yield Finding("force", "size of gravity", "warning", len(table), detail)
+        force_n = {"force_n": float(low + high) / 2}
+        yield Finding("force", "size of gravity", "warning", len(table), force_n)
 
 
 def check_imu(table: pd.DataFrame, full_scale: FullScale | None) -> list[Finding]:
@@ -125,12 +117,13 @@ def _clipped(table: pd.DataFrame, full_scale: FullScale) -> Iterator[Finding]:
     channels = {name: limits[name[:5]] for name in table if name[:5] in limits}
     reached = table[[*channels]].abs() >= REACHED * pd.Series(channels, dtype=float)
     if reached.any(axis=None):
-        names = ", ".join(reached.columns[reached.any()])
-        detail = (
-            f"{names} reach the IMU's full scale ({full_scale.acceleration:g} m/s², "
-            f"{full_scale.angular_rate_deg:g} °/s); larger values are not recorded"
-        )
-        yield Finding("imu", "saturation", "warning", int(reached.any(axis=1).sum()), detail)
+        values = {
+            "names": [*reached.columns[reached.any()]],
+            "acceleration": full_scale.acceleration,
+            "angular_rate_deg": full_scale.angular_rate_deg,
+        }
+        count = int(reached.any(axis=1).sum())
+        yield Finding("imu", "saturation", "warning", count, values, "full scale")
 
 
 def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
@@ -138,11 +131,7 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
         return
     norm = float(np.median(np.linalg.norm(table[["imu_ax", "imu_ay", "imu_az"]], axis=1)))
     if not UPRIGHT[0] <= norm <= UPRIGHT[1]:
-        detail = (
-            f"the median specific force is {norm:.3g} m/s² instead of 9.8 m/s²; check which file "
-            "the study names, its columns and its units"
-        )
-        yield Finding("imu", "no gravity", "warning", len(table), detail)
+        yield Finding("imu", "no gravity", "warning", len(table), {"specific_force": norm})
 
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
@@ -150,30 +139,25 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
         if {f"{below}_0", f"{above}_0"} <= set(robot):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
-                detail = f"{above} is zero while {below} changes, as where the arm is led by hand"
-                yield Finding("robot", "silent channel", "warning", len(slopes), detail)
+                names = {"name": above, "position": below}
+                yield Finding("robot", "silent channel", "warning", len(slopes), names)
                 continue
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
-                ratios = ", ".join(f"joint {joint + 1}: {slopes[joint]:.3g}" for joint in wrong)
-                detail = (
-                    f"{above} is not the derivative of {below} (ratio should be 1, but is "
-                    f"{ratios}); check columns and units"
-                )
-                yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
+                ratios = [part("ratio", joint=j + 1, value=slopes[j]) for j in wrong]
+                values = {"name": above, "position": below, "ratios": ratios}
+                yield _inconsistent(len(wrong), values, "no derivative")
 
 
-def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[str]:
+def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     """Find velocities in another unit or column than their positions; period: [s]."""
     for below, above in DERIVATIVES[:2]:
         if {f"{below}_0", f"{above}_0"} <= set(robot):
             slopes = [*_slopes(robot, below, above, period).values()]
             wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
             if len(wrong) > len(slopes) / 2:
-                yield (
-                    f"{above} is not the velocity of {below}: the slopes of {below} are "
-                    f"{np.median(wrong):.3g} times as large; correct columns and units"
-                )
+                values = {"name": above, "position": below, "ratio": float(np.median(wrong))}
+                yield contradiction("no velocity", **values)
 
 
 def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
@@ -200,9 +184,8 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
-                joints = ", ".join(str(joint + 1) for joint in wrong)
-                detail = f"{one} and {other} differ on joints {joints}; check columns and units"
-                yield Finding("robot", "inconsistent channels", "warning", len(wrong), detail)
+                values = {"one": one, "other": other, "joints": (wrong + 1).tolist()}
+                yield _inconsistent(len(wrong), values, "apart")
 
 
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
@@ -211,11 +194,8 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
         if f"{one}_0" in robot and f"{other}_0" in robot:
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > LEVEL and not least * its <= level <= most * its:
-                detail = (
-                    f"the root mean square of {one} is {level:.3g} and that of {other} {its:.3g} "
-                    "(SI units), which do not fit together; check columns and units"
-                )
-                yield Finding("robot", "inconsistent channels", "warning", 6, detail)
+                values = {"one": one, "level": level, "other": other, "its": its}
+                yield _inconsistent(6, values, "levels")
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
@@ -229,11 +209,8 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     for j, k in combinations(range(6), 2):
         own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
         if own > LEVEL and crossed < SWAPPED * own:
-            detail = (
-                f"{one} of joint {j + 1} follows {other} of joint {k + 1} and vice versa; the "
-                "columns are probably swapped"
-            )
-            yield Finding("robot", "inconsistent channels", "warning", 2, detail)
+            joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}
+            yield _inconsistent(2, joints, "swapped")
 
 
 def _limits(
@@ -244,12 +221,14 @@ def _limits(
     values = np.abs(channel(robot, name))
     beyond = values > np.asarray(bounds)
     if beyond.any():
-        each = ", ".join(
-            f"joint {joint + 1}: up to {np.nanmax(values[:, joint]):.3g}"
-            for joint in np.flatnonzero(beyond.any(axis=0))
-        )
-        detail = f"{name} exceeds the joints' limits ({each} {unit})"
-        yield Finding("robot", "joint limits", "note", int(beyond.any(axis=1).sum()), detail)
+        wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
+        most = [part("most", joint=j + 1, value=float(np.nanmax(values[:, j]))) for j in wrong]
+        count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most, "unit": unit}
+        yield Finding("robot", "joint limits", "note", count, limits)
+
+
+def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:
+    return Finding("robot", "inconsistent channels", "warning", count, values, code)
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:

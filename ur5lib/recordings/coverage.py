@@ -20,13 +20,10 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
     whole = robot[1] - robot[0]
     if late + early <= TOLERANCE + UNSURE * whole + SPREAD * std:
         return []
-    starts = f"starts {late:.1f} s after the robot" if late >= TOLD else ""
-    ends = f"ends {early:.1f} s before {'it' if starts else 'the robot'}" if early >= TOLD else ""
-    detail = (
-        f"covers only {whole - late - early:.1f} of {whole:.1f} s: it "
-        f"{' and '.join(filter(None, [starts, ends]))}; nothing is compared with it there"
-    )
-    return [Finding(device, FINDING, "warning", 1, detail)]
+    lacks = {(True, False): "start missing", (False, True): "end missing"}
+    values = {"covered_s": whole - late - early, "whole_s": whole, "late_s": late, "early_s": early}
+    code = lacks.get((late >= TOLD, early >= TOLD), "start and end missing")
+    return [Finding(device, FINDING, "warning", 1, values, code)]
 
 
 def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
@@ -38,8 +35,5 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
     covered, total = robot[1] - robot[0], whole[1] - whole[0]
     if total - covered <= TOLERANCE + UNSURE * total:
         return []
-    detail = (
-        f"covers only {covered:.1f} of the {total:.1f} s that the sensors recorded; there is no "
-        "estimate for the rest"
-    )
-    return [Finding("robot", FINDING, "warning", 1, detail)]
+    values = {"covered_s": covered, "whole_s": total}
+    return [Finding("robot", FINDING, "warning", 1, values, "robot missing")]

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import load_torque
 from ur5lib.timeseries.arrays import Array
@@ -27,7 +28,7 @@ class Held(NamedTuple):
     left: float
 
 
-def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
+def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find currents that are not in A: too many or too few of them hold gravity.
 
     arm: with what it carries.
@@ -42,20 +43,12 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
         if held.left < UNEXPLAINED and not (
             1 / CONSTANTS[1] < held.slope + away and held.slope - away < 1 / CONSTANTS[0]
         ):
-            yield _told(name, joint, 1 / (held.slope or 1e-9))
+            constant = 1 / (held.slope or 1e-9)
+            code = "torque as current" if ONE[0] <= constant <= ONE[1] else "no current"
+            yield contradiction(code, name=name, joint=joint + 1, constant=constant)
 
 
-def _told(name: str, joint: int, constant: float) -> str:
-    ratio = f"gravity's torque on joint {joint + 1} is {constant:.3g} Nm per A of {name}"
-    if ONE[0] <= constant <= ONE[1]:
-        return (
-            f"{name} is a torque in Nm, not a current in A ({ratio}); record currents, and name "
-            "this column actual_current_as_torque"
-        )
-    return f"{ratio}, but motors have 2.5 to 40 Nm/A; correct its unit or column, or `gravity`"
-
-
-def undeclared_load(means: BlockMeans, told: Robot, carrying: Robot) -> Iterator[str]:
+def undeclared_load(means: BlockMeans, told: Robot, carrying: Robot) -> Iterator[Finding]:
     """Find a load that neither the study nor the controller knows, by which currents differ.
 
     told: the arm with the payload that the controller knows; carrying: with the declared one.
@@ -66,10 +59,7 @@ def undeclared_load(means: BlockMeans, told: Robot, carrying: Robot) -> Iterator
     if len(torque):
         mass, left = fitted_load(columns, torque)
         if mass > UNDECLARED and left**2 < (1 - SEEN) * size(torque) ** 2:
-            yield (
-                f"the currents hold {mass:.1f} kg more than the study declares; declare it as "
-                "`payload`, or fit to recordings without a load"
-            )
+            yield contradiction("undeclared load", mass=mass)
 
 
 def _held(means: BlockMeans, gravity: Array, current: Array, joint: int) -> Held:

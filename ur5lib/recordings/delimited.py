@@ -90,8 +90,8 @@ def drop_untimed(
     timed = np.isfinite(table["time"].to_numpy(float))
     if timed.all():
         return table
-    detail = f"{path.name}: rows without a time are discarded"
-    findings.append(Finding(device, "missing times", "warning", int((~timed).sum()), detail))
+    count = int((~timed).sum())
+    findings.append(Finding(device, "missing times", "warning", count, {"file": path.name}))
     return table[timed].reset_index(drop=True)
 
 
@@ -129,7 +129,7 @@ def _with_points(
     """Return a block of lines with points for decimal commas."""
     if form.delimiter != b";" or b"," not in block:
         return block
-    note = Finding(device, "decimal commas", "note", 1, f"{path.name}: read as decimal points")
+    note = Finding(device, "decimal commas", "note", 1, {"file": path.name})
     if note not in findings:
         findings.append(note)
     return block.replace(b",", b".")
@@ -157,9 +157,8 @@ def _end_of_rows(
     last = max(top, data.rfind(b"\n") + 1)
     if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
-    number = line + data.count(b"\n", 0, last)
-    detail = f"{path.name}, line {number}: last line is cut off, skipped"
-    findings.append(Finding(device, "torn last line", "note", 1, detail))
+    place = {"file": path.name, "line": line + data.count(b"\n", 0, last)}
+    findings.append(Finding(device, "torn last line", "note", 1, place))
     return last
 
 
@@ -317,7 +316,9 @@ def _report_damaged(
             f"{path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    more = f" and {count - SHOWN} more" if count > SHOWN else ""
-    lines = ", ".join(str(damage.line) for damage in damaged[:SHOWN])
-    detail = f"{path.name}, line {lines}{more} ({fault}): expected {width} numbers, skipped"
-    findings.append(Finding(device, "damaged lines", "warning", count, detail))
+    lines = [damage.line for damage in damaged[:SHOWN]]
+    values = {"file": path.name, "lines": lines, "fault": fault, "width": width}
+    if more := count - len(lines):
+        values["more"] = more
+    code = "more damaged lines" if more else "damaged lines"
+    findings.append(Finding(device, "damaged lines", "warning", count, values, code))

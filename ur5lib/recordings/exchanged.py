@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -23,13 +24,10 @@ EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targ
 }
 
 
-def exchanged_channels(robot: pd.DataFrame) -> Iterator[str]:
+def exchanged_channels(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find targets and measurements of a repaired robot table that are exchanged."""
     for name in [*_motion(robot), *_current(robot)]:
-        yield (
-            f"actual_{name} and target_{name} are exchanged: actual_{name} is as smooth as only a "
-            "target is; correct the columns"
-        )
+        yield contradiction("exchanged channels", name=name)
 
 
 def _received(robot: pd.DataFrame, name: str) -> Array:

@@ -12,7 +12,7 @@ from ur5lib.channels import SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, part
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.interpolation import interpolated
 
@@ -110,8 +110,8 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
             "columns in the study"
         )
     if absent:
-        detail = f"{', '.join(absent)}: columns are missing or empty; the channel is ignored"
-        findings.append(Finding("robot", "incomplete channels", "warning", len(absent), detail))
+        names = {"names": absent}
+        findings.append(Finding("robot", "incomplete channels", "warning", len(absent), names))
     columns = _vectors(frames)
     dropped = [column for name in absent for column in columns[name]]
     return frames.drop(columns=dropped)
@@ -268,20 +268,15 @@ def _vectors(frames: pd.DataFrame) -> dict[str, list[str]]:
 
 
 def _report_steps(timing: Timing, findings: list[Finding]) -> None:
-    spread = f"{1000 * timing.jitter_99:.2g} ms (99 %)"
-    grid = f"{1000 * timing.period:g} ms"
+    values = {
+        "grid_ms": 1000 * timing.period,
+        "median_ms": 1000 * timing.jitter_median,
+        "most_ms": 1000 * timing.jitter_99,
+    }
     if not timing.regular:
-        detail = (
-            f"time steps vary by {spread} around {grid}; signals are interpolated onto a uniform "
-            "grid"
-        )
-        findings.append(Finding("robot", "irregular steps", "note", 1, detail))
+        findings.append(Finding("robot", "irregular steps", "note", 1, values))
     elif timing.jitter_99 > JITTER:
-        median = f"{1000 * timing.jitter_median:.2g} ms (median)"
-        detail = (
-            f"timestamps deviate from the {grid} grid by {median}, {spread}; snapped to the grid"
-        )
-        findings.append(Finding("robot", "jitter", "note", 1, detail))
+        findings.append(Finding("robot", "jitter", "note", 1, values))
 
 
 def _report_lost(
@@ -294,31 +289,29 @@ def _report_lost(
         lost = int(flags.all(axis=1).sum()) if flags.shape[1] == channels else 0
     if lost:
         common = pd.Series(1000 * timing.period * np.rint(steps / timing.period)).value_counts()
-        pattern = ", ".join(f"{count} of {step:g} ms" for step, count in common.head(3).items())
-        longest = f"longest {1000 * timing.longest_step:.0f} ms"
-        detail = f"most frequent steps: {pattern}; {longest}; {filled} frames interpolated"
-        findings.append(Finding("robot", "lost frames", "warning", lost, detail))
+        values = {
+            "steps": [
+                part("steps", count=count, step_ms=step) for step, count in common.head(3).items()
+            ],
+            "longest_ms": 1000 * timing.longest_step,
+            "filled": filled,
+        }
+        findings.append(Finding("robot", "lost frames", "warning", lost, values))
 
 
 def _report_holes(holes: int, findings: list[Finding]) -> None:
     if holes:
-        detail = "some channels have missing cells; they are interpolated"
-        findings.append(Finding("robot", "missing cells", "warning", holes, detail))
+        findings.append(Finding("robot", "missing cells", "warning", holes))
 
 
 def _report_splits(splits: int, findings: list[Finding]) -> None:
     if splits:
-        detail = (
-            "gaps are too long to fill; the recording is split, nothing is computed across them"
-        )
-        findings.append(Finding("robot", "split", "warning", splits, detail))
+        findings.append(Finding("robot", "split", "warning", splits))
 
 
 def _report_discarded(lost: int, stretches: list[Stretch], findings: list[Finding]) -> None:
     if lost:
-        detail = "a channel is missing for too long, or at the start or end; frames discarded"
-        findings.append(Finding("robot", "incomplete frames", "warning", lost, detail))
+        findings.append(Finding("robot", "incomplete frames", "warning", lost))
     crowded = sum(stretch.crowded for stretch in stretches)
     if crowded:
-        detail = "several frames fall into one cycle; only the first is kept"
-        findings.append(Finding("robot", "crowded frames", "warning", crowded, detail))
+        findings.append(Finding("robot", "crowded frames", "warning", crowded))

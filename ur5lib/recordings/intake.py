@@ -104,11 +104,8 @@ def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
     unused = list(filter(is_unused, others))
     unknown = [name for name in others if name not in unused]
     notes = [
-        Finding("robot", f"{kind} channels", "note", len(names), f"{_some(names)}: {detail}")
-        for kind, names, detail in (
-            ("unused", unused, "RTDE channels that nothing here uses; left out"),
-            ("unknown", unknown, "not among the channels of RTDE; ignored"),
-        )
+        Finding("robot", f"{kind} channels", "note", len(names), {"names": _some(names)})
+        for kind, names in (("unused", unused), ("unknown", unknown))
         if names
     ]
     return table.drop(columns=others), notes
@@ -118,8 +115,7 @@ def _without_velocities(table: pd.DataFrame) -> list[Finding]:
     """Return a note where the velocities are to be found from the positions."""
     if "actual_qd_0" in table or "actual_q_0" not in table:
         return []
-    detail = "no actual_qd: velocities are the slopes of actual_q, with the noise of these"
-    return [Finding("robot", "no velocities", "note", len(table), detail)]
+    return [Finding("robot", "no velocities", "note", len(table))]
 
 
 def _some(names: list[str]) -> str:

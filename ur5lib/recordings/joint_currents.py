@@ -13,6 +13,7 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.recordings.readings import IN_ORDER, Order, readings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
@@ -34,7 +35,7 @@ BEARS = 1.0  # A, root mean square of the target of a joint that bears something
 
 def strange_currents(
     robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float
-) -> Iterator[str]:
+) -> Iterator[Finding]:
     """Find currents that are delayed, exchanged, turned or scaled.
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
@@ -59,7 +60,7 @@ def moving(means: BlockMeans) -> Mask:
     return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MOVES)
 
 
-def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
+def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find two joints, each of which explains the current of the other better by far."""
     score = means.log_likelihood(_left(means, arm) + NOISE**2)
     gains = {
@@ -68,13 +69,10 @@ def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[str]:
     }
     j, k = max(gains, key=gains.__getitem__, default=(0, 0))
     if gains.get((j, k), 0.0) > SURE:
-        yield (
-            f"the currents of joints {j + 1} and {k + 1} are exchanged: each follows the motion of "
-            "the other joint; correct the columns of actual_current"
-        )
+        yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
-def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[str]:
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
     if CURRENT not in means.currents:
         return
@@ -84,30 +82,24 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[str]:
     }
     for order, (j, k) in orders.items():
         if scores[order] - scores[IN_ORDER] > SURE:
-            yield (
-                f"joints {j + 1} and {k + 1} are exchanged: gravity explains the currents better "
-                "by far if their columns change places; correct the columns"
-            )
+            yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
 
 
 def _exchanged(j: int, k: int) -> Order:
     return tuple({j: k, k: j}.get(joint, joint) for joint in IN_ORDER)
 
 
-def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[str]:
+def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
     """Find another arm whose gravity explains the currents better by far; all under their load."""
     if CURRENT not in means.currents:
         return
     (own,) = readings(means, [CURRENT], [arm], [IN_ORDER])
     best = readings(means, [CURRENT], others, [IN_ORDER])[0]
     if best.score - own.score > SURE_ARM:
-        yield (
-            f"the currents are not those of {arm.name}: the gravity of `robot: {best.arm}` "
-            "explains them better by far; correct `robot`, or columns and units"
-        )
+        yield contradiction("other arm's currents", arm=arm.name, other=best.arm)
 
 
-def turned(means: BlockMeans, arm: Robot) -> Iterator[str]:
+def turned(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find currents whose friction drives the motion instead of braking it."""
     gravity, rest = means.gravity(arm), [means.qdd, np.ones((len(means.q), 1))]
     speed = np.sqrt((means.qd**2).mean(axis=0))  # usual
@@ -115,13 +107,10 @@ def turned(means: BlockMeans, arm: Robot) -> Iterator[str]:
         columns = np.column_stack([means.friction(joint), gravity[:, joint], *rest])
         friction = combination(columns, means.currents[CURRENT][:, joint], [1.0, speed[joint]])
         if friction[0] < -BRAKES * friction[1]:
-            yield (
-                f"the sign of the current of joint {joint + 1} is turned: friction would drive its "
-                "motion; correct the column"
-            )
+            yield contradiction("turned current", joint=joint + 1)
 
 
-def scaled(means: BlockMeans) -> Iterator[str]:
+def scaled(means: BlockMeans) -> Iterator[Finding]:
     """Find currents that are a fraction or a multiple of their targets, in joints that bear."""
     if "target_current" not in means.currents:
         return
@@ -133,21 +122,14 @@ def scaled(means: BlockMeans) -> Iterator[str]:
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
         slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
         if slope + 5 * error < WEAK or slope - 5 * error > STRONG:
-            yield (
-                f"the current of joint {joint + 1} is {slope:.2f} times its target; correct its "
-                "unit or column, or declare the load as `payload`"
-            )
+            yield contradiction("scaled current", joint=joint + 1, ratio=slope)
 
 
-def delayed(robot: pd.DataFrame, arm: Robot, step: float) -> Iterator[str]:
+def delayed(robot: pd.DataFrame, arm: Robot, step: float) -> Iterator[Finding]:
     """Find currents that come later or earlier than the motion that they drive."""
     delay, gain = current_delay(robot, arm, step)
     if abs(delay) >= DELAYED and gain > SURE:
-        side = "later" if delay > 0 else "earlier"
-        yield (
-            f"actual_current comes {abs(delay):.2f} s {side} than the motion; record both with one "
-            "clock, or correct the time of one"
-        )
+        yield contradiction("late current" if delay > 0 else "early current", seconds=abs(delay))
 
 
 def current_delay(robot: pd.DataFrame, arm: Robot, step: float) -> tuple[float, float]:

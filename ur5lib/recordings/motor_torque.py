@@ -20,10 +20,9 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
-        detail = f"{TORQUE} without {CURRENT}: the torque constants of {arm.name} are unknown"
-        findings.append(Finding("robot", "no currents", "warning", len(table), detail))
+        unknown = {"arm": arm.name}
+        findings.append(Finding("robot", "no currents", "warning", len(table), unknown))
         return table
-    shown = ", ".join(f"{constant:.3g}" for constant in constants)
-    detail = f"{CURRENT} is {TORQUE} divided by {shown} Nm/A, the torque constants of {arm.name}"
-    findings.append(Finding("robot", "currents from torques", "note", len(table), detail))
+    known = {"constants": constants.tolist(), "arm": arm.name}
+    findings.append(Finding("robot", "currents from torques", "note", len(table), known))
     return table.assign(**named(channel(table, TORQUE) / constants, CURRENT))

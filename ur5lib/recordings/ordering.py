@@ -20,13 +20,11 @@ def in_order(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     frames = drop_repeats(frames, "robot", findings)
     epoch = epochs(frames["time"].to_numpy())
     if epoch.max() > 0:
-        detail = "the controller's clock restarts; the recording is split there"
-        findings.append(Finding("robot", "clock reset", "warning", int(epoch.max()), detail))
+        findings.append(Finding("robot", "clock reset", "warning", int(epoch.max())))
     ordered = frames.assign(epoch=epoch)
     backwards = int((frames["time"].diff() < 0).sum()) - int(epoch.max())
     if backwards > 0:
-        detail = "frames come after later ones; sorted by time"
-        findings.append(Finding("robot", "frames out of order", "note", backwards, detail))
+        findings.append(Finding("robot", "frames out of order", "note", backwards))
         ordered = ordered.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
     ordered = _nudge_stale_stamps(ordered, findings)
     return _return_lost_data(_drop_stale_data(ordered, findings), findings)
@@ -52,8 +50,7 @@ def drop_repeats(frames: pd.DataFrame, device: Device, findings: list[Finding]) 
     if epochs(time[~repeated]).max() > 0:  # after a reset, timestamps may legitimately recur
         repeated = frames.assign(epoch=epochs(time)).duplicated()
     if repeated.any():
-        detail = "rows that repeat an earlier one exactly; discarded"
-        findings.append(Finding(device, "repeated frames", "note", int(repeated.sum()), detail))
+        findings.append(Finding(device, "repeated frames", "note", int(repeated.sum())))
     return frames[~repeated].reset_index(drop=True)
 
 
@@ -62,8 +59,7 @@ def _nudge_stale_stamps(frames: pd.DataFrame, findings: list[Finding]) -> pd.Dat
     stale = frames.duplicated(["epoch", "time"])
     if not stale.any():
         return frames
-    detail = "new data with an old timestamp; moved to the next slot"
-    findings.append(Finding("robot", "stale stamps", "warning", int(stale.sum()), detail))
+    findings.append(Finding("robot", "stale stamps", "warning", int(stale.sum())))
     cycle = frames["time"].diff().loc[lambda step: step > 0].median()
     frames = frames.assign(time=frames["time"] + cycle * stale)
     return frames.sort_values(["epoch", "time"], kind="stable", ignore_index=True)
@@ -81,8 +77,7 @@ def _drop_stale_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataFr
     noisy = (frames[currents].diff().abs() > 0).any(axis="columns").mean() > 0.9
     if not (same.any() and noisy):
         return frames
-    detail = "data of the previous frame with a new timestamp; treated as lost frames"
-    findings.append(Finding("robot", "stale data", "warning", int(same.sum()), detail))
+    findings.append(Finding("robot", "stale data", "warning", int(same.sum())))
     return frames[~same].reset_index(drop=True)
 
 
@@ -98,8 +93,7 @@ def _return_lost_data(frames: pd.DataFrame, findings: list[Finding]) -> pd.DataF
     late = after_gap[_one_cycle_late(after_gap, time, q, qd, cycle)]
     if not len(late):
         return frames
-    detail = "data of a lost frame with the next timestamp; moved back to their own time"
-    findings.append(Finding("robot", "late data", "warning", len(late), detail))
+    findings.append(Finding("robot", "late data", "warning", len(late)))
     time = time.copy()
     time[late] -= cycle
     return frames.assign(time=time)

@@ -42,10 +42,9 @@ def drop_implausible(
     time = frames["time"].to_numpy(float)
     wrong[~wrong] = stray_times(time[~wrong])
     if wrong.any():
-        where = int(np.flatnonzero(wrong)[0])
-        detail = f"first in row {where + 1}: physically impossible values or times, discarded"
+        where = {"row": int(np.flatnonzero(wrong)[0]) + 1}
         name = "impossible frames" if device == "robot" else "impossible samples"
-        findings.append(Finding(device, name, "warning", int(wrong.sum()), detail))
+        findings.append(Finding(device, name, "warning", int(wrong.sum()), where, "impossible"))
     check_pace(time[~wrong], source)
     return frames[~wrong].reset_index(drop=True) if wrong.any() else frames
 

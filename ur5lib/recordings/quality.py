@@ -1,32 +1,41 @@
 """Findings about the quality of a recording."""
 
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from typing import Literal
-
-from ur5lib.errors import printable
 
 Device = Literal["robot", "force", "imu"]
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
+Part = dict[str, object]  # of a sentence: a code and its values
 
 
 @dataclass(frozen=True)
 class Finding:
     """One kind of defect in one device's files.
 
-    severity: error (the device is unusable), warning (results may suffer), note (harmless);
-    count: number of samples, rows or files; detail: what was found, and what was done about it.
+    severity: stop (the recording contradicts the study), error (the device is unusable), warning
+    (results may suffer), note (harmless); count: number of samples, rows or files; values: numbers
+    and names in the sentence about it, which stands in `report/templates/findings.yaml` under its
+    code, or else under the finding's name.
     """
 
     device: Device
     finding: str
-    severity: Literal["error", "warning", "note"]
+    severity: Literal["stop", "error", "warning", "note"]
     count: int
-    detail: str
-
-    def __post_init__(self) -> None:
-        """Keep the detail as it may be printed: it quotes files."""
-        object.__setattr__(self, "detail", printable(self.detail))
+    values: Mapping[str, object] = field(default_factory=dict)
+    code: str = ""
 
     def as_row(self) -> dict[str, object]:
         """Return the finding as a row of the quality table."""
         return asdict(self)
+
+
+def contradiction(code: str, **values: object) -> Finding:
+    """Return a stop sign: what contradicts the study so much that no forces may be stated."""
+    return Finding("robot", "contradiction", "stop", 1, values, code)
+
+
+def part(code: str, **values: object) -> Part:
+    """Return a part of a finding's sentence, which is a value of it."""
+    return {"code": code, "values": values}

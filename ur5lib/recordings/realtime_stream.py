@@ -228,8 +228,8 @@ def _find_damaged(lines: _Lines, before: Integers, skip: int, findings: list[Fin
         torn = before + np.arange(len(before))
         others = damaged + np.searchsorted(before, damaged, side="right")
         first = int(np.concatenate([torn, others]).min()) + 1 + skip
-        detail = f"lines that are not “number,hex”; skipped, the first is line {first}"
-        findings.append(Finding("robot", "damaged lines", "warning", count, detail))
+        place = {"line": first}
+        findings.append(Finding("robot", "damaged lines", "warning", count, place, "no messages"))
 
 
 def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.RecordBatch]:
@@ -374,10 +374,9 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
     """Return the most frequent message size; messages of other sizes are reported."""
     size = max(counts, key=counts.__getitem__)
     if others := sorted(counts.keys() - {size}):
-        which = ", ".join(map(str, others))
-        detail = f"messages of {which} bytes among those of {size} bytes; skipped"
         count = sum(counts[other] for other in others)
-        findings.append(Finding("robot", "other layouts", "warning", count, detail))
+        sizes = {"others": others, "bytes": size}
+        findings.append(Finding("robot", "other layouts", "warning", count, sizes))
     return size
 
 
@@ -392,14 +391,12 @@ def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
     findings = []
     if skipped:
         first = lines.received[np.searchsorted(lines.ends, skipped[0][0], side="right")]
-        when = f"{first - lines.received[0]:.3g} s after the capture began"
+        where = {"places": len(skipped), "seconds": float(first - lines.received[0])}
         count = sum(end - start for start, end in skipped)
-        places = "1 place" if len(skipped) == 1 else f"{len(skipped)} places, the first"
-        detail = f"bytes outside complete messages (data lost, cut or foreign) in {places} {when}"
-        findings.append(Finding("robot", "bytes skipped", "warning", count, detail))
+        code = "bytes skipped" if len(skipped) == 1 else "bytes skipped often"
+        findings.append(Finding("robot", "bytes skipped", "warning", count, where, code))
     if partial:
-        detail = "the capture begins or ends within a message; skipped"
-        findings.append(Finding("robot", "incomplete message", "note", len(partial), detail))
+        findings.append(Finding("robot", "incomplete message", "note", len(partial)))
     return findings
 
 

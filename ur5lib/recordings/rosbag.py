@@ -41,10 +41,10 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     except Exception as error:  # of damaged files, the library may raise anything
         if not topics:
             raise damaged(path, "a ROS 2 bag", error) from error
-        lost["the end of the file cannot be read"] += 1
-    for reason, count in lost.items():
-        detail = f"{path.name}: {reason}"
-        findings.append(Finding("robot", "damaged messages", "warning", count, detail))
+        lost["unreadable end"] += 1
+    for code, count in lost.items():
+        where = {"file": path.name}
+        findings.append(Finding("robot", "damaged messages", "warning", count, where, code))
     arrays: Arrays = {}
     for topic, messages in topics.items():
         arrays |= _topic_arrays(topic, messages, path, findings)
@@ -76,13 +76,13 @@ def _collect(
             stamp = message.header.stamp
             seconds = stamp.sec + 1e-9 * stamp.nanosec
         except Exception:  # of damaged messages, the library may raise anything
-            lost["messages that are no messages of their type; skipped"] += 1
+            lost["undecodable messages"] += 1
             continue
         topics.setdefault(connection.topic, []).append(
             Message(seconds, received * 1e-9, fields, names)
         )
     if missing > 0:
-        lost["messages that its index counts and the bag does not hold"] += missing
+        lost["missing messages"] += missing
 
 
 def _joint_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
@@ -112,15 +112,11 @@ def _topic_arrays(
     """Return the arrays of a topic, of the messages about the joints that most of them name."""
     usual = _usual_names(messages)
     kept = [m for m in messages if frozenset(m.names) == frozenset(usual)]
-    if len(kept) < len(messages):
-        detail = f"{path.name}: messages on {topic} about other joints than {', '.join(usual)}"
-        count = len(messages) - len(kept)
-        findings.append(Finding("robot", "other messages", "note", count, f"{detail}; left out"))
+    about = {"file": path.name, "topic": topic, "joints": usual}
+    if others := len(messages) - len(kept):
+        findings.append(Finding("robot", "other messages", "note", others, about))
     if usual and joint_order(usual) is None:
-        detail = (
-            f"{path.name}: {', '.join(usual)} on {topic} name no arm's joints; left as they are"
-        )
-        findings.append(Finding("robot", "unnamed joints", "note", len(usual), detail))
+        findings.append(Finding("robot", "unnamed joints", "note", len(usual), about))
     arrays = {
         f"{topic}/stamp": np.array([message.stamp for message in kept]),
         f"{topic}/bag_stamp": np.array([message.bag_stamp for message in kept]),

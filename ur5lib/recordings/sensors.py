@@ -64,13 +64,13 @@ def read_device(
     to_si(pd.DataFrame(columns=names, dtype=float), units)
     absence = _absence(path)
     if absence is not None:
-        findings.append(Finding(device, "no sensor", "note", 1, absence))
+        findings.append(Finding(device, "no sensor", "note", 1, {"file": path.name}, absence))
         return None
     try:
         table = without_delays(to_si(read_numbers(path, names, device, findings), units))
         return repair_samples(table, path, device, findings)
     except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
+        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
         return None
 
 
@@ -97,7 +97,7 @@ def device_start(
     try:
         return first_number(path, ended)
     except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
+        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
         return None
 
 
@@ -108,13 +108,13 @@ def table_start(first: float, counts: str) -> Stamp:
 
 def _absence(path: Path) -> str | None:
     if not path.exists():
-        return f"{path.name} does not exist"
+        return "no file"
     if not path.is_file():
         return None  # what it is instead is reported when it is read
     with path.open("rb") as stream:
         head = stream.read(100)
     if b"no values recorded" in head or not head.strip():
-        return f"{path.name} is empty: no values were recorded"
+        return "empty file"
     return None
 
 
@@ -122,8 +122,8 @@ def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding
     """Drop rows with empty cells: a sensor samples fast enough to do without them."""
     whole = np.isfinite(table.to_numpy()).all(axis=1)
     if not whole.all():
-        detail = "samples with empty cells; discarded"
-        findings.append(Finding(device, "missing cells", "warning", int((~whole).sum()), detail))
+        count = int((~whole).sum())
+        findings.append(Finding(device, "missing cells", "warning", count, code="missing samples"))
     return table[whole].reset_index(drop=True)
 
 
@@ -135,9 +135,10 @@ def repair_samples(
     Raises InputError for wrong units.
     """
     table = drop_untimed(table, path, device, findings)
-    absence = _nothing(table, path, device)
+    absence = _nothing(table, device)
     if absence is not None:
-        findings.append(Finding(device, "no sensor", "note", 1, absence))
+        where = {"file": path.name, "columns": len(table.columns)}
+        findings.append(Finding(device, "no sensor", "note", 1, where, absence))
         return None
     table = drop_implausible(table, str(path), device, findings)
     whole = _in_order(_drop_incomplete(table, device, findings), device, findings)
@@ -149,13 +150,13 @@ def repair_samples(
     return SensorSamples(whole, first_time(table["time"].to_numpy()))
 
 
-def _nothing(table: pd.DataFrame, path: Path, device: Device) -> str | None:
+def _nothing(table: pd.DataFrame, device: Device) -> str | None:
     """Return why a sensor's rows are unusable, or None if they can be used."""
     whole = table.dropna()
     if len(whole) < 2:
-        return f"{path.name} has fewer than two complete rows of {len(table.columns)} numbers"
+        return "no rows"
     if device == "force" and (whole.drop(columns="time").abs() <= NOTHING).all(axis=None):
-        return f"{path.name} contains only zeros: no sensor was connected"
+        return "only zeros"
     return None
 
 
@@ -163,13 +164,12 @@ def _in_order(table: pd.DataFrame, device: Device, findings: list[Finding]) -> p
     table = drop_repeats(table, device, findings)
     later = epochs(table["time"].to_numpy()) > 0
     if later.any():
-        detail = "the device's clock restarts; the samples after that are discarded"
-        findings.append(Finding(device, "clock reset", "warning", int(later.sum()), detail))
+        count = int(later.sum())
+        findings.append(Finding(device, "clock reset", "warning", count, code="sensor's reset"))
         table = table[~later]
     backwards = int((table["time"].diff() < 0).sum())
     if backwards:
-        detail = "samples come after later ones; sorted by time"
-        findings.append(Finding(device, "samples out of order", "note", backwards, detail))
+        findings.append(Finding(device, "samples out of order", "note", backwards))
         table = table.sort_values("time", kind="stable")
     return table.reset_index(drop=True)
 
@@ -180,12 +180,11 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
     usual, median = np.quantile(steps, [0.25, 0.5])
     lost = int(np.rint(steps[steps > GAP * usual] / median - 1).clip(min=0).sum())
     if lost > FEW * len(time) or steps.max() > LONG_GAP * median:
-        detail = f"longest step {1000 * steps.max():.0f} ms, median step {1000 * median:.1f} ms"
-        findings.append(Finding(device, "lost samples", "warning", max(lost, 1), detail))
+        values = {"longest_ms": 1000 * float(steps.max()), "median_ms": 1000 * float(median)}
+        findings.append(Finding(device, "lost samples", "warning", max(lost, 1), values))
     still = int((steps == 0).sum())
     if still > FEW * len(time):
-        detail = "samples with the timestamp of the previous one"
-        findings.append(Finding(device, "stale stamps", "warning", still, detail))
+        findings.append(Finding(device, "stale stamps", "warning", still, code="stale samples"))
 
 
 def _read_sensor(

@@ -28,14 +28,10 @@ def place_sensors(
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
-            detail = "start stamp missing or incomplete: the clock cannot be aligned; not used"
-            findings.append(Finding(device, "no start stamp", "warning", 1, detail))
+            findings.append(Finding(device, "no start stamp", "warning", 1))
         elif not _overlap(recording.robot, record, offset.seconds):
-            detail = (
-                f"started {offset.seconds:+.0f} s from the robot and has no data during the "
-                "recording: probably a file of another run; not used"
-            )
-            findings.append(Finding(device, "stale copy", "warning", 1, detail))
+            seconds = {"seconds": offset.seconds}
+            findings.append(Finding(device, "stale copy", "warning", 1, seconds))
         else:
             placed[device] = (record, offset)
             begin, end = (offset.seconds + edge for edge in _span(record))

@@ -11,6 +11,7 @@ from ur5lib.recordings.checks import misread_velocities
 from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
 from ur5lib.recordings.exchanged import exchanged_channels
 from ur5lib.recordings.joint_currents import exchanged_joints, foreign_arm, strange_currents
+from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.tables import columns
 from ur5lib.timeseries.segments import period
@@ -24,8 +25,8 @@ FEWEST = 30  # blocks of a recording that can contradict an arm
 
 def stop_signs(
     robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
-) -> list[str]:
-    """Return the stop signs of a recording, a sentence each.
+) -> list[Finding]:
+    """Return the stop signs of a recording.
 
     robot: a repaired table, of which CHECKED is enough; arm: under the recording's gravity; told:
     the payload that the controller was given; declared: the one that the study gives; fitted:
@@ -38,7 +39,7 @@ def stop_signs(
 
 def _contradictions(
     robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
-) -> Iterator[str]:
+) -> Iterator[Finding]:
     """Yield what contradicts the arm and what it carries, the most telling first."""
     step = period(robot["time"].to_numpy())
     yield from misread_velocities(robot, step)

@@ -174,7 +174,7 @@ def _sensor(
     try:
         samples = repair_samples(_table(sensor, arrays, path), path, device, findings)
     except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, f"{error}; not used"))
+        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
         return None
     if samples is None:
         return None

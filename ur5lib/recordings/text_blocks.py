@@ -28,11 +28,11 @@ def text_blocks(path: Path, device: Device, findings: list[Finding]) -> Iterator
     with _open(path) as plain:
         packed = _read(plain, path, 2).startswith(GZIP)
     if packed:
-        findings.append(Finding(device, "compressed file", "note", 1, f"{path.name}: decompressed"))
+        findings.append(Finding(device, "compressed file", "note", 1, {"file": path.name}))
     with gzip.open(path) if packed else _open(path) as stream:
         block = _lines(stream, path)
         if block.startswith(MARK):
-            findings.append(Finding(device, "byte-order mark", "note", 1, f"{path.name}: ignored"))
+            findings.append(Finding(device, "byte-order mark", "note", 1, {"file": path.name}))
             block = block[len(MARK) :]
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:

@@ -77,9 +77,8 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
         robot = pd.merge_asof(robot, rows, on="clock", direction="nearest", tolerance=CYCLE / 4)
     shared = robot[robot["clock"].between(start, end)].drop(columns="clock")
     if len(shared) < len(longest):
-        detail = "channels end at different frames; cut to the shortest"
         lost = len(longest) - len(shared)
-        findings.append(Finding("robot", "channels of unequal length", "note", lost, detail))
+        findings.append(Finding("robot", "channels of unequal length", "note", lost))
     return shared.reset_index(drop=True)
 
 
@@ -97,8 +96,8 @@ def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFram
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
     if repeated.any():
-        detail = f"{path.name}: rows with a timestamp that was used before; discarded"
-        findings.append(Finding("robot", "repeated stamps", "warning", int(repeated.sum()), detail))
+        count, where = int(repeated.sum()), {"file": path.name}
+        findings.append(Finding("robot", "repeated stamps", "warning", count, where))
     return rows[~repeated].reset_index(drop=True)
 
 
@@ -106,8 +105,8 @@ def _drop_strays(rows: pd.DataFrame, path: Path, findings: list[Finding]) -> pd.
     """Drop rows with stray timestamps; done here because joining loses the file's order."""
     stray = stray_times(rows["time"].to_numpy())
     if stray.any():
-        detail = f"{path.name}: rows far from all others in time; discarded"
-        findings.append(Finding("robot", "impossible times", "warning", int(stray.sum()), detail))
+        count, where = int(stray.sum()), {"file": path.name}
+        findings.append(Finding("robot", "impossible times", "warning", count, where))
     if len(rows) > 1:
         check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
     return rows[~stray].reset_index(drop=True)

@@ -26,11 +26,10 @@ def with_wrist_sensor(
         return robot, []
     name, reading = found
     if other:
-        detail = f"{name} is not compared: the study names another force sensor"
-        return robot, [Finding("force", "wrist sensor", "note", 1, detail)]
-    detail = f"{name} of the arm is the force sensor of this recording, on the robot's clock"
+        note = Finding("force", "wrist sensor", "note", 1, {"name": name}, "other force sensor")
+        return robot, [note]
     columns = dict(zip(FORCE_CHANNELS, reading.T, strict=True))
-    return robot.assign(**columns), [Finding("force", "wrist sensor", "note", 1, detail)]
+    return robot.assign(**columns), [Finding("force", "wrist sensor", "note", 1, {"name": name})]
 
 
 def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:

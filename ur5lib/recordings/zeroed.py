@@ -29,9 +29,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
         wrong[:, noisy] |= _dead(values[:, noisy])
     if not wrong.any():
         return table
-    detail = "values fall to exactly zero at once, as where a file lost a block; not used"
     count = int(wrong.any(axis=1).sum())
-    findings.append(Finding("robot", "zeroed cells", "warning", count, detail))
+    findings.append(Finding("robot", "zeroed cells", "warning", count))
     return table.mask(wrong)
 
 

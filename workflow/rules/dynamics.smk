@@ -26,6 +26,22 @@ rule compute_torques:
         code=code("compute_torques"),
         gravity=gravity_of,
         payload=payload_of,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule find_contradictions:
+    input:
+        signals=result("signals.parquet"),
+        arm=parameter_of("arm.yaml"),
+    output:
+        contradictions=result("contradictions.json"),
+    log:
+        **traces("find_contradictions", "{recording}"),
+    params:
+        code=code("find_contradictions"),
+        gravity=gravity_of,
+        payload=payload_of,
         tcp=tcp_of,
         role=lambda wildcards: recording_of(wildcards).role,
     run:

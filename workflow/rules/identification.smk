@@ -58,7 +58,7 @@ rule fit_friction:
         signals=fitted_results("signals.parquet"),
         motion=fitted_results("motion.parquet"),
         torques=fitted_results("torques.parquet"),
-        loads=fitted_results("torques.json"),
+        contradictions=fitted_results("contradictions.json"),
         arm=parameter("arm.yaml"),
     output:
         friction=parameter("friction.json"),
@@ -101,6 +101,7 @@ rule predict_currents:
         motion=result("motion.parquet"),
         torques=result("torques.parquet"),
         load=result("torques.json"),
+        contradictions=result("contradictions.json"),
         payload=result("payload.json"),
         regressor=result("load_regressor.parquet"),
         unloaded=results_of_fitted("payload.json"),

@@ -139,7 +139,7 @@ rule make_tables:
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
         torques=results("torques.parquet"),
-        loads=results("torques.json"),
+        contradictions=results("contradictions.json"),
         closed_loop=results("closed_loop.parquet"),
         gains=results("gains.json"),
         accelerations=results("accelerations.json"),
@@ -161,6 +161,7 @@ rule make_tables:
         observability=parameters("observability.json"),
         audit=results("audit.json", WITH_WRIST_SENSOR),
         columns=COLUMNS,
+        sentences="ur5lib/report/templates/findings.yaml",
     output:
         **tables(TABLES),
     log:

@@ -16,7 +16,8 @@ def audit_sensor(input: Any, output: Any, params: Any) -> None:
     known, load = read_json(input.load), read_json(input.currents).get("load")
     own = "force" not in read_json(input.quality)["starts"]  # not of a file of its own
     summary: dict[str, Any] = {}
-    if own and signals.force_sensor is not None and not known["stop_signs"]:
+    stopped = read_json(input.contradictions)["stop_signs"]
+    if own and signals.force_sensor is not None and not stopped:
         tool = Payload(**known["payload"]) if known["payload"] else None
         summary = audit(robot, signals, kinematics, Motion.read(input.motion), tool, load)
     write_json(summary, output.audit)

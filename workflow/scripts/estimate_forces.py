@@ -25,7 +25,7 @@ from ur5lib.timeseries.arrays import Array
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    if not is_fitted(read_json(input.friction), read_json(input.rigid)):
+    if not is_fitted(read_json(input.friction), read_json(input.contradictions)):
         _static(input, params).write(output.forces)
         return
     # read anew, so that of a long recording either all inputs are held or all results

@@ -26,9 +26,9 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
             records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion))
     summary: dict[str, Any] = {"from": []}
-    loads = zip(params.recordings, map(read_json, input.loads), strict=True)
+    found = zip(params.recordings, map(read_json, input.contradictions), strict=True)
     try:
-        require_no_stop_sign(dict(loads))
+        require_no_stop_sign(dict(found))
         prior = prior_of(robot, ratios)
         summary = friction_summary(records, prior, smooth, params.terms) | {"model": model}
     except ContradictionError as sign:

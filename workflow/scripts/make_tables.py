@@ -6,7 +6,7 @@ from ur5lib.report.reference import read_reference
 from ur5lib.report.tables.making import OfAll, made
 from ur5lib.tables import write_csv
 
-ONCE = ("reference", "columns")  # inputs that are not results
+ONCE = ("reference", "columns", "sentences")  # inputs that are not results
 
 
 def make_tables(input: Any, output: Any, params: Any) -> None:

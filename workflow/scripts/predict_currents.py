@@ -26,8 +26,8 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     record = current_record(params.recording, signals, motion, Torques.read(input.torques), model)
     currents = Currents(time=signals.time, segment=signals.segment)
     summary: dict[str, Any] = {"fitted": params.recording in friction["from"], "scores": {}}
-    known = read_json(input.load)
-    if record is not None and friction["from"] and not known["stop_signs"]:
+    known, stopped = read_json(input.load), read_json(input.contradictions)["stop_signs"]
+    if record is not None and friction["from"] and not stopped:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):

@@ -22,7 +22,8 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
     robot = load_robot(input.arm)
     forces = PublishedForces(time=signals.time, segment=signals.segment)
-    stopped = read_json(input.load)["stop_signs"] or "stopped" in read_json(input.friction)
+    found = read_json(input.contradictions)
+    stopped = found["stop_signs"] or "stopped" in read_json(input.friction)
     if not stopped:
         forces = published_forces(robot, signals, motion, torques, jacobian, settings)
     forces.write(output.forces)

@@ -1,10 +1,11 @@
 """Rows of tables about the recordings' files: their size, clocks and findings."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.report.finding_sentences import worded
 from ur5lib.report.tables.own import Own, Row
 
 REMEDY = "if one computer timestamps both this device and an IMU, list both under `hosts`"
@@ -54,19 +55,13 @@ def _ppm(drift: float | None) -> float | None:
 
 def quality(own: Own) -> Iterator[Row]:
     """Yield the findings about a recording's files, clocks and sensors."""
-    loads = own["loads"]
-    yield from stop_rows(loads.get("stop_signs", ()))
-    yield from own["quality"]["findings"]
-    yield from loads.get("findings", [])
+    found = own["contradictions"]
+    yield from map(worded, found.get("stop_signs", []))
+    yield from map(worded, own["quality"]["findings"])
+    yield from map(worded, found.get("findings", []))
     yield from _copies(own)
     yield from _poor_clocks(own)
     yield from _doubted_sensor(own)
-
-
-def stop_rows(signs: Iterable[str]) -> Iterator[Row]:
-    """Yield the stop signs of a recording, each a sentence."""
-    for sign in signs:
-        yield _finding("robot", "contradiction", sign, "stop")
 
 
 def _finding(device: str, finding: str, detail: str, severity: str = "warning") -> Row:

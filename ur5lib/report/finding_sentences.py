@@ -1,0 +1,43 @@
+"""The sentences about findings, which stand in `templates/findings.yaml` by their codes."""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from string import Formatter
+from typing import Any
+
+from ur5lib.errors import printable
+from ur5lib.strict import read_yaml
+
+TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
+
+
+class Words(Formatter):
+    """Values in a sentence: lists are joined by commas, parts of a sentence by their format."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a value in words; parts, a code with its values, are sentences themselves."""
+        if isinstance(value, Mapping):
+            return sentence(value["code"], value["values"])
+        if not isinstance(value, list | tuple):
+            return str(super().format_field(value, format_spec))
+        if all(isinstance(one, Mapping) for one in value):
+            return (format_spec or ", ").join(self.format_field(one, "") for one in value)
+        return ", ".join(self.format_field(one, format_spec) for one in value)
+
+
+@cache
+def templates() -> dict[str, str]:
+    """Return the sentences by code."""
+    return dict(read_yaml(TEMPLATES))
+
+
+def sentence(code: str, values: Mapping[str, Any]) -> str:
+    """Return the sentence of a code, as it may be printed: its values quote files."""
+    return printable(Words().vformat(templates()[code], (), values))
+
+
+def worded(finding: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of quality.json with its sentence as `detail`, in the place of its code."""
+    row = {name: value for name, value in finding.items() if name not in ("code", "values")}
+    return row | {"detail": sentence(finding["code"] or finding["finding"], finding["values"])}

@@ -1,0 +1,21 @@
+"""Stop signs: what in a recording contradicts the study; and doubts about its payload and tool."""
+
+from typing import Any
+
+from ur5lib.pipeline.carried import carried, disagreements
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.stop_signs import CHECKED, stop_signs
+from ur5lib.robots.description import Payload, load_robot
+from ur5lib.tables import column_names, read_table, write_json
+
+
+def find_contradictions(input: Any, output: Any, params: Any) -> None:
+    declared = Payload.model_validate_json(params.payload) if params.payload else None
+    signals, arm = Signals.read(input.signals), load_robot(input.arm).mounted(params.gravity)
+    load, doubts = carried(declared, signals), disagreements(declared, params.tcp or None, signals)
+    del signals
+    table = read_table(input.signals, [*CHECKED.intersection(column_names(input.signals))])
+    signs = stop_signs(table, arm, load.told, load.payload, params.role == "fit")
+    found = {"stop_signs": signs, "findings": doubts}
+    rows = {kind: [one.as_row() for one in its] for kind, its in found.items()}
+    write_json(rows, output.contradictions)
