@@ -122,7 +122,7 @@ def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> Non
 
 
 def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]]:
-    """Time and channels of a pushed arm, with the wrench as a study can name it in a frame.
+    """Time and channels of a pushed arm, with the wrench in a frame and of the channel's sign.
 
     The base's: the arm on its surroundings; the flange's: these on the arm.
     """
@@ -136,28 +136,35 @@ def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]
     return time, pushed | {"force": sensed, "torque": 0 * sensed + 1e-6}
 
 
+@pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("frame", ["base", "flange"])
 def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
-    tmp_path: Path, made: Made, ur5: Robot, frame: str
+    tmp_path: Path, made: Made, ur5: Robot, frame: str, sign: int
 ) -> None:
-    write_hdf5(tmp_path / "run.h5", *touched(made, ur5, frame))
+    """Of four; ROS drivers publish flange axes and the force of the arm on its surroundings."""
+    time, channels = touched(made, ur5, frame)
+    write_hdf5(tmp_path / "run.h5", time, channels | {"force": sign * channels["force"]})
     entry, said = entry_and_comments(tmp_path / "run.h5")
     assert entry["role"] == "contact"
-    assert f"in the {frame}'s frame: only so" in said
+    assert f"proven: run/force and run/torque in the {frame}'s frame" in said
+    turned = {} if sign == 1 else {"units": dict.fromkeys(("ft_f", "ft_t"), "opposite")}
     if frame == "base":
         assert entry["channels"]["actual_TCP_force"] == ["run/force", "run/torque"]
+        assert ("actual_TCP_force" in entry.get("units", {})) == (sign == -1)
     else:
         its = {"time": "run/time", "ft_f": "run/force", "ft_t": "run/torque"}
-        assert entry["force_sensor"]["channels"] == its
+        assert entry["force_sensor"] == {"channels": its} | turned
+        complete = {"units": {}, "joints": None, "time": "relative_s"} | entry
+        complete["force_sensor"] = {"units": {}, "time": "relative_s"} | entry["force_sensor"]
+        read = read_recording(complete).sensors["force"].table
+        np.testing.assert_allclose(read["ft_fx"], touched(made, ur5, frame)[1]["force"][:, 0])
 
 
-@pytest.mark.parametrize("frame", ["base", "flange"])
-def test_a_wrench_of_the_other_sign_proves_no_frame(
-    tmp_path: Path, made: Made, ur5: Robot, frame: str
-) -> None:
-    """Such as ROS drivers publish: flange axes, the arm on its surroundings."""
-    time, channels = touched(made, ur5, frame)
-    write_hdf5(tmp_path / "run.h5", time, channels | {"force": -channels["force"]})
+def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur5: Robot) -> None:
+    """Noise of a sensor, of which the efforts know nothing."""
+    time, channels = touched(made, ur5, "flange")
+    random = np.random.default_rng(2).normal(0, 5, channels["force"].shape)
+    write_hdf5(tmp_path / "run.h5", time, made[1] | {"force": random, "torque": random / 50})
     entry, said = entry_and_comments(tmp_path / "run.h5")
     assert "actual_TCP_force" not in entry["channels"]
     assert "force_sensor" not in entry

@@ -25,6 +25,7 @@ from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
+from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import FullScale, Robot, load_robot, robot_path
@@ -734,3 +735,23 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     found = {one["finding"]: one for one in quality["findings"]}
     assert found["unused channels"]["count"] == 3
     assert said(found["unknown channels"]).startswith("i_actual_0: not among the channels")
+
+
+@pytest.mark.parametrize(
+    ("columns", "finding"),
+    [
+        (FORCE_CHANNELS, "assumed frame"),
+        ([f"ft_{k}" for k in range(6)], "unused wrench"),
+        (FORCE_CHANNELS[:3], "unused wrench"),
+    ],
+)
+def test_a_wrench_in_the_robot_s_file_is_used_or_told(
+    tmp_path: Path, ur5: Robot, columns: list[str], finding: str
+) -> None:
+    names = ["timestamp", *(f"actual_q_{k}" for k in range(6)), *columns]
+    rows = np.column_stack([np.arange(50) * 0.002, np.zeros((50, 6)), np.ones((50, len(columns)))])
+    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
+    entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
+    taken = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1)
+    assert finding in {one["finding"] for one in taken.quality["findings"]}
+    assert ("ft_fx" in taken.robot) == (finding == "assumed frame")

@@ -10,7 +10,7 @@ from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.proposal import Proposal
-from ur5lib.recordings.columns import SKIPPED
+from ur5lib.recordings.columns import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line
@@ -78,7 +78,8 @@ def _of_arrays(proposal: Proposal) -> dict[str, Any]:
     if proposal.sensor:
         force, torque = (_named([block]) for block in proposal.sensor)
         its = {"time": proposal.sensor[0].clock, "ft_f": force, "ft_t": torque}
-        sensor = {"force_sensor": {"channels": its} | _time(proposal)}
+        turned = {"units": {"ft_f": OPPOSITE, "ft_t": OPPOSITE}} if proposal.opposite else {}
+        sensor = {"force_sensor": {"channels": its} | turned | _time(proposal)}
     order = {"joints": joints} if proposal.order != IN_ORDER else {}
     return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
 

@@ -13,11 +13,13 @@ from ur5lib.importing.contents import AGAIN, Contents
 from ur5lib.importing.efforts import name_efforts
 from ur5lib.importing.identity import identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
-from ur5lib.importing.wrenches import wrench_frame
+from ur5lib.importing.wrenches import Frame, wrench_frame
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
+from ur5lib.recordings.columns import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.readings import Order, Reading
+from ur5lib.robots.description import Robot
 
 FEWEST = 8  # blocks of 0.1 s
 EFFORTS = ("effort", "actual_current", "target_current", "target_moment")
@@ -36,7 +38,8 @@ class Proposal:
     """A file's channels, and what is known about them.
 
     clock: the name of the robot's stamps; order: the column of joints 1 to 6; channels: the blocks
-    of each; units: by channel, those that are not SI; sensor: the blocks of the force sensor.
+    of each; units: by channel, those that are not SI; sensor: the blocks of the force sensor;
+    opposite: whether it reads the force of the arm on its surroundings.
     """
 
     contents: Contents
@@ -47,6 +50,7 @@ class Proposal:
     units: dict[str, str]
     account: Account
     sensor: list[Block] = field(default_factory=list)
+    opposite: bool = False
     pushed: bool = False
 
 
@@ -71,16 +75,19 @@ def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
             channels[name] = [block]
     pushed = _pushed(wrench, account)
     sensor: list[Block] = []
+    opposite = False
     measured = [block for name, block in named.items() if name.startswith("actual")]
     telling = [name for name, block in efforts.items() if any(block is its for its in measured)]
     if wrench:
         frame = _frame(wrench, telling, means, reading, account, pushed)
-        sensor = wrench if frame == "flange" else []
-        channels |= {"actual_TCP_force": wrench} if frame == "base" else {}
+        sensor = wrench if frame and frame.axes == "flange" else []
+        channels |= {"actual_TCP_force": wrench} if frame and frame.axes == "base" else {}
+        opposite = frame is not None and _opposite(frame, wrench, described(reading.arm), account)
     _account_for_columns(found, account)
-    return Proposal(
-        found, clock, reading.arm, reading.order, channels, moving.units, account, sensor, pushed
-    )
+    if opposite and not sensor:
+        moving.units["actual_TCP_force"] = OPPOSITE
+    known = found, clock, reading.arm, reading.order, channels, moving.units, account
+    return Proposal(*known, sensor, opposite, pushed)
 
 
 def _efforts(found: Contents, moving: ImportedMotion) -> list[Block]:
@@ -135,8 +142,8 @@ def _frame(
     reading: Reading,
     account: Account,
     pushed: bool,
-) -> str | None:
-    """Return the frame of a wrench: base or flange, None where the efforts do not tell."""
+) -> Frame | None:
+    """Return the frame of a wrench, None where the efforts do not prove it."""
     title = " and ".join(block.title for block in wrench)
     values, arm = means.currents["wrench"], described(reading.arm)
     frame, apart = None, 0.0
@@ -146,12 +153,26 @@ def _frame(
         account.ambiguous.append(
             f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
             f"log-likelihoods are {apart:.1f} apart, changes up to {_change(wrench):.0f} N); left "
-            "out: record a push in several postures, as the arm's force in the base's frame or as "
-            "the force on the arm in the flange's"
+            "out: record a push in several postures"
         )
         return None
-    account.proven.append(f"{title} in the {frame}'s frame: only so it explains the efforts")
+    account.proven.append(f"{title} in the {frame.axes}'s frame: only so it explains the efforts")
     return frame
+
+
+def _opposite(frame: Frame, wrench: Sequence[Block], arm: Robot, account: Account) -> bool:
+    """Return whether the sign of a wrench is not that of the channel that it becomes.
+
+    Where a hand leads an arm that follows the force, efforts have the sign of the force on the arm,
+    so that only the other sign, of motors that work against it, proves the sensor's in a wrist.
+    """
+    title = " and ".join(block.title for block in wrench)
+    if frame.axes == "base" and arm.wrist_sensor and frame.by_arm:
+        account.assumed.append(f"{title} has the sign of actual_TCP_force, as where a hand leads")
+        return False
+    whose = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
+    account.proven.append(f"{title} is the force {whose}, by the efforts")
+    return frame.by_arm == (frame.axes == "flange" or arm.wrist_sensor)
 
 
 def _change(wrench: Sequence[Block]) -> float:

@@ -1,24 +1,32 @@
-"""In which frame a wrench is: the one by which it explains the efforts."""
+"""In which axes and of which sign a wrench is: those by which it explains the efforts."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.block_means import BlockMeans, size
-from ur5lib.recordings.readings import SURE, Order
+from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, BlockMeans, size
+from ur5lib.recordings.readings import Order
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
 
+SURE = 6.0  # difference of log-likelihoods, of independent samples, that proves a frame
+
+
+class Frame(NamedTuple):
+    """Axes of a wrench (base or flange), and whether it is that of the arm on its surroundings."""
+
+    axes: str
+    by_arm: bool
+
 
 def wrench_frame(
     means: BlockMeans, effort: str, wrench: Array, arm: Robot, order: Order
-) -> tuple[str | None, float]:
-    """Return base or flange, None where neither is proven, and the difference to the next best.
+) -> tuple[Frame | None, float]:
+    """Return the frame of a wrench, None where none is proven, and the difference to the next.
 
-    wrench: force and torque (M, 6) at the blocks. Both axes are tried with both signs. A wrench in
-    the base's axes must be that of the arm on its surroundings, which takes from the efforts, and
-    one in the flange's that of these on the arm: only so can a study name them.
+    wrench: force and torque (M, 6) at the blocks. A wrench of the arm on its surroundings adds to
+    the efforts, that of these on the arm takes from them.
     """
     q = means.q[:, order]
     rotation, origin = link_frames(arm, q)
@@ -30,13 +38,12 @@ def wrench_frame(
         axis=1,
     )
     flange = np.einsum("nji,ni->nj", jacobian, turned)
-    torques = {("base", "arm"): base, ("base", "world"): -base}
-    torques |= {("flange", "arm"): flange, ("flange", "world"): -flange}
-    gains = {name: _gain(means, effort, torque, arm, order) for name, torque in torques.items()}
-    best, second = sorted(gains, key=lambda name: gains[name], reverse=True)[:2]
+    torques = {Frame("base", True): base, Frame("base", False): -base}
+    torques |= {Frame("flange", True): flange, Frame("flange", False): -flange}
+    gains = {frame: _gain(means, effort, torque, arm, order) for frame, torque in torques.items()}
+    best, second = sorted(gains, key=lambda frame: gains[frame], reverse=True)[:2]
     apart = gains[best] - gains[second]
-    usable = best in (("base", "arm"), ("flange", "world"))
-    return (best[0] if usable and apart > SURE else None), apart
+    return (best if apart >= SURE else None), apart
 
 
 def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:
@@ -49,10 +56,17 @@ def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Orde
         without = _solved(np.column_stack(columns), own)[1]
         solution, left = _solved(np.column_stack([*columns, torque[:, joint]]), own)
         if solution[-1] > 0:
-            total += float(means.log_likelihood(np.square(left / without)))
-    return total
+            total += _independent(left) * np.log(size(without) / size(left))
+    return float(total)
 
 
-def _solved(columns: Any, values: Any) -> tuple[Array, float]:
+def _independent(error: Array) -> float:
+    """Return the number of independent errors among (M,) that are correlated, by an AR(1)."""
+    rho = float(np.clip(error[1:] @ error[:-1] / size(error) ** 2, 0.0, 1.0))
+    return len(error) * min(BLOCK / INDEPENDENT, (1 - rho) / (1 + rho))
+
+
+def _solved(columns: Any, values: Any) -> tuple[Array, Array]:
+    """Return the coefficients of least squares, and what they leave of values."""
     solution = np.linalg.lstsq(columns, values, rcond=None)[0]
-    return solution, size(values - columns @ solution)
+    return solution, np.asarray(values - columns @ solution)

@@ -10,6 +10,7 @@ from ur5lib.errors import InputError
 
 SKIPPED = "-"
 RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
+OPPOSITE = "opposite"  # SI, with the opposite sign: a wrench of the arm on its surroundings
 FACTORS = {  # from these units to SI
     "deg": np.pi / 180,
     "deg/s": np.pi / 180,
@@ -21,6 +22,7 @@ FACTORS = {  # from these units to SI
     "mm": 1e-3,
     "mNm": 1e-3,
     "g": 9.80665,
+    OPPOSITE: -1.0,
 }
 
 

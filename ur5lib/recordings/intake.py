@@ -1,5 +1,6 @@
 """Intake of a recording: read it, repair its frames, check it, place its sensors in time."""
 
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -14,6 +15,7 @@ from ur5lib.recordings.motor_torque import with_currents
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.rtde import is_unused
+from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import Robot
@@ -43,7 +45,7 @@ def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) ->
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
-    frames, findings = _known_channels(raw.robot.table)
+    frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
     frames = with_currents(frames, arm, findings)
     findings += _without_velocities(frames) + raw.findings
     remarks: list[Finding] = []
@@ -96,19 +98,27 @@ def _epoch(start: Stamp | None) -> float | None:
     return start.seconds if start is not None and start.since == "epoch_s" else None
 
 
-def _known_channels(table: pd.DataFrame) -> tuple[pd.DataFrame, list[Finding]]:
-    """Return the channels whose meaning and unit are known, and notes on the others."""
-    others = [name for name in table if not has_unit(name)]
-    if not others:
-        return table, []
+def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:
+    """Return the channels whose meaning and unit are known, and notes on the others.
+
+    other: whether a force sensor has a file of its own, which is used instead.
+    """
+    wrench = [name for name in table if re.match(r"ft_(?!raw)", name)]
+    sensor = not other and {*FORCE_CHANNELS} <= {*wrench}
+    unread = [name for name in wrench if not sensor or name not in FORCE_CHANNELS]
+    others = [name for name in table if not has_unit(name) and name not in unread]
     unused = list(filter(is_unused, others))
     unknown = [name for name in others if name not in unused]
-    notes = [
+    notes = [Finding("force", "assumed frame", "note", 1)] if sensor else []
+    if unread:
+        names = {"names": _some(unread)}
+        notes.append(Finding("robot", "unused wrench", "warning", len(unread), names))
+    notes += [
         Finding("robot", f"{kind} channels", "note", len(names), {"names": _some(names)})
         for kind, names in (("unused", unused), ("unknown", unknown))
         if names
     ]
-    return table.drop(columns=others), notes
+    return table.drop(columns=[*others, *unread]), notes
 
 
 def _without_velocities(table: pd.DataFrame) -> list[Finding]:

@@ -113,7 +113,10 @@ TIME_BASE = (
     "time base: seconds since the start, seconds since 1970, milliseconds of the day, seconds of "
     "the clock of the computer that recorded robot and sensors together"
 )
-UNITS = "units of the channels not in SI units: deg, deg/s, ms, mA, g, ..."
+UNITS = (
+    "units of the channels not in SI units: deg, deg/s, ms, mA, g, ...; `opposite`: SI units with "
+    "the opposite sign, as of a force sensor that reads the force of the arm on its surroundings"
+)
 
 
 class DeviceTable(Strict):
