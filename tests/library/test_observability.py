@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 
 from tests.library.made_up_torques import MODEL
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import smallest_force
+from ur5lib.force.detection import PAUSE, PUSH, smallest_force
 from ur5lib.force.external_torque import MOVING, STILL
-from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gears import Gears
 from ur5lib.force.trial_pushes import LEAST, MOST, Trials, felt_push, try_each_place
 from ur5lib.identification.predictability import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
@@ -52,18 +50,20 @@ def test_a_push_is_found_from_the_limit_of_its_place_on() -> None:
 @pytest.mark.parametrize("state", [MOVING, STILL])
 def test_dry_friction_and_gears_bear_their_part_of_a_push(state: int) -> None:
     """In motion what load friction takes, at rest at most the share of the breakaway torque."""
-    torque = np.array([[0.5, -2.0, 8.0, -30.0, 1.0, 0.0]])
-    given = np.zeros((1, 6)), np.zeros((1, 6)), torque, np.full((1, 6), state, np.int8)
-    gears = Gears(np.full((1, 6), 50.0), np.full((1, 6), 0.2), np.zeros((1, 6)))
-    run = ForceInput(*given, np.zeros(1, int), PERIOD, gears=gears)
-    felt = felt_push(torque, run, MODEL, ContactPrior())
+    torque = np.tile([0.5, -2.0, 8.0, -30.0, 1.0, 0.0], (2000, 1))
+    gears = Gears(*(np.full_like(torque, value) for value in (50.0, 0.2, 0.0)))
+    time, most = np.arange(2000) * (PUSH + PAUSE), 0.45 * MODEL.breakaway
+    known = np.full(torque.shape, state, np.int8), gears, most, np.random.default_rng(0)
+    felt = felt_push(torque, time, *known)
     if state == MOVING:
         np.testing.assert_allclose(gears.contact_torque(felt)[0], torque)
     else:
         bears = np.sign(torque) * (torque - felt)
         assert (bears >= 0).all()
-        assert (bears <= np.minimum(0.45 * MODEL.breakaway, np.abs(torque))).all()
-        assert bears[0, 3] == pytest.approx(0.225 * MODEL.breakaway[3])
+        assert (bears <= np.minimum(most, np.abs(torque))).all()
+        assert bears[:, 3].mean() == pytest.approx(most[3] / 2, rel=0.03)
+        twice = felt_push(torque, time // 2, *known)  # two samples of each push
+        np.testing.assert_array_equal(twice[::2], twice[1::2])
 
 
 def test_without_a_place_nothing_is_tried() -> None:

@@ -7,12 +7,12 @@ import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import PAUSE, PUSH
-from ur5lib.force.external_torque import STATES, STILL, finite_rows
+from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import Noise
-from ur5lib.force.gears import Gears
 from ur5lib.force.missed_contacts import hiding, largest_missed
 from ur5lib.force.residual_model import MISSED_TO, ResidualModel
+from ur5lib.force.trial_pushes import felt_push
 from ur5lib.force.wrench_estimate import STEP, used_rows
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -42,15 +42,12 @@ def try_contacts(
     rows = used_rows(run.segment, run.period)
     states, posed = run.states[rows], finite_rows(jacobian.reshape(-1, 36))
     time = np.asarray(rows * run.period + random.uniform(0, PUSH + PAUSE), np.float64)
-    wrench, borne = _drawn(time, prior, random)
     # torque x of the contact, and what motors feel of it
+    wrench = _drawn(time, prior, random)
     torque = np.matvec(np.where(posed[:, None, None], jacobian, 0.0).mT, wrench)
-    gears = Gears.without_friction(run.torque) if run.gears is None else run.gears
-    most = borne * prior.stiction * model.breakaway
-    resting = torque - np.clip(torque, -most, most)
-    moving = gears.at(rows).where_moving(states).felt(torque)
+    gears = None if run.gears is None else run.gears.at(rows)
     felt = np.zeros_like(run.torque)
-    felt[rows] = np.where(states % STATES == STILL, resting, moving)
+    felt[rows] = felt_push(torque, time, states, gears, prior.stiction * model.breakaway, random)
     # z² = xᵀ S⁻¹ x, and where the gate is shut
     load_std = np.zeros(states.shape) if run.doubt is None else np.nan_to_num(run.doubt[rows])
     hidden = hiding(states, Noise.of(states, model, prior, load_std))
@@ -66,13 +63,9 @@ def largest_of_trials(tried: Sequence[Tried]) -> float:
     return largest_missed(size, missed, STEP / PUSH, MISSED_TO)
 
 
-def _drawn(time: Array, prior: ContactPrior, random: np.random.Generator) -> tuple[Array, Array]:
-    """Return wrenches (M, 6) of trial contacts at some times (M,) [s], and the shares (M, 6) of
-    what dry friction may bear that it bears in each.
-    """
-    number, after = np.divmod(time, PUSH + PAUSE)
-    contact = number.astype(np.int64)
+def _drawn(time: Array, prior: ContactPrior, random: np.random.Generator) -> Array:
+    """Return wrenches (M, 6) of trial contacts at some times (M,) [s]."""
+    contact, after = np.divmod(time, PUSH + PAUSE)
     height = 0.5 - 0.5 * np.cos(2 * np.pi * np.maximum(after - PAUSE, 0.0) / PUSH)
-    count = int(number.max()) + 1
-    peaks = random.normal(size=(count, 6)) * np.sqrt(np.diag(prior.usual()))
-    return height[:, None] * peaks[contact], random.uniform(size=(count, 6))[contact]
+    peaks = random.normal(size=(int(contact.max()) + 1, 6)) * np.sqrt(np.diag(prior.usual()))
+    return height[:, None] * peaks[contact.astype(np.int64)]

@@ -6,12 +6,9 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import Span, alarms, overlap, pushes
-from ur5lib.force.external_torque import STATES, STILL
-from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gears import held
-from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
+from ur5lib.force.external_torque import STATES, STILL, States
+from ur5lib.force.gears import Gears
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 LEAST, MOST = 5.0, 100.0  # N, of trial pushes
@@ -46,16 +43,24 @@ class Trials:
         return Trials(self.force[chosen], self.axis[chosen], self.speed[chosen], self.found[chosen])
 
 
-def felt_push(torque: Array, run: ForceInput, model: ResidualModel, prior: ContactPrior) -> Array:
-    """Return what the motors feel of a contact's torque (N, 6) [Nm]: less what friction bears.
+def felt_push(
+    torque: Array,
+    time: Array,
+    states: States,
+    gears: Gears | None,
+    most: Array,
+    random: np.random.Generator,
+) -> Array:
+    """Return what the motors feel of the torque (N, 6) [Nm] of pushes: less what friction bears.
 
-    In motion, gears lose a part of it; at rest, dry friction bears what it does on average.
+    In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
+    for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
     """
-    still = run.states % STATES == STILL
-    bears = still * held(torque, model.breakaway, prior.stiction)
-    if run.gears is not None:
-        torque = run.gears.where_moving(run.states).felt(torque)
-    return torque - bears
+    push = (time // (PUSH + PAUSE)).astype(np.int64)
+    bears = random.uniform(size=(push.max(initial=0) + 1, 6))[push] * most
+    resting = torque - np.clip(torque, -bears, bears)
+    moving = torque if gears is None else gears.where_moving(states).felt(torque)
+    return np.where(states % STATES == STILL, resting, moving)
 
 
 def try_each_place(

@@ -49,15 +49,18 @@ def pushed(
     """
     one, random = problem.input, np.random.default_rng(0)
     speed = np.linalg.norm(np.matvec(jacobian[:, :3], one.qd), axis=1)
+    time = np.arange(len(speed), dtype=np.float64) * one.period
+    known = time, one.states, one.gears, prior.stiction * problem.model.breakaway
+    friction = np.random.default_rng(1)
 
     def log_odds_of(torque: Array) -> Array:
-        felt = felt_push(torque, one, problem.model, prior)
+        felt = felt_push(torque, *known, friction)
         return problem.odds_under(felt, jacobian[problem.rows], prior)
 
-    known = speed, one.period, threshold, alarms(odds, threshold), random
-    first = try_each_place(log_odds_of, jacobian, *known)
+    places = speed, one.period, threshold, alarms(odds, threshold), random
+    first = try_each_place(log_odds_of, jacobian, *places)
     rounds = max(ROUNDS, -(-least // max(1, len(first.force))))
-    more = [try_each_place(log_odds_of, jacobian, *known) for _ in range(rounds - 1)]
+    more = [try_each_place(log_odds_of, jacobian, *places) for _ in range(rounds - 1)]
     return Trials.joined([first, *more])
 
 
