@@ -132,13 +132,22 @@ def test_unseen_motions_are_predicted_better_than_after_way_points() -> None:
 
 @pytest.mark.slow
 def test_predicted_standard_errors_are_those_observed() -> None:
-    """Of all parameters that the recording determines, in physical units."""
+    """Of all parameters that the recording determines, in physical units.
+
+    What is expected before the recording is off by as much as the prior says, at random.
+    """
     problem, random = task().problem, np.random.default_rng(3)
     Y, qd = thinned(*regressed(task(), along(designed().path)))
     true = problem.measured(problem.theta, Y, qd)
-    fitted = np.array(
-        [physical(fit(problem, Y, qd, true + random.normal(size=true.shape))) for _ in range(SEEDS)]
-    )
+    spread = np.linalg.cholesky(np.linalg.inv(problem.prior))
+
+    def fitted_once() -> Array:
+        expected = problem.theta + spread @ random.normal(size=len(spread))
+        return physical(
+            fit(replace(problem, theta=expected), Y, qd, true + random.normal(size=true.shape))
+        )
+
+    fitted = np.array([fitted_once() for _ in range(SEEDS)])
     information = problem.prior + problem.information(Y, qd, 2 * STEP)
     predicted = problem.standard_errors(information)
     determined = predicted < 0.1 * problem.standard_errors(problem.prior)

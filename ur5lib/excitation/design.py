@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import itemgetter
 
 import numpy as np
 from scipy.optimize import minimize
@@ -38,6 +39,8 @@ class Design:
     information: Array
 
 
+LINE_SEARCH_FAILED = 2  # SciPy's status of L-BFGS-B
+
 USUAL = Effort()
 Stepped = Callable[[int], object]  # is given the number of iterations since the last call
 
@@ -67,16 +70,33 @@ def design(
 def _improved(
     objective: Objective, start: Array, weight: float, iterations: int, stepped: Stepped
 ) -> Array:
-    """Return what L-BFGS-B makes of a start in some iterations; those it saves count as made."""
-    options = {"maxiter": iterations, "maxfun": 2 * iterations, "ftol": 0.0, "gtol": 0.0}
-    found = minimize(
-        objective,
-        start,
-        (weight,),
-        "L-BFGS-B",
-        jac=True,
-        options=options,
-        callback=lambda _: stepped(1),
-    )
-    stepped(iterations - found.nit)
-    return np.asarray(found.x)
+    """Return what L-BFGS-B makes of a start in some iterations; those it saves count as made.
+
+    Dry friction that changes its sign gives the criterion kinks. Where one ends a line search, the
+    next search begins at the lowest point seen.
+    """
+    lowest = np.inf, start
+
+    def seen(x: Array) -> tuple[float, Array]:
+        nonlocal lowest
+        value, gradient = objective(x, weight)
+        lowest = min(lowest, (value, x.copy()), key=itemgetter(0))
+        return value, gradient
+
+    made = 0
+    while made < iterations:
+        before, left = lowest[0], iterations - made
+        options = {"maxiter": left, "maxfun": 2 * left, "ftol": 0.0, "gtol": 0.0}
+        found = minimize(
+            seen,
+            lowest[1],
+            method="L-BFGS-B",
+            jac=True,
+            options=options,
+            callback=lambda _: stepped(1),
+        )
+        made += found.nit
+        if found.status != LINE_SEARCH_FAILED or lowest[0] >= before:
+            break
+    stepped(iterations - made)
+    return lowest[1]

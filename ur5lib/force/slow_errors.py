@@ -8,8 +8,8 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
-BLOCK, MOST = 1.0, 200  # s, of a block, which is longer where there would be more than MOST
-SLOW = np.array([0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.99])  # ρ, all equally likely a priori
+BLOCKS = 100  # many more than terms, however short the recording: else nothing tells the error
+SLOW = np.exp(-1 / np.geomspace(1, 2 * BLOCKS, 7))  # ρ, all equally likely a priori
 SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])  # g, likewise
 DEPENDENT = 1e-6  # singular value, relative to the largest, below which terms are no others
 
@@ -23,10 +23,9 @@ def slow_covariance(
     w; known: K, inverse variances (P,) of a prior about zero. With blocks of n samples, H = n w XᵀX
     + K and V the covariance of block means, it is H⁻¹ (n w)² Xᵀ V X H⁻¹ + H⁻¹ K H⁻¹.
     """
-    length = max(BLOCK, float(np.ptp(time)) / MOST)
-    block, place, count = np.unique(
-        np.floor((time - time[0]) / length), return_inverse=True, return_counts=True
-    )
+    share = (time - time[0]) / np.ptp(time)
+    number = np.minimum(np.floor(BLOCKS * share), BLOCKS - 1)
+    block, place, count = np.unique(number, return_inverse=True, return_counts=True)
     means = np.zeros((len(block), terms.shape[1] + 1))
     np.add.at(means, place, np.column_stack([terms, residual]))
     means /= count[:, None]
