@@ -181,6 +181,14 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
     return TypeAdapter(kind).validate_python(read_json(path))
 
 
+def key(field: str) -> str:
+    """Return the key of a record's field in a summary: without the _ behind Python's own words."""
+    return field.removesuffix("_")
+
+
+BY_KEY = {"alias_generator": key}  # __pydantic_config__ of a record with such a field
+
+
 def write_text(text: str, path: str | Path) -> None:
     """Write a text file."""
     write_aside(path, lambda aside: aside.write_text(text, encoding="utf-8"))
@@ -214,7 +222,7 @@ def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
 
 def _plain(data: object) -> object:
     if is_dataclass(data):
-        return {field.name: _plain(getattr(data, field.name)) for field in fields(data)}
+        return {key(field.name): _plain(getattr(data, field.name)) for field in fields(data)}
     if isinstance(data, dict):
         return {key: _plain(value) for key, value in data.items()}
     if isinstance(data, list | tuple):

@@ -128,11 +128,11 @@ def test_sixty_recordings_take_no_more_memory_than_few() -> None:
     found = calibrate_without_each(records)
     assert tracemalloc.get_traced_memory()[1] < 100e6  # bytes
     tracemalloc.stop()
-    assert found["7"]["from"] == [name for name in records if name != "7"]
+    assert found["7"].from_ == tuple(name for name in records if name != "7")
     for name, truth in (("mounting", MOUNTING), ("tilt", TILT), ("gyroscope_bias", GYROSCOPE_BIAS)):
-        assert found["all"][name] == pytest.approx(truth, abs=5e-4)
+        assert getattr(found["all"], name) == pytest.approx(truth, abs=5e-4)
         few = calibrate([records["0"], records["1"]])
-        assert (found["all"][f"{name}_std"] < getattr(few, f"{name}_std")).all()
+        assert (getattr(found["all"], f"{name}_std") < getattr(few, f"{name}_std")).all()
 
 
 def test_a_calibrated_reading_is_the_predicted_force() -> None:
@@ -266,10 +266,9 @@ def test_a_recording_is_calibrated_by_others() -> None:
     """Its own calibration if that is from others, else that of all; as drawn where none is."""
     records = {"a": record(1, seconds=6), "b": record(2, seconds=6)}
     known = calibrate_without_each(records)
-    assert calibration_for("a", known)[0] == ["b"]
-    assert calibration_for("other", known)[0] == ["a", "b"]
+    assert calibration_for("a", known).from_ == ("b",)
+    assert calibration_for("other", known).from_ == ("a", "b")
     alone = calibrate_without_each({"a": records["a"]})
-    assert calibration_for("a", alone) == ([], AS_DRAWN)
-    assert calibration_for("a", {}) == ([], AS_DRAWN)
-    of_b = calibration_for("a", known)[1]
+    assert calibration_for("a", alone) is calibration_for("a", {}) is AS_DRAWN
+    of_b = calibration_for("a", known)
     np.testing.assert_array_equal(of_b.mounting, calibrate([records["b"]]).mounting)

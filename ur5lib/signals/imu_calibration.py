@@ -1,13 +1,14 @@
 """Calibration of an IMU against the joints: mounting, place, tilt of the base, and biases."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment
@@ -48,8 +49,10 @@ class ImuCalibration:
     described: (3,) [m], the place in the arm's description; held_out: error of the specific force
     on recordings left out, with the estimated place by that with the described one, 1 if there is
     but one recording. Below 1, the calibration was fitted and is used with the estimated place.
+    from_: names of the recordings.
     """
 
+    __pydantic_config__ = BY_KEY
     mounting: Array
     mounting_std: Array
     tilt: Array
@@ -60,6 +63,7 @@ class ImuCalibration:
     place_std: Array
     described: Array
     held_out: float
+    from_: tuple[str, ...] = ()
 
     def shift(self) -> Array:
         """Return by how much the IMU's place differs (3,) [m] from the arm's description."""
@@ -91,11 +95,11 @@ _NOTHING: list[Any] = [*(np.zeros(n) for n in (3, 3, 2, 2, 3, 3, 3, 3, 3)), 1.0]
 AS_DRAWN = ImuCalibration(*_NOTHING)
 
 
-def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, Any]:
+def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCalibration]:
     """Return a calibration from all records, "all", and for each record one from the others.
 
-    So no recording is judged by a calibration that it contributed to. Each has a list "from" of
-    recordings' names. Whether the place is taken as estimated is chosen once, on all of them.
+    So no recording is judged by a calibration that it contributed to. Whether the place is taken as
+    estimated is chosen once, on all of them.
     """
     sums = {name: _sums(record) for name, record in records.items()}
     held_out = _held_out(list(sums.values()))
@@ -103,25 +107,19 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, Any]:
         name: {other: part for other, part in sums.items() if other != name} for name in sums
     }
     return {
-        name: {"from": list(chosen), **asdict(_calibration(list(chosen.values()), held_out))}
+        name: replace(_calibration([*chosen.values()], held_out), from_=tuple(chosen))
         for name, chosen in choices.items()
         if chosen
     }
 
 
-def calibration_for(recording: str, known: Mapping[str, Any]) -> tuple[list[str], ImuCalibration]:
-    """Return the calibration from other recordings, and their names; as drawn without any.
+def calibration_for(recording: str, known: Mapping[str, ImuCalibration]) -> ImuCalibration:
+    """Return the calibration from other recordings; as drawn without any.
 
     known: result of `calibrate_without_each`.
     """
     candidates = [known[key] for key in (recording, "all") if key in known]
-    for found in candidates:
-        if recording not in found["from"]:
-            values: dict[str, Any] = {
-                name: np.array(value) for name, value in found.items() if name != "from"
-            }
-            return found["from"], ImuCalibration(**values)
-    return [], AS_DRAWN
+    return next((found for found in candidates if recording not in found.from_), AS_DRAWN)
 
 
 def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:

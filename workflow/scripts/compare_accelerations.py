@@ -19,7 +19,7 @@ from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
-from ur5lib.signals.imu_calibration import calibration_for
+from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
 from ur5lib.signals.plain_filter import FilteredMotion, filter_encoders
 from ur5lib.tables import read_json, read_record, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
@@ -31,7 +31,8 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     summary: dict[str, Any] = {"errors": {}}
     if has_valid_imu(read_record(dict[str, SettledClock], input.clocks)):
         design = Butterworth(params.order, params.cutoff_hz)
-        others, calibration = calibration_for(params.recording, read_json(input.calibration))
+        known = read_record(dict[str, ImuCalibration], input.calibration)
+        calibration = calibration_for(params.recording, known)
         motion, fused = Motion.read(input.motion), FusedMotion.read(input.fused)
         motions: dict[str, Motion | FilteredMotion] = {
             "encoders": motion,
@@ -45,7 +46,7 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
         modelled = at_the_imu(robot, kinematics, motions, calibration)
         accelerations, bias = compared(*own, modelled, calibration, design, placed)
         errors = acceleration_errors(accelerations)
-        summary = {"calibrated_on": others, "accelerometer_bias": bias, "errors": errors}
+        summary = {"calibrated_on": calibration.from_, "accelerometer_bias": bias, "errors": errors}
         ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
         summary |= by_range(partial(differences, *own, ranged, calibration), motion.qd)
     accelerations.write(output.accelerations)

@@ -10,7 +10,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import known_joints, measured, motion_account
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
-from ur5lib.signals.imu_calibration import calibration_for
+from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
 from ur5lib.signals.imu_fusion import smooth_with_imu
 from ur5lib.tables import read_json, read_record, write_json
 
@@ -20,7 +20,8 @@ def fuse_imu(input: Any, output: Any, params: Any) -> None:
     if has_valid_imu(read_record(dict[str, SettledClock], input.clocks)):
         signals, kinematics = Signals.read(input.signals), Kinematics.read(input.kinematics)
         robot = load_robot(input.arm).mounted(params.gravity)
-        _, calibration = calibration_for(params.recording, read_json(input.calibration))
+        known = read_record(dict[str, ImuCalibration], input.calibration)
+        calibration = calibration_for(params.recording, known)
         samples = signals.time, signals.segment, *measured(signals)
         motion, account = Motion.read(input.motion), read_json(input.account)["encoders"]
         encoders = known_joints(motion, MotionNoise.read(input.noise), account)
