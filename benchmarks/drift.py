@@ -20,6 +20,7 @@ from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.pipeline.current_samples import smoother
 from ur5lib.pipeline.health import checkup, health_summary
+from ur5lib.tables import as_record
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates
@@ -75,7 +76,7 @@ def plans(seed: int, dates: int, seconds: float) -> list[dict[str, Any]]:
 
 def health_of(recordings: list[Taken], days: list[date]) -> list[dict[str, Any]]:
     """Return the changes in health.json, with the arm's fit from the first of each path."""
-    fit = CurrentFit.from_plain(fitted_map(recordings[:PATHS])["fit"])
+    fit = as_record(CurrentFit, fitted_map(recordings[:PATHS])["fit"])
     smooth = smoother(*CURRENTS)
     checkups = [
         checkup(own.record, smooth, fit, day, own.intake.quality)

@@ -49,6 +49,7 @@ from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
+from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -223,7 +224,7 @@ class Fitted:
     @cached_property
     def whole(self) -> CurrentFit:
         """The fit of all of them."""
-        return CurrentFit.from_plain(self.friction["fit"])
+        return as_record(CurrentFit, self.friction["fit"])
 
     @cached_property
     def residuals(self) -> Residuals:

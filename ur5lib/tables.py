@@ -172,13 +172,18 @@ def read_json(path: str | Path) -> Any:
 
 
 def read_record(kind: type[Record], path: str | Path) -> Record:
-    """Read a summary of which the fields are declared: a dataclass, or a dictionary of them.
+    """Read a summary of which the fields are declared; raises as `as_record`."""
+    return as_record(kind, read_json(path))
 
-    Raises pydantic's ValidationError where the file contains something else.
+
+def as_record(kind: type[Record], data: object) -> Record:
+    """Return plain data as what declares their fields: a dataclass, or a dictionary of them.
+
+    Raises pydantic's ValidationError where they are something else.
     """
     from pydantic import TypeAdapter  # slow to import
 
-    return TypeAdapter(kind).validate_python(read_json(path))
+    return TypeAdapter(kind).validate_python(data)
 
 
 def key(field: str) -> str:

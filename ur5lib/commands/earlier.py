@@ -19,6 +19,7 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Robot
+from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -57,7 +58,7 @@ def _maps(arm: Robot, friction: Any, base: Any) -> Maps:
     torque = np.array(base.get("noise") or nominal.noise.torque)
     if not friction["from"]:
         return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
-    fit = CurrentFit.from_plain(friction["fit"])
+    fit = as_record(CurrentFit, friction["fit"])
     bands = np.array([joint.band_moving for joint in fit.joints]) / NORMAL95
     current = np.where(np.isfinite(bands), bands, nominal.noise.current)
     return Maps(np.array([_kept(joint) for joint in fit.joints]), Noise(torque, current))

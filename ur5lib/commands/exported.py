@@ -19,7 +19,7 @@ from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
-from ur5lib.tables import json_text
+from ur5lib.tables import as_record, json_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 
@@ -76,7 +76,7 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     friction = study.fitted(robot, "friction")
     if not friction["from"]:
         return None
-    fit = CurrentFit.from_plain(friction["fit"])
+    fit = as_record(CurrentFit, friction["fit"])
     qd = np.concatenate([study.record(Motion, name).qd for name in friction["from"]])
     torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction["from"]])
     found = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]

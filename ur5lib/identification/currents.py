@@ -7,7 +7,7 @@ friction can be any torque up to breakaway: a fitted share of the friction befor
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +39,8 @@ from ur5lib.identification.selection import (
     held_current,
     left_out_residuals,
 )
-from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.tables import as_record
+from ur5lib.timeseries.arrays import Array, Float, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
@@ -77,8 +78,8 @@ class JointFit:
     presliding: float
     reversal_errors: tuple[float, ...]
     held: float
-    band_moving: float
-    band_rest: float
+    band_moving: Float
+    band_rest: Float
     remarks: tuple[str, ...]
     contradicted: float | None = None
 
@@ -93,11 +94,6 @@ class CurrentFit:
 
     joints: tuple[JointFit, ...]
     units: int
-
-    @classmethod
-    def from_plain(cls, data: Mapping[str, Any]) -> Self:
-        """Return the fit from its `dataclasses.asdict`, as read from JSON."""
-        return cls(tuple(_joint_from_plain(joint) for joint in data["joints"]), data["units"])
 
 
 @dataclass(frozen=True)
@@ -235,8 +231,8 @@ def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:
     """Return the fit without a recording's path from friction.json, or the only one there is."""
     for fold in friction["left_out"]:
         if recording in fold["recordings"]:
-            return CurrentFit.from_plain(fold["fit"])
-    return CurrentFit.from_plain(friction["fit"])
+            return as_record(CurrentFit, fold["fit"])
+    return as_record(CurrentFit, friction["fit"])
 
 
 def breakaway_torque(fit: CurrentFit) -> Array:
@@ -324,24 +320,6 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
 def _is_determined(name: str, low: float, share: float) -> bool:
     """Return whether data determine a parameter: a torque constant's sign, too."""
     return bool(share < UNDETERMINED and (name != "torque_constant" or low > 0))
-
-
-def _joint_from_plain(data: Mapping[str, Any]) -> JointFit:
-    numbers = {name: np.array(value, dtype=float) for name, value in data["estimate"].items()}
-    bands = {
-        name: float("nan") if data[name] is None else data[name]
-        for name in ("band_moving", "band_rest")
-    }
-    return JointFit(
-        terms=tuple(Term(**term) for term in data["terms"]),
-        estimate=Estimate(**numbers),
-        presliding=data["presliding"],
-        reversal_errors=tuple(data["reversal_errors"]),
-        held=data["held"],
-        remarks=tuple(data["remarks"]),
-        contradicted=data["contradicted"],
-        **bands,
-    )
 
 
 def _joint_fit(

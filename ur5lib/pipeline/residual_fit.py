@@ -15,6 +15,7 @@ from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
@@ -42,7 +43,7 @@ def residual_summary(
     explained = friction["explained"]  # by fits to other paths, None where there is one path
     if explained is not None and (np.array(explained, float) > 0).sum() < DIRECTIONS:
         return Residuals(refused=unknown_torques(np.array(explained, float)))
-    fit, paths = CurrentFit.from_plain(friction["fit"]), friction["paths"]
+    fit, paths = as_record(CurrentFit, friction["fit"]), friction["paths"]
     models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
         inputs = [

@@ -12,14 +12,14 @@ from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.house_style import save
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json
+from ur5lib.tables import as_record, read_json
 
 
 def draw_friction(input: Any, output: Any, params: Any) -> None:
     friction, model = read_json(input.friction), load_robot(input.arm).fullest_model()
     parts, constant, known = list[MovingSamples](), np.ones(6), np.ones(6)
     if friction["from"]:
-        fit = CurrentFit.from_plain(friction["fit"])
+        fit = as_record(CurrentFit, friction["fit"])
         constant, smooth = torque_constants(fit), smoother(params.order, params.cutoff_hz)
         known = np.array(friction["known_constants"]["value"])
         files = zip(params.recordings, input.signals, input.motion, input.torques, strict=True)

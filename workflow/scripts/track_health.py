@@ -9,7 +9,7 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import as_record, read_json, write_json
 
 
 def track_health(input: Any, output: Any, params: Any) -> None:
@@ -18,7 +18,7 @@ def track_health(input: Any, output: Any, params: Any) -> None:
     days = [*map(dated, params.dates, qualities, currents)]
     checkups = []
     if enough(days):
-        fit = CurrentFit.from_plain(friction["fit"])
+        fit = as_record(CurrentFit, friction["fit"])
         smooth = smoother(params.order, params.cutoff_hz)
         rows = zip(params.recordings, days, input.signals, input.motion, input.torques, strict=True)
         for place, (name, day, signals, motion, torques) in enumerate(rows):
