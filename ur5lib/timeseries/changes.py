@@ -12,8 +12,9 @@ Therefore every likelihood is a mean over a range of ρ, all equally likely a pr
 Changes are added one by one, each the likeliest of all candidates. Whether any is there is decided
 by the ratio of the likelihoods with a change and without one. Without any change, the distribution
 of that ratio depends on the dates, the weights and ρ alone. It is simulated with the WORST ρ, which
-makes large ratios the most frequent. So the chance of a false change is at most the stated one,
-although many jumps are tried.
+makes large ratios the most frequent, and twice: with noise as the weights say, and with the same
+noise on all dates, since weights are estimates. So the chance of a false change is at most the
+stated one, although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -84,9 +85,9 @@ class Change:
 class _Problem:
     """A series as a regression; each row is multiplied by the square root of its weight.
 
-    base: (n, P), columns of the constant, the groups and the covariate; tried: (n, K), of a drift
-    and of every jump; value: (n,); after: (K - 1,), the first date after each jump; adjusts:
-    whether the covariate is among the base, as its last column.
+    base: (n, P), columns of the constant, which is the root itself, the groups and the covariate;
+    tried: (n, K), of a drift and of every jump; value: (n,); after: (K - 1,), the first date after
+    each jump; adjusts: whether the covariate is among the base, as its last column.
     """
 
     base: Array
@@ -165,15 +166,18 @@ def _chance(
 ) -> float:
     """Return the chance that noise (B, n) alone makes the odds of any further change as large.
 
-    It stops when the chance is certain to exceed the level.
+    The larger chance of two kinds of noise: as the weights say, and the same on all dates. It stops
+    when the chance is certain to exceed the level.
     """
-    above = 1
+    alike = noise * problem.base[:, 0]
+    above = np.ones(2)
     for first in range(0, len(noise), BATCH):
-        odds = _log_odds(problem, chosen, noise[first : first + BATCH])
-        above += int((_of_any(odds) >= found).sum())
-        if above > level * (1 + len(noise)):
+        for kind, drawn in enumerate((noise, alike)):
+            odds = _log_odds(problem, chosen, drawn[first : first + BATCH])
+            above[kind] += (_of_any(odds) >= found).sum()
+        if above.max() > level * (1 + len(noise)):
             break
-    return above / (1 + len(noise))
+    return float(above.max()) / (1 + len(noise))
 
 
 def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
