@@ -1,6 +1,8 @@
-"""The error that a user can correct."""
+"""The error that a user can correct, and remarks about what is in doubt."""
 
 import unicodedata
+from dataclasses import dataclass
+from typing import Any
 
 UNSEEN = {"Zl", "Zp"}  # besides all of "C": controls, marks of direction, what is no character
 
@@ -15,6 +17,38 @@ class InputError(Exception):
     def __str__(self) -> str:
         """Return the message as a terminal may print it."""
         return printable(super().__str__())
+
+
+@dataclass(frozen=True)
+class Remark:
+    """What a step found: its sentence stands in `report/templates/findings.yaml` by the code.
+
+    values: numbers and names in the sentence; other remarks may be among them.
+    """
+
+    code: str
+    values: dict[str, Any]
+
+
+def remark(code: str, **values: Any) -> Remark:
+    """Return the remark of a code with the values of its sentence."""
+    return Remark(code, values)
+
+
+class RefusalError(ValueError):
+    """A fit that recordings do not allow, for the reason in a remark."""
+
+    def __init__(self, code: str, **values: Any) -> None:
+        """Keep the remark as plain data."""
+        super().__init__(code)
+        self.remark = remark(code, **values)
+
+
+def reason(error: ValueError) -> Remark:
+    """Return why something could not be computed, as a remark."""
+    if isinstance(error, RefusalError):
+        return error.remark
+    return remark("other reason", reason=str(error))
 
 
 def printable(text: str) -> str:

@@ -12,6 +12,7 @@ from scipy.signal import lfilter
 
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import RefusalError
 from ur5lib.identification import base_parameters as module
 from ur5lib.identification.base_parameters import (
     NAMES,
@@ -166,9 +167,9 @@ def test_blocks_add_up_without_growing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_what_cannot_be_fitted_is_refused(ur5: Robot) -> None:
     rows, torque = columns("ur5", *sines(4)), np.zeros((100, 6))
-    with pytest.raises(ValueError, match="no recording has both"):
+    with pytest.raises(RefusalError, match="no known torque"):
         stack(blocks(rows, torque + np.nan))
-    with pytest.raises(ValueError, match="two blocks"):
+    with pytest.raises(RefusalError, match="one block"):
         fit(rows, torque, parameters(ur5, "C"), size=100)
 
 

@@ -1,6 +1,7 @@
 """`ur5 check`: a study looked through in seconds, without the workflow."""
 
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
@@ -11,6 +12,7 @@ from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
 from ur5lib.commands.check import unfiltered
+from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding
 from ur5lib.report.findings import group_findings
 from ur5lib.study.model import Settings, Study
@@ -97,16 +99,19 @@ def test_a_wrong_study_is_named(
     assert words(f"{study} {named}") <= words(said.err)
 
 
+REST = asdict(remark("other reason", reason="the arm rests"))
+
+
 def test_copies_and_poor_clocks_are_findings() -> None:
     finding = Finding("robot", "torn last line", "note", 1)
     torn = [finding.as_row() | {"values": {"file": name, "line": 3}} for name in "ab"]
     quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
-    poor = {"warning": "the arm rests", "offset_std": 0.1, "end_std": 0.2, "drift": None}
     fair = {"warning": None, "offset_std": 0.006, "end_std": 0.1, "drift": None}
+    poor = fair | {"warning": REST, "offset_std": 0.1, "end_std": 0.2}
     clocks = {"one": {"imu": poor}, "two": {"force": fair, "imu": fair | {"drift": -0.003}}}
-    forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": "upside down"}}
-    forces["two"]["offset_doubt"] = "a push"
+    forces = {"one": {"mounting_doubt": None}, "two": {"mounting_doubt": REST}}
+    forces["two"]["offset_doubt"] = REST
     qualities = {"one": quality, "two": stale}
     rows = table("quality", quality=qualities, clocks=clocks, forces=forces, contradictions={})
     grouped = group_findings(rows)
@@ -114,8 +119,8 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     assert told["one", "torn last line"].startswith("a, line 3; b, line 3: ")
     assert words("two used here") <= words(told["one", "same file"])
     assert words("one not used here") <= words(told["two", "same file"])
-    assert told["two", "mounting"] == "upside down"
-    assert told["two", "offset"] == "a push"
+    assert told["two", "mounting"] == "the arm rests"
+    assert told["two", "offset"].startswith("the arm rests: ")
     assert ("one", "mounting") not in told
     assert words("the arm rests 0.1 0.2") <= words(told["one", "clock by stamps alone"])
     assert {"0.006", "0.1"} <= words(told["two", "unknown drift"])

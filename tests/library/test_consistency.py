@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.library.test_base_parameters import columns, fit, parameters, sines
+from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import Estimate, torque_error
 from ur5lib.identification.consistency import (
     LENGTH,
@@ -75,5 +76,5 @@ def test_torques_of_no_bodies_are_refused() -> None:
         width=np.ones(66),
         noise=np.ones(6),
     )
-    with pytest.raises(ValueError, match="no physically consistent"):
+    with pytest.raises(RefusalError, match="no bodies"):
         consistent(estimate)

@@ -22,6 +22,7 @@ from tests.library.current_study import (
 from tests.made_tables import table
 from ur5lib.identification import bootstrap, friction
 from ur5lib.identification.currents import (
+    CONFLICT,
     FOLDS,
     CurrentFit,
     JointFit,
@@ -473,7 +474,7 @@ def test_no_joint_is_without_friction(fitted: CurrentFit) -> None:
 def test_one_recording_is_fitted_and_says_what_is_missing(study: list[Record]) -> None:
     fit = fit_currents(study[:1], smooth, prior())
     assert all(joint.terms == BASE for joint in fit.joints)
-    assert all("one path only" in joint.remarks[0] for joint in fit.joints)
+    assert all(joint.remarks[0].code == "one path" for joint in fit.joints)
     assert constants_of(fit)[2, "torque_constant"] == pytest.approx(CONSTANT[1], rel=0.06)
     assert all(np.isfinite(row.std_error) and row.std_error > 0 for row in parameters(fit))
 
@@ -481,7 +482,7 @@ def test_one_recording_is_fitted_and_says_what_is_missing(study: list[Record]) -
 def test_a_standstill_leaves_the_prior_and_says_so(study: list[Record]) -> None:
     still = [replace(record, q=0 * record.q, qd=0 * record.qd) for record in study[:3]]
     fit = fit_currents(still, smooth, prior())
-    assert all("does not move" in joint.remarks[0] for joint in fit.joints)
+    assert all(joint.remarks[0].code == "no motion" for joint in fit.joints)
     assert not any(row.determined for row in parameters(fit))
     np.testing.assert_allclose(
         [constants_of(fit)[joint, "torque_constant"] for joint in range(1, 7)], CONSTANT
@@ -496,7 +497,7 @@ def test_a_joint_that_keeps_still_does_not_spoil_the_others(study: list[Record])
     ]
     fit = fit_currents(stopped, smooth, prior(), SMALL)
     rows = parameters(fit)
-    assert "does not move" in fit.joints[3].remarks[0]
+    assert fit.joints[3].remarks[0].code == "no motion"
     assert not any(row.determined for row in rows if row.joint == 4)
     assert all(row.determined for row in rows if row.joint in (1, 2, 3))
 
@@ -516,7 +517,9 @@ def test_a_constant_unlike_what_was_known_is_remarked(study: list[Record]) -> No
     wrong = prior()
     inverse = Normal(1.5 * wrong.inverse_constant.mean, wrong.inverse_constant.precision)
     fit = fit_currents(study, smooth, replace(wrong, inverse_constant=inverse), ())
-    assert "contradicts the known value" in fit.joints[1].remarks[-1]
+    doubt = fit.joints[1].remarks[-1]
+    assert doubt.code == "unlikely constant"
+    assert doubt.values["deviations"] > CONFLICT
 
 
 # Judging

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.library.test_base_parameters import blocks, columns, fit, parameters, sines, ur5_base
+from ur5lib.errors import Remark
 from ur5lib.identification.base_parameters import prior_width, stack
 from ur5lib.identification.excitation import Excitation, candidate_motions, check_excitation
 from ur5lib.robots.description import Robot
@@ -23,6 +24,16 @@ def check(*motion: Array, noise: float = 0.01) -> Excitation:
     rows = columns("ur5", *motion)
     data = stack(blocks(rows, np.zeros(rows.shape[:2])))
     return check_excitation(data, ur5_base(), prior_width(), np.full(6, noise), candidates())
+
+
+def told(advice: list[Remark]) -> set[tuple[str, str]]:
+    """Owner and name of the parameters that motions would determine."""
+    return {
+        (own.values["owner"], name)
+        for one in advice
+        for own in one.values["parameters"]
+        for name in own.values["names"]
+    }
 
 
 def test_candidates_fill_the_range_and_no_more() -> None:
@@ -74,8 +85,8 @@ def test_a_standstill_tells_only_its_gravity_torques() -> None:
     assert found.condition["rotors"] == found.condition["inertia"] == np.inf
     assert found.combinations == 5  # joint 1 is vertical
     assert len(found.undetermined) == 40
-    assert "rotor inertia of joint 6" in " ".join(found.advice)
-    assert "Moving" in found.advice[0]
+    assert ("joint 6", "rotor inertia") in told(found.advice)
+    assert f"{found.advice[0].values['motion']}".startswith("Moving")
 
 
 @pytest.mark.parametrize("joint", range(6))
@@ -83,22 +94,23 @@ def test_the_joint_that_rested_is_the_one_to_move(joint: int) -> None:
     found = check(*sines(100, still=(joint,)), noise=0.05)
     own = "I_zz of link" if joint < 2 else "rotor inertia of joint"
     assert f"{own} {joint + 1}" in found.undetermined
-    sentence = next(text for text in found.advice if f"of {own[-5:].strip()} {joint + 1}" in text)
-    assert f"joint {joint + 1}" in sentence.split(" would ")[0]
+    missing = f"{own.split(' of ')[1]} {joint + 1}", own.split(" of ")[0]
+    advice = next(one for one in found.advice if missing in told([one]))
+    assert f"joint {joint + 1}" in f"{advice.values['motion']}"
 
 
 def test_hopeless_noise_is_called_hopeless() -> None:
     found = check(*sines(20), noise=1e4)
     assert found.combinations == 0
     assert len(found.advice) == 1
-    assert "none of the motions tried would determine" in found.advice[0]
+    assert found.advice[0].code == "no motion determines"
 
 
 def test_advice_keeps_its_promise(ur5: Robot) -> None:
     """With the advised motion added, the parameters that it was to tell are determined in a fit."""
     rows = columns("ur5", *sines(60, still=(5,)))
     before = check(*sines(60, still=(5,)))
-    advised = [name for name in candidates() if any(name in text for text in before.advice)]
+    advised = [f"{one.values['motion']}" for one in before.advice]
     more = np.concatenate([rows, *(candidates()[name] for name in advised)])
     noise = np.random.default_rng(0).normal(0, 0.01, more.shape[:2])
     truth, prior = parameters(ur5, "C+rotors"), parameters(ur5, "C")

@@ -1,17 +1,21 @@
 """A force sensor that is mounted otherwise than its readings are read."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
 from tests.library.test_force_sensor import GRAVITY, PERIOD, orientations, pushed
+from ur5lib.errors import Remark, remark
 from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import fit_offset, wrench_of_environment
+from ur5lib.report.finding_sentences import in_words
 
 ROTATION = orientations(60, turning=0.8)
 TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1, -1]}
 
 
-def told(signs: list[int], unread: int = 0) -> tuple[list[str], str | None]:
+def told(signs: list[int], unread: int = 0) -> tuple[list[str], Remark | None]:
     """Of a sensor whose axes have these signs, beside an estimate that errs."""
     reading, wrench = pushed(ROTATION, seed=0)
     offset = fit_offset(reading * [*signs, *signs], GRAVITY @ ROTATION, PERIOD)
@@ -32,7 +36,7 @@ def test_a_sensor_upside_down_is_doubted(signs: list[int]) -> None:
     opposite, doubt = told(signs)
     assert opposite == [axis for axis, sign in zip("xyz", signs, strict=True) if sign < 0]
     assert doubt is not None
-    assert f"force along {', '.join(opposite)} of frame 6 is opposite" in doubt
+    assert remark("opposite force", axes=opposite) in doubt.values["reasons"]
 
 
 def test_what_was_not_read_hides_nothing() -> None:
@@ -40,7 +44,9 @@ def test_what_was_not_read_hides_nothing() -> None:
 
 
 def test_a_tool_that_pulls_upwards_is_told() -> None:
-    assert "tool points upwards (-0.3 ±" in str(told(TURNED["sign"])[1])
+    doubt = told(TURNED["sign"])[1]
+    assert doubt is not None
+    assert "the weight of the sensor's tool points upwards (-0.3 ±" in in_words(asdict(doubt))
 
 
 @pytest.mark.parametrize(("size", "told"), [(0.95, False), (1.05, True)])

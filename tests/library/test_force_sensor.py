@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 from scipy.spatial.transform import Rotation
 
+from ur5lib.errors import Remark, remark
 from ur5lib.force.detection import pushes
 from ur5lib.force.sensor import (
     SensorOffset,
@@ -134,10 +135,8 @@ def test_a_hand_that_touches_most_of_the_time_is_no_bias(share: float, turning: 
     assert off_without_contact(offset, rotation) < 0.1
     assert offset.agreeing == pytest.approx(1 - share, abs=0.05)
     assert offset.rival < 0.1
-    told = offset_doubt(offset)
-    assert (
-        told is None if share < 0.5 else f"only {offset.agreeing:.0%} of the samples" in str(told)
-    )
+    doubt = remark("disputed bias", share=offset.agreeing)
+    assert offset_doubt(offset) == (None if share < 0.5 else doubt)
 
 
 def test_a_steady_push_is_told_as_a_rival() -> None:
@@ -145,14 +144,14 @@ def test_a_steady_push_is_told_as_a_rival() -> None:
     rotation = orientations(60, turning=0.0)
     offset = fit_offset(held(rotation, 0.45, steady=True), GRAVITY @ rotation, PERIOD)
     assert offset.rival == pytest.approx(0.45, abs=0.05)
-    assert "agree on one bias, 4" in str(offset_doubt(offset))
-    assert "record some seconds in which nothing touches" in str(offset_doubt(offset))
+    told = {"share": offset.agreeing, "other": offset.rival}
+    assert offset_doubt(offset) == remark("two biases", **told)
 
 
 def test_a_short_free_time_is_told() -> None:
     rotation = orientations(0.8, turning=0.0)
     offset = fit_offset(held(rotation, 0.0)[:80], GRAVITY @ rotation, PERIOD)
-    assert "only 80 samples are without contact" in str(offset_doubt(offset))
+    assert offset_doubt(offset) == remark("few free samples", count=80)
 
 
 @pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:Degrees")
@@ -162,7 +161,7 @@ def test_hardly_any_reading_is_no_failure(count: int) -> None:
     reading = held(rotation, 0.0)
     reading[count:] = np.nan
     offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
-    assert f"only {count} samples are without contact" in str(offset_doubt(offset))
+    assert offset_doubt(offset) == remark("few free samples", count=count)
     assert np.isnan(offset.mass)
 
 
@@ -288,20 +287,19 @@ def test_a_weight_needs_a_turn_by_a_fifth_of_gravity(about: str, std: float, wei
     ("agreeing", "rival", "free", "told"),
     [
         (0.8, 0.4, 100, None),
-        (0.8, 0.41, 100, "80% of the samples agree on one bias, 41% on another"),
+        (0.8, 0.41, 100, remark("two biases", share=0.8, other=0.41)),
         (0.5, 0.2, 100, None),
-        (0.49, 0.2, 100, "only 49% of the samples agree"),
-        (0.8, 0.4, 99, "only 99 samples are without contact"),
+        (0.49, 0.2, 100, remark("disputed bias", share=0.49)),
+        (0.8, 0.4, 99, remark("few free samples", count=99)),
     ],
 )
 def test_an_offset_is_doubted_from_a_share_on(
-    agreeing: float, rival: float, free: int, told: str | None
+    agreeing: float, rival: float, free: int, told: Remark | None
 ) -> None:
     """Of half that agree, of half as many that agree on another, of a hundred free samples."""
     known = fit_offset(np.tile(BIAS, (200, 1)), GRAVITY @ upright(200), PERIOD)
     offset = replace(known, agreeing=agreeing, rival=rival, free=np.arange(200) < free)
-    doubt = offset_doubt(offset)
-    assert doubt is None if told is None else told in str(doubt)
+    assert offset_doubt(offset) == told
 
 
 def test_the_first_seconds_are_the_bias() -> None:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import asdict
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 import yaml
 
 from tests.made_tables import empty, table
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
@@ -547,8 +548,9 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
 
 
 def test_remarks_of_fits_are_told_and_why_one_made_nothing() -> None:
-    friction = {"fit": {"joints": [{"remarks": ["odd"]}, {"remarks": []}, {"remarks": ["odd"]}]}}
-    steps = {"friction": friction, "identification": {"refused": "too little"}}
+    odd, little = (asdict(remark("other reason", reason=why)) for why in ("odd", "too little"))
+    friction = {"fit": {"joints": [{"remarks": [odd]}, {"remarks": []}, {"remarks": [odd]}]}}
+    steps = {"friction": friction, "identification": {"refused": little}}
     fits = {kind: {"ur5": summary} for kind, summary in steps.items()}
     rows = table("remarks", arm={"ur5": {}}, residuals={}, **fits)
     results = Results({}, {"remarks": rows}, Path())

@@ -32,7 +32,7 @@ EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = {
     "recordings": ["recording", "duration_s", "frames", "moving_joints"],
     "quality": ["recording", "device", "finding", "severity", "count", "detail"],
-    "remarks": ["robot", "step", "joint", "remark"],
+    "remarks": ["robot", "step", "joint", "remark", "code"],
     "torque_mae": ["recording", "motion", "model", "joint", "mae", "printed", "zero_mae"],
     "current_rmse": ["model", "recording", "joint", "rmse_2hz", "r2", "coverage95"],
     "friction": [
@@ -53,7 +53,7 @@ COLUMNS = {
     ],
     "contacts": ["recording", "estimate", "kind", "load_mass", "load_mass_std"],
     "acceleration_mae": ["recording", "estimate", "component", "mae", "zero_mae"],
-    "excitation": ["robot", "combinations", "undetermined", "advice"],
+    "excitation": ["robot", "combinations", "undetermined", "advice", "motion"],
     "audit": ["recording", "quantity", "verdict"],
     "sensed": ["recording", "largest_force_n", "at_s", "share_in_contact", "contacts"],
     "parameters": ["robot", "determined"],
@@ -432,7 +432,7 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     remark = {
         "robot": "ur5",
         "step": "friction",
-        "remark": "moves along one path only: so; record another path",
+        "code": "one path",
     }
     results = study(
         quality=[finding("warning", count=500)],

@@ -182,6 +182,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/report/templates/findings.yaml", REPORT),
         ("ur5lib/report/verdicts/force.py", {"write_report": 1}),
         ("ur5lib/report/contents.yaml", {"write_report": 1}),
+        ("ur5lib/report/sentences.yaml", {"write_report": 1}),
         ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py",

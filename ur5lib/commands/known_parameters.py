@@ -6,13 +6,14 @@ from importlib import metadata
 from typing import Any
 
 from ur5lib.finished import FinishedStudy
+from ur5lib.report.finding_sentences import in_words
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.timeseries.metrics import NORMAL95
 
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
-FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "remarks", "contradicted")
+FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "contradicted")
 
 
 def described_arm(arm: Robot, model: str) -> dict[str, Any]:
@@ -47,10 +48,15 @@ def identified_parameters(
         "torque_noise": model.get("noise"),
         "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
         "known_constants": currents.get("known_constants"),
-        "current_model": [{name: joint[name] for name in FITTED} for joint in fit["joints"]],
+        "current_model": [_current_model(joint) for joint in fit["joints"]],
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
     }
+
+
+def _current_model(joint: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fit of a joint, with its remarks in words."""
+    return {name: joint[name] for name in FITTED} | {"remarks": [*map(in_words, joint["remarks"])]}
 
 
 def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ur5lib.errors import Remark, remark
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.sensor import SensorOffset
 from ur5lib.timeseries.arrays import Array
@@ -33,20 +34,11 @@ def opposite_axes(sensor: Array, estimate: Array, rotation: Array) -> list[str]:
     return [axis for axis, wrong in zip("xyz", acts & opposite, strict=True) if wrong]
 
 
-def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> str | None:
+def mounting_doubt(offset: SensorOffset, opposite: list[str]) -> Remark | None:
     """Return why the sensor's mounting is doubtful: turned or of opposite sign; else None."""
     reasons = []
     if opposite:
-        reasons.append(
-            f"the sensor's force along {', '.join(opposite)} of frame 6 is opposite to that from "
-            "the motor currents"
-        )
+        reasons.append(remark("opposite force", axes=opposite))
     if offset.mass < -max(LIGHTEST, 3 * offset.mass_std):
-        mass = f"{offset.mass:.2g} ± {offset.mass_std:.1g} kg"
-        reasons.append(f"the weight of the sensor's tool points upwards ({mass})")
-    if not reasons:
-        return None
-    return (
-        f"{' and '.join(reasons)}: it may be mounted upside down or have the opposite sign; "
-        "rotate its readings into the axes of frame 6"
-    )
+        reasons.append(remark("negative weight", mass=offset.mass, std=offset.mass_std))
+    return remark("turned sensor", reasons=reasons) if reasons else None

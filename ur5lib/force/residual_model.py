@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.special import ndtri, stdtrit
 
-from ur5lib.errors import InputError
+from ur5lib.errors import RefusalError, Remark
 from ur5lib.force.external_torque import (
     MOVING,
     RELAXING,
@@ -99,8 +99,8 @@ class Residuals:
     tau_ext: ResidualModel | None = None
     tau_observer: ResidualModel | None = None
     tau_causal: ResidualModel | None = None
-    refused: str | None = None
-    remarks: tuple[str, ...] = ()
+    refused: Remark | None = None
+    remarks: tuple[Remark, ...] = ()
 
 
 def fit_residual_model(
@@ -111,23 +111,17 @@ def fit_residual_model(
     cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per
     1 / (2 cutoff); breakaway: (6,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags
     separates fast error and background. A state that no stretch contains has the largest deviations
-    of the others. Raises InputError if no stretch is as long as the longer lag, or a joint never
+    of the others. Raises RefusalError if no stretch is as long as the longer lag, or a joint never
     moves.
     """
     # E[x²], and the variogram at both lags
     short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
     whole, near, far = _moments(stretches), _moments(short), _moments(long)  # (S, 6) each
     if not np.isfinite(far).any():
-        raise InputError(
-            f"no contact-free recording has {LONG:g} s without a gap; "
-            "add a longer recording with the role “fit”"
-        )
-    still = [f"{joint + 1}" for joint in range(6) if np.isnan(whole[MOVING, joint])]
+        raise RefusalError("short recordings", seconds=LONG)
+    still = [joint + 1 for joint in range(6) if np.isnan(whole[MOVING, joint])]
     if still:
-        raise InputError(
-            f"no contact-free recording moves joint {', '.join(still)}: its friction in motion is "
-            "unknown; record a motion of all joints"
-        )
+        raise RefusalError("still joints", joints=still)
     change = np.sqrt(_filled(near))
     return ResidualModel(
         spread=np.maximum(np.sqrt(_filled(whole)), change),

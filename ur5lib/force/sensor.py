@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.errors import Remark, remark
 from ur5lib.force.consensus import TOGETHER, agreement, candidates, quiet_stretches
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.free_fit import (
@@ -96,21 +97,14 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     return SensorOffset(**offset, free=free)
 
 
-def offset_doubt(offset: SensorOffset) -> str | None:
+def offset_doubt(offset: SensorOffset) -> Remark | None:
     """Return why the bias is doubtful and may be a push; None if most samples agree with it."""
     agreeing, rival, free = offset.agreeing, offset.rival, int(offset.free.sum())
     if rival > RIVAL * agreeing:
-        found = f"{agreeing:.0%} of the samples agree on one bias, {rival:.0%} on another"
-    elif agreeing < MAJORITY:
-        found = f"only {agreeing:.0%} of the samples agree on one bias, the others count as contact"
-    elif free < FEWEST:
-        found = f"only {free} samples are without contact, too few for a reliable bias"
-    else:
-        return None
-    return (
-        f"{found}: a steady push may have been taken for bias; "
-        "record some seconds in which nothing touches the tool"
-    )
+        return remark("two biases", share=agreeing, other=rival)
+    if agreeing < MAJORITY:
+        return remark("disputed bias", share=agreeing)
+    return remark("few free samples", count=free) if free < FEWEST else None
 
 
 def _settled_agreement(record: Record, tried: Array, tolerance: Array) -> Iterator[Fit]:

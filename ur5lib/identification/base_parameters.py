@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from ur5lib.errors import RefusalError
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -135,7 +136,7 @@ def stack(blocks: Blocks) -> Stack:
 
     Errors within a block may be correlated, those of different blocks count as independent: one or
     two seconds per block suffice. Rows with NaN are excluded. Memory is bounded: beyond MOST_BLOCKS
-    blocks, the shortest neighbours are merged. Raises ValueError if no row remains.
+    blocks, the shortest neighbours are merged. Raises RefusalError if no row remains.
     """
     factors: list[Array] = []
     samples: list[int] = []
@@ -151,7 +152,7 @@ def stack(blocks: Blocks) -> Stack:
             factors[i : i + 2] = [_triangle(np.concatenate(factors[i : i + 2], axis=1))]
             samples[i : i + 2] = [sum(samples[i : i + 2])]
     if not samples:
-        raise ValueError("no recording has both a complete motion and target_moment")
+        raise RefusalError("no known torque")
     return Stack(np.stack(factors), np.array(samples))
 
 
@@ -171,13 +172,10 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
 
     prior, width: (P,), mean and standard deviation of π before the data. The weights are the
     inverse squares of each joint's noise, which is estimated from the residuals.
-    Raises ValueError for a single block, which determines no standard errors.
+    Raises RefusalError for a single block, which determines no standard errors.
     """
     if len(data.samples) < 2:
-        raise ValueError(
-            "standard errors need two blocks of samples or more; "
-            "record a longer motion with target_moment"
-        )
+        raise RefusalError("one block")
     rows, count = total(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
     noise = _noise(rows, prior, np.full(6, count))

@@ -3,6 +3,7 @@
 import cvxpy as cp
 import numpy as np
 
+from ur5lib.errors import RefusalError
 from ur5lib.identification.base_parameters import Estimate
 from ur5lib.timeseries.arrays import Array
 
@@ -43,7 +44,7 @@ def consistent(estimate: Estimate) -> Array:
     Minimises (π - π̂)ᵀ Σ⁻¹ (π - π̂), the weighted least squares with the prior, subject to
     pseudo-inertias and rotor inertias of at least MARGIN: a convex problem. With Σ = S Sᵀ, the
     unknown is S⁻¹ (π - π̂). Its standard errors are those of the estimate.
-    Raises ValueError if no bodies explain the torques.
+    Raises RefusalError if no bodies explain the torques.
     """
     change = cp.Variable(len(estimate.parameters))
     parameters = estimate.parameters + estimate.spread @ change
@@ -56,8 +57,5 @@ def consistent(estimate: Estimate) -> Array:
     problem = cp.Problem(cp.Minimize(cp.sum_squares(change)), [*bodies, rotors])
     problem.solve(solver=cp.CLARABEL)
     if problem.status != cp.OPTIMAL:
-        raise ValueError(
-            "no physically consistent inertial parameters explain target_moment "
-            f"(solver: {problem.status}); check its units and the robot"
-        )
+        raise RefusalError("no bodies", solver=problem.status)
     return np.asarray(parameters.value, dtype=np.float64)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.errors import Remark, remark
 from ur5lib.identification import bootstrap
 from ur5lib.identification.estimation import (
     Estimate,
@@ -54,10 +55,6 @@ COVERED = 0.95
 BETWEEN_DAYS = 0.07
 FOLDS = 10  # of cross-fitting, at most
 LEAST_FRICTION = 0.1  # Nm
-ONE_PATH = (
-    "moves along one path only: no further friction term is selected, and the error bars are "
-    "untested; record another path"
-)
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ class JointFit:
     cross-validated, with each distance of PRESLIDING and with Karnopp's friction, empty with one
     path; held: [A], friction at rest beyond that in motion, may be negative; band_moving,
     band_rest: half of the 95 % band [A] around the low-passed current of a recording that was left
-    out; remarks: doubts about the fit, one sentence each;
+    out; remarks: doubts about the fit;
     contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
     contradicts the known one, which the fit then keeps.
     """
@@ -80,7 +77,7 @@ class JointFit:
     held: float
     band_moving: Float
     band_rest: Float
-    remarks: tuple[str, ...]
+    remarks: tuple[Remark, ...]
     contradicted: float | None = None
 
     def names(self) -> list[str]:
@@ -135,12 +132,8 @@ def fit_currents(
 
 def _with_known_constant(joint: JointFit, alone: float, known: float) -> JointFit:
     """Return a joint's fit with what its currents alone would give [Nm/A], and a remark."""
-    remark = (
-        f"the current contradicts the known torque constant (it would give {alone:.3g} instead of "
-        f"{known:.3g} Nm/A), which is used instead; check the column of this current, or record "
-        "faster and loaded motions"
-    )
-    return replace(joint, contradicted=alone, remarks=(*joint.remarks, remark))
+    doubt = remark("current against constant", alone=alone, known=float(known))
+    return replace(joint, contradicted=alone, remarks=(*joint.remarks, doubt))
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
@@ -359,26 +352,14 @@ def _band(residual: Array, record: Labels) -> float:
     return max((float(np.quantile(e, COVERED)) for e in long if len(e) >= FEWEST), default=np.nan)
 
 
-def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[str, ...]:
+def _remarks(samples: Samples, estimate: Estimate, prior: JointPrior) -> tuple[Remark, ...]:
     """Return the doubts about the fit of a joint."""
     moved = len(np.unique(samples.path[samples.moving]))
     remarks = []
-    if moved == 0:
-        remarks.append(
-            "does not move: its friction is unknown and its torque constant is that of the prior; "
-            "record a motion of this joint"
-        )
-    elif moved == 1:
-        remarks.append(ONE_PATH)
-    elif moved < FEW:
-        remarks.append(
-            f"moves along {moved} paths only: the variation between paths is hardly known; "
-            "record more paths"
-        )
-    away = (estimate.coefficients[0] - prior.inverse) / prior.std
-    if abs(away) > CONFLICT:
-        remarks.append(
-            f"torque constant contradicts the known value by {abs(away):.1f} standard deviations: "
-            "check columns, units and robot"
-        )
+    if moved < FEW:
+        code = {0: "no motion", 1: "one path"}.get(moved, "few paths")
+        remarks.append(remark(code, paths=moved))
+    away = abs(estimate.coefficients[0] - prior.inverse) / prior.std
+    if away > CONFLICT:
+        remarks.append(remark("unlikely constant", deviations=float(away)))
     return tuple(remarks)

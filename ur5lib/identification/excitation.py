@@ -1,13 +1,14 @@
 """Which of an arm's parameters recordings determine, and which motions would determine the rest."""
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 from scipy.linalg import eigh
 
+from ur5lib.errors import Remark, remark
 from ur5lib.identification.base_parameters import (
     LARGEST_SHARE,
     NAMES,
@@ -36,13 +37,13 @@ class Excitation:
     condition: condition numbers of the regressor's columns, by group of base parameters and for
     "all"; infinite if a column is zero; combinations: number of independent combinations of the
     base parameters that are determined; undetermined: names of the base parameters that are not;
-    advice: sentences on motions that would determine more, empty if everything is determined.
+    advice: motions that would determine more, empty if everything is determined.
     """
 
     condition: dict[str, float]
     combinations: int
     undetermined: list[str]
-    advice: list[str]
+    advice: list[Remark]
 
 
 def candidate_motions(speed: float, acceleration: float, count: int = 1000) -> dict[str, Motion]:
@@ -83,7 +84,7 @@ def check_excitation(
         condition=_condition(rows[..., :-1] / noise[:, None, None], base, width),
         combinations=_combinations(rows, base, width, noise),
         undetermined=[NAMES[column] for column in base.columns[before]],
-        advice=_advice(base, before, after),
+        advice=[*_advice(base, before, after)],
     )
 
 
@@ -121,26 +122,24 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     }
 
 
-def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> list[str]:
-    """Return a sentence on the motion that determines most of the unknown, then on the next one."""
-    sentences: list[str] = []
+def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> Iterator[Remark]:
+    """Yield the motion that determines most of the unknown, then the next one."""
     left = unknown
     while left.any():
         motion = max(after, key=lambda name: int(np.sum(left & after[name])))
         gained = left & after[motion]
         if not gained.any():
-            rest = _list(base.columns[left])
-            return [*sentences, f"at this noise, none of the motions tried would determine {rest}"]
-        missing = _list(base.columns[gained])
-        sentences.append(f"{motion} in many poses would determine {missing}")
+            yield remark("no motion determines", parameters=_by_owner(base.columns[left]))
+            return
+        found = {"motion": motion, "parameters": _by_owner(base.columns[gained])}
+        yield remark("motion determines", **found)
         left = left & ~gained
-    return sentences
 
 
-def _list(columns: Iterable[int]) -> str:
-    """Return a list of parameters in words, grouped by link or joint."""
+def _by_owner(columns: Iterable[int]) -> list[Remark]:
+    """Return parameters, grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
     for column in columns:
         name, owner = NAMES[column].split(" of ")
         owners[owner].append(name)
-    return "; ".join(f"{', '.join(names)} of {owner}" for owner, names in owners.items())
+    return [remark("parameters of", names=names, owner=owner) for owner, names in owners.items()]

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ur5lib.errors import RefusalError
 from ur5lib.identification.regression import Normal
 from ur5lib.timeseries.arrays import Array
 
@@ -34,16 +35,13 @@ def torque_constant_prior(
     maker: at the joint's side of the gear; controller: see `standstill_ratio`; motors: their sizes.
     widths: relative standard deviations of the manufacturer's value, common to joints of one motor
     size; of joints of one size from each other; of the controller's ratio, joint by joint. They
-    are combined as normal distributions of log k. Raises ValueError if a size has neither value.
+    are combined as normal distributions of log k. Raises RefusalError if a size has neither value.
     """
     shared, spread, ratio = widths
     same = np.array([[one == other for other in motors] for one in motors])
     known = np.isfinite(maker)
     if not all((known | np.isfinite(controller))[row].any() for row in same):
-        raise ValueError(
-            "the torque constant of a motor size is unknown: neither the robot's description nor "
-            "target_moment and target_current at standstill determine it"
-        )
+        raise RefusalError("unknown constant")
     # covariance of log k: common to a motor size, and of each joint
     wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
     covariance = same * np.outer(wide, wide) + np.eye(6) * spread**2

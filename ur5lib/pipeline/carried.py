@@ -5,8 +5,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ur5lib.errors import Remark, remark
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.quality import Finding, Part, part
+from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, PerJoint
 from ur5lib.timeseries.arrays import Array
 
@@ -91,14 +92,14 @@ def _other_payload(declared: Payload | None, signals: Signals) -> dict[str, obje
     away = np.subtract(declared.center_of_mass, told.center_of_mass if told else 0.0)
     if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MOMENT):
         return {}
-    return {"declared": _part(declared), "told": _part(told)}
+    return {"declared": _remark(declared), "told": _remark(told)}
 
 
-def _part(payload: Payload | None) -> Part:
+def _remark(payload: Payload | None) -> Remark:
     """Return a payload as a part of a sentence."""
     if payload is None:
-        return part("no payload")
-    return part("a payload", mass=payload.mass, place=[*payload.center_of_mass])
+        return remark("no payload")
+    return remark("a payload", mass=payload.mass, place=[*payload.center_of_mass])
 
 
 def _changing_payload(signals: Signals) -> dict[str, object]:

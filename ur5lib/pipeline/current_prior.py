@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ur5lib.errors import RefusalError
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
 from ur5lib.pipeline.records.motion import Motion
@@ -25,10 +26,10 @@ def controllers_ratio(signals: Signals, motion: Motion) -> Array:
 def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     """Return the prior from the manufacturer and the controller's ratios (6,) [Nm/A] of recordings.
 
-    Raises ValueError if they do not suffice, or without recordings.
+    Raises RefusalError if they do not suffice, or without recordings.
     """
     if not ratios:
-        raise ValueError("no recording with the role “fit” has actual_current")
+        raise RefusalError("no fit recording")
     columns = [column[np.isfinite(column)] for column in np.array(ratios).T]
     controller = np.array([np.median(column) if len(column) else np.nan for column in columns])
     maker = np.array(robot.maker_torque_constants())

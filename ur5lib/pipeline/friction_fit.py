@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.errors import RefusalError, remark
 from ur5lib.identification.currents import (
     CurrentFit,
     fit_currents,
@@ -29,7 +30,7 @@ MOST_LOST = 3  # joints whose current does not follow their torque: the others t
 WARMER = 3.0  # K between recordings, below which temperature tells nothing
 
 
-class ContradictionError(ValueError):
+class ContradictionError(RefusalError):
     """A stop sign: the recordings contradict the arm that the study names."""
 
 
@@ -103,10 +104,7 @@ def require_no_stop_sign(contradictions: Mapping[str, Any]) -> None:
     """Raise ContradictionError for stop signs; contradictions.json by recording."""
     stopped = [name for name, found in contradictions.items() if found["stop_signs"]]
     if stopped:
-        raise ContradictionError(
-            f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "
-            "them from the study"
-        )
+        raise ContradictionError("contradicting recordings", names=stopped)
 
 
 def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
@@ -122,11 +120,8 @@ def require_known_constants(fit: CurrentFit, prior: Prior) -> None:
         found = [joint.contradicted for joint in fit.joints]
         fitted = np.where(lost, np.array(found, dtype=float), torque_constants(fit))
         known = 1 / prior.inverse_constant.mean
-        each = ", ".join(
-            f"joint {joint + 1} with {fitted[joint]:.3g} instead of {known[joint]:.3g} Nm/A"
-            for joint in np.flatnonzero(wrong)
-        )
-        raise ContradictionError(
-            f"torque constants contradict the known values ({each}); correct `robot`, `payload`, "
-            "or columns and units"
-        )
+        each = [
+            remark("other constant", joint=j + 1, fitted=float(fitted[j]), known=float(known[j]))
+            for j in np.flatnonzero(wrong).tolist()
+        ]
+        raise ContradictionError("contradicting constants", each=each)

@@ -50,7 +50,7 @@ def with_identified(
     """Return the arm with the model "identified" from some blocks, and how it was found.
 
     gravities: of the recordings, which decide what their torques determine.
-    Raises ValueError where there are too few blocks, or none that bodies could explain.
+    Raises RefusalError where there are too few blocks, or none that bodies could explain.
     """
     data = stack(blocks)
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]

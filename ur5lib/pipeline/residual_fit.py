@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.errors import InputError
+from ur5lib.errors import RefusalError, Remark, remark
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Residuals, Stretch, fit_residual_model
@@ -16,7 +16,6 @@ from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import as_record
-from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
 TORQUES = {
@@ -24,10 +23,6 @@ TORQUES = {
     "tau_observer": ("observed_torque", joint_states),
     "tau_causal": ("causal_torque", past_states),
 }
-ONE_PATH = (
-    "all fit recordings follow one path: the variation of the torque between paths is unknown, so "
-    "bands are 6.5 times as wide as that path alone suggests; record another path"
-)
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
@@ -41,8 +36,10 @@ def residual_summary(
     friction.json; cutoff: of the torques [Hz].
     """
     explained = friction["explained"]  # by fits to other paths, None where there is one path
-    if explained is not None and (np.array(explained, float) > 0).sum() < DIRECTIONS:
-        return Residuals(refused=unknown_torques(np.array(explained, float)))
+    if explained is not None:
+        unknown = np.flatnonzero(~(np.array(explained, float) > 0)) + 1
+        if 6 - len(unknown) < DIRECTIONS:
+            return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     fit, paths = as_record(CurrentFit, friction["fit"]), friction["paths"]
     models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
@@ -53,8 +50,8 @@ def residual_summary(
         ]
         try:
             models[name] = _residual_model(inputs, fit, paths, cutoff)
-        except InputError as error:  # too little without contact: then no force is estimated
-            refused = str(error)
+        except RefusalError as refusal:  # too little without contact: then no force is estimated
+            refused = refusal.remark
     remarks = () if refused else tuple(_remarks(paths, recordings))
     return Residuals(**models, refused=refused, remarks=remarks)
 
@@ -71,28 +68,12 @@ def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:
     )
 
 
-def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[str]:
+def _remarks(paths: int, recordings: Sequence[tuple[Currents, Motion]]) -> Iterator[Remark]:
     """Say what so few paths, and so little rest, do not show."""
     if paths == 1:
-        yield ONE_PATH
+        yield remark("one path of all")
     if paths < LEAST_PATHS and (rest := rest_seconds(recordings)) < REST:
-        yield (
-            f"the arm rests for {rest:.0f} s of the fit recordings only, so that pushes at rest "
-            "may remain unnoticed; record half a minute at rest, in several poses"
-        )
-
-
-def unknown_torques(explained: Array) -> str:
-    """Say why currents tell no force.
-
-    explained: share (6,) of the currents' variance that fits to other paths explain.
-    """
-    joints = ", ".join(f"{joint + 1}" for joint in np.flatnonzero(~(explained > 0)))
-    return (
-        f"a constant current is nearer to the currents of joints {joints} than what fits to other "
-        "paths predict, so that the torque of a contact is unknown; record motions that nobody "
-        "leads or touches, along several paths"
-    )
+        yield remark("little rest", seconds=rest)
 
 
 def _residual_model(

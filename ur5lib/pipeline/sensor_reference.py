@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.errors import Remark
 from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import (
     SensorOffset,
@@ -78,7 +79,7 @@ def offset_account(reading: SensorReading, signals: Signals, bias_window: float)
 
 def sensor_doubts(
     sensor: SensorWrenches, forces: Forces, rotation: Array, offset: SensorOffset
-) -> dict[str, str | None]:
+) -> dict[str, Remark | None]:
     """Return whether the sensor contradicts the estimate from currents or the weight of its tool,
     and whether its bias may be a push.
     """

@@ -7,8 +7,9 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
+from ur5lib.errors import Remark, remark
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
-from ur5lib.recordings.quality import Finding, Part, contradiction, part
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel, columns
@@ -77,7 +78,7 @@ def _fits(means: BlockMeans, torque: Array, arm: Robot) -> bool:
 
 def _likelier_arms(
     means: BlockMeans, torque: Array, arm: Robot, payloads: Sequence[Payload | None]
-) -> Iterator[Part]:
+) -> Iterator[Remark]:
     """Yield the described arm that explains the torque best, if it is likelier by far."""
     names = [arm.name, *(name for name in robot_names() if name != arm.name)]
     arms = [arm, *(described(name).mounted(arm.gravity) for name in names[1:])]
@@ -86,7 +87,7 @@ def _likelier_arms(
     ]
     best = int(np.argmax(likelihoods))
     if likelihoods[best] - likelihoods[0] > SURE:
-        yield part("robot as cause", value=names[best])
+        yield remark("robot as cause", value=names[best])
 
 
 def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
@@ -95,12 +96,12 @@ def _likelihood(means: BlockMeans, torque: Array, arm: Robot) -> float:
     return float(means.log_likelihood(variance).sum())
 
 
-def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[Part]:
+def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> Iterator[Remark]:
     """Yield the described arms that leave less than `most` of the torque."""
     for name in robot_names():
         other = described(name).mounted(arm.gravity)
         if size(_residual(means, torque, other)) < most:
-            yield part("robot as cause", value=name)
+            yield remark("robot as cause", value=name)
 
 
 @cache
@@ -109,24 +110,24 @@ def described(name: str) -> Robot:
     return load_robot(robot_path(name))
 
 
-def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Part]:
+def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Remark]:
     """Yield the payload whose torque is the residual (M, 6) [Nm], but for `most` of its size."""
     torque = load_torque(arm, means.q)
     columns = [means.beside_inertia(torque[:, :, k]).ravel() for k in range(4)]
     mass, left = fitted_load(np.stack(columns, axis=1), residual.ravel())
     if LIGHT < mass < HEAVY and left < most:
-        yield part("load as cause", value=mass)
+        yield remark("load as cause", value=mass)
 
 
-def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Part]:
+def _fitting_units(means: BlockMeans, torque: Array, arm: Robot) -> Iterator[Remark]:
     """Yield the unit of the positions with which the torque is the arm's."""
     for unit, factor in (("rad", DEGREES), ("deg", 1 / DEGREES)):
         if _fits(replace(means, q=factor * means.q), torque, arm):
-            yield part("unit as cause", value=unit)
+            yield remark("unit as cause", value=unit)
 
 
-def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[Part]:
+def _fitting_columns(means: BlockMeans, arm: Robot) -> Iterator[Remark]:
     """Yield the currents that are the arm's torque."""
     for name, current in means.currents.items():
         if _fits(means, current, arm):
-            yield part("column as cause", value=name)
+            yield remark("column as cause", value=name)

@@ -7,7 +7,8 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.quality import Finding, contradiction, part
+from ur5lib.errors import remark
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
 
@@ -144,7 +145,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
                 continue
             wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
             if wrong:
-                ratios = [part("ratio", joint=j + 1, value=slopes[j]) for j in wrong]
+                ratios = [remark("ratio", joint=j + 1, value=slopes[j]) for j in wrong]
                 values = {"name": above, "position": below, "ratios": ratios}
                 yield _inconsistent(len(wrong), values, "no derivative")
 
@@ -222,7 +223,7 @@ def _limits(
     beyond = values > np.asarray(bounds)
     if beyond.any():
         wrong = np.flatnonzero(beyond.any(axis=0)).tolist()
-        most = [part("most", joint=j + 1, value=float(np.nanmax(values[:, j]))) for j in wrong]
+        most = [remark("most", joint=j + 1, value=float(np.nanmax(values[:, j]))) for j in wrong]
         count, limits = int(beyond.any(axis=1).sum()), {"name": name, "each": most, "unit": unit}
         yield Finding("robot", "joint limits", "note", count, limits)
 

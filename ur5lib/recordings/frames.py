@@ -9,10 +9,10 @@ import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
 from ur5lib.channels import SUFFIXES
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
-from ur5lib.recordings.quality import Finding, part
+from ur5lib.recordings.quality import Finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.interpolation import interpolated
 
@@ -291,7 +291,7 @@ def _report_lost(
         common = pd.Series(1000 * timing.period * np.rint(steps / timing.period)).value_counts()
         values = {
             "steps": [
-                part("steps", count=count, step_ms=step) for step, count in common.head(3).items()
+                remark("steps", count=count, step_ms=step) for step, count in common.head(3).items()
             ],
             "longest_ms": 1000 * timing.longest_step,
             "filled": filled,

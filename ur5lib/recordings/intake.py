@@ -114,8 +114,8 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
         names = {"names": _some(unread)}
         notes.append(Finding("robot", "unused wrench", "warning", len(unread), names))
     notes += [
-        Finding("robot", f"{kind} channels", "note", len(names), {"names": _some(names)})
-        for kind, names in (("unused", unused), ("unknown", unknown))
+        Finding("robot", kind, "note", len(names), {"names": _some(names)})
+        for kind, names in (("unused channels", unused), ("unknown channels", unknown))
         if names
     ]
     return table.drop(columns=[*others, *unread]), notes

@@ -6,7 +6,6 @@ from typing import Literal
 
 Device = Literal["robot", "force", "imu"]
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
-Part = dict[str, object]  # of a sentence: a code and its values
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,3 @@ class Finding:
 def contradiction(code: str, **values: object) -> Finding:
     """Return a stop sign: what contradicts the study so much that no forces may be stated."""
     return Finding("robot", "contradiction", "stop", 1, values, code)
-
-
-def part(code: str, **values: object) -> Part:
-    """Return a part of a finding's sentence, which is a value of it."""
-    return {"code": code, "values": values}

@@ -1,4 +1,4 @@
-"""The sentences about findings, which stand in `templates/findings.yaml` by their codes."""
+"""Sentences of findings and remarks, which stand in `templates/findings.yaml` by their codes."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -13,12 +13,14 @@ TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
 
 
 class Words(Formatter):
-    """Values in a sentence: lists are joined by commas, parts of a sentence by their format."""
+    """Values in a sentence: lists are joined by commas, remarks by their format."""
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        """Return a value in words; parts, a code with its values, are sentences themselves."""
+        """Return a value in words; NaN, which JSON does not know, is unknown."""
+        if value is None:
+            return "unknown"
         if isinstance(value, Mapping):
-            return sentence(value["code"], value["values"])
+            return in_words(value)
         if not isinstance(value, list | tuple):
             return str(super().format_field(value, format_spec))
         if all(isinstance(one, Mapping) for one in value):
@@ -35,6 +37,11 @@ def templates() -> dict[str, str]:
 def sentence(code: str, values: Mapping[str, Any]) -> str:
     """Return the sentence of a code, as it may be printed: its values quote files."""
     return printable(Words().vformat(templates()[code], (), values))
+
+
+def in_words(remark: Mapping[str, Any]) -> str:
+    """Return the sentence of a remark, as read from JSON."""
+    return sentence(remark["code"], remark["values"])
 
 
 def worded(finding: Mapping[str, Any]) -> dict[str, Any]:

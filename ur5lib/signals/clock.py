@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.errors import Remark
 from ur5lib.timeseries.arrays import Array
 
 # Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
@@ -47,7 +48,7 @@ class OwnClock(Clock):
     alone [s].
     """
 
-    warning: str | None
+    warning: Remark | None
     stamps: float
 
 
@@ -58,7 +59,7 @@ class SettledClock(Clock):
     warning: of its own clock; end_std: standard error at the end of the recording [s].
     """
 
-    warning: str | None
+    warning: Remark | None
     end_std: float
 
 

@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ur5lib.errors import Remark, remark
 from ur5lib.signals.clock import BY_MOTION, Clock
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.interpolation import interpolated
@@ -32,26 +33,26 @@ def clock_from_rotation(
     device_time: Array,
     gyroscope: Array,
     stamps: Clock,
-) -> tuple[Clock, str | None]:
+) -> tuple[Clock, Remark | None]:
     """Estimate the clock for which a gyroscope measures the angular velocity of the joints.
 
     time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6,
     R_6^T J_w qd; segment: (N,) labels of unbroken stretches; device_time: (M,) [s], increasing;
     gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: centre of the search.
-    Returns the clock and None, or the clock of the stamps and the reason for it.
+    Returns the clock and None, or the clock of the stamps and a remark on why it is that.
 
     Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
     rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
     blocks of time, as neighbouring residuals are correlated, widened by LATENCY and WANDER.
     """
     if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
-        return stamps, "the record is too short to determine its clock from motion"
+        return stamps, remark("short record")
     if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND):
-        return stamps, "the sampling rate is too low to determine the clock from motion"
+        return stamps, remark("slow record")
     pair = _compare(time, rate, segment, device_time, gyroscope)
     starts = _search(pair, stamps)
     if not starts:
-        return stamps, "the records of the device and the robot hardly overlap without gaps"
+        return stamps, remark("little overlap")
     # best clock, its standard errors, and the share of variance it explains
     (offset, drift), columns, residual = _choose(pair, starts, stamps)
     offset_std, drift_std = _jackknife(columns, residual)
@@ -60,8 +61,8 @@ def clock_from_rotation(
     clock = Clock(float(offset), offset_std, float(drift), drift_std, BY_MOTION)
     variance = np.nanvar(pair.gyroscope, axis=0).mean() + NOTHING
     explained = 1 - float(np.mean(residual**2) / variance) if len(residual) else 0.0
-    reason = _objection(clock, stamps, explained)
-    return (clock, None) if reason is None else (stamps, reason)
+    doubt = _objection(clock, stamps, explained)
+    return (clock, None) if doubt is None else (stamps, doubt)
 
 
 def even_samples(time: Array, values: Array) -> tuple[Array, Array]:
@@ -220,22 +221,14 @@ def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
     return float(np.sqrt(variance[0])), float(np.sqrt(variance[1]))
 
 
-def _objection(clock: Clock, stamps: Clock, explained: float) -> str | None:
+def _objection(clock: Clock, stamps: Clock, explained: float) -> Remark | None:
     """Return why the motion does not determine the clock; None if it does."""
     apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
     if explained < EXPLAINED:
-        return (
-            f"the joints explain only {max(explained, 0):.0%} of the gyroscope's variance: the "
-            "arm hardly turned, the IMU is rotated, or its file belongs to another recording"
-        )
+        return remark("unexplained rotation", share=max(explained, 0.0))
     if abs(apart) > TRUST * stamps.offset_std or abs(drift) > MAX_DRIFT:
-        return (
-            f"the gyroscope implies a start {apart:+.2f} s from the start stamps and a drift of "
-            f"{drift:+.2%}, which is implausible: its file may belong to another recording"
-        )
+        return remark("implausible clock", apart_s=apart, drift=drift)
     if clock.offset_std > stamps.offset_std:
-        return (
-            f"the gyroscope determines the offset to ±{clock.offset_std:.2g} s, no better than "
-            f"the start stamps (±{stamps.offset_std:.2g} s)"
-        )
+        stds = {"std_s": clock.offset_std, "stamps_std_s": stamps.offset_std}
+        return remark("uncertain clock", **stds)
     return None

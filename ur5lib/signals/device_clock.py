@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 
+from ur5lib.errors import Remark
 from ur5lib.signals.clock import Clock, clock_from_host, clock_from_stamps
 from ur5lib.signals.clocks import clock_from_rotation
 from ur5lib.timeseries.arrays import Array, Labels
@@ -18,7 +19,7 @@ def device_clock(
     start: Mapping[str, float],
     robot: tuple[Array, Labels, Array],
     frames: tuple[Array, Array],
-) -> tuple[Clock, str | None]:
+) -> tuple[Clock, Remark | None]:
     """Return a device's clock, and why it is from its start stamp alone, if it is.
 
     device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], if it has one;

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from ur5lib.errors import reason
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.friction_fit import ContradictionError, friction_summary, require_no_stop_sign
@@ -32,7 +33,7 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
         prior = prior_of(robot, ratios)
         summary = friction_summary(records, prior, smooth, params.terms) | {"model": model}
     except ContradictionError as sign:
-        summary["stopped"] = str(sign)
+        summary["stopped"] = sign.remark
     except ValueError as error:
-        summary["refused"] = str(error)
+        summary["refused"] = reason(error)
     write_json(summary, output.friction)

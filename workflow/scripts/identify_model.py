@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from ur5lib.errors import reason
 from ur5lib.pipeline.controller_torque import torque_blocks
 from ur5lib.pipeline.identification import with_identified, with_rotors
 from ur5lib.pipeline.records.motion import Motion
@@ -31,7 +32,7 @@ def identify_model(input: Any, output: Any, params: Any) -> None:
         robot, found = with_identified(robot, params.gravities, known)
         summary |= found
     except ValueError as error:  # too little was recorded, or nothing physical explains it
-        summary["refused"] = str(error)
+        summary["refused"] = reason(error)
     name = "identified" if "identified" in robot.models else robot.chosen_model
     write_text(robot_yaml(robot), output.arm)
     write_text(urdf(robot, rigid_bodies(robot, name)), output.urdf)

@@ -5,10 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.finding_sentences import worded
+from ur5lib.report.finding_sentences import sentence, worded
 from ur5lib.report.tables.own import Own, Row
 
-REMEDY = "if one computer timestamps both this device and an IMU, list both under `hosts`"
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
@@ -64,21 +63,18 @@ def quality(own: Own) -> Iterator[Row]:
     yield from _doubted_sensor(own)
 
 
-def _finding(device: str, finding: str, detail: str, severity: str = "warning") -> Row:
-    about = {"device": device, "finding": finding, "detail": detail}
+def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
+    about = {"device": device, "finding": finding, "detail": sentence(finding, values)}
     return about | {"severity": severity, "count": 1}
 
 
 def _poor_clocks(own: Own) -> Iterator[Row]:
     """Yield devices whose clock is known from start stamps only."""
     for device, clock in own["clocks"].items():
-        errors = clock["offset_std"], clock["end_std"]
-        accuracy = "accurate to {:.2g} s at the start and {:.2g} s at the end".format(*errors)
         if clock["warning"]:
-            yield _finding(device, "clock by stamps alone", f"{clock['warning']}; {accuracy}")
+            yield _finding(device, "clock by stamps alone", clock)
         elif clock["drift"] is None:
-            detail = f"its clock is known from its start stamp only, {accuracy}; {REMEDY}"
-            yield _finding(device, "unknown drift", detail)
+            yield _finding(device, "unknown drift", clock)
 
 
 def _doubted_sensor(own: Own) -> Iterator[Row]:
@@ -87,7 +83,7 @@ def _doubted_sensor(own: Own) -> Iterator[Row]:
     """
     for doubted in ("mounting", "offset"):
         if doubt := own["forces"].get(f"{doubted}_doubt"):
-            yield _finding("force", doubted, doubt)
+            yield _finding("force", doubted, {"doubt": doubt})
 
 
 def _copies(own: Own) -> Iterator[Row]:
@@ -97,5 +93,5 @@ def _copies(own: Own) -> Iterator[Row]:
         others = [name for name, files in known.items() if files.get(device) == checksum]
         if others:
             used = "used" if device in own["quality"]["devices"] else "not used"
-            detail = f"identical to the file of {', '.join(others)}; {used} here"
-            yield _finding(device, "same file", detail, "note") | {"count": len(others)}
+            same = _finding(device, "same file", {"others": others, "used": used}, "note")
+            yield same | {"count": len(others)}

@@ -1,9 +1,11 @@
 """Rows of tables about the link models: torques, rotors, identified parameters, remarks of fits."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
+from ur5lib.report.finding_sentences import in_words
 from ur5lib.report.tables.own import Own, Row, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -57,11 +59,13 @@ def parameters(own: Own) -> Iterator[Row]:
 def excitation(own: Own) -> Iterator[Row]:
     """Yield how well the recordings excite an arm."""
     if found := own["identification"].get("excitation"):
+        advice = found["advice"]
         yield {
             "combinations": found["combinations"],
             "undetermined": len(found["undetermined"]),
             **found["condition"],
-            "advice": "; ".join(found["advice"]),
+            "advice": "; ".join(map(in_words, advice)),
+            "motion": advice[0]["values"].get("motion") if advice else None,
         }
 
 
@@ -70,9 +74,13 @@ def remarks(own: Own) -> Iterator[Row]:
     for kind, step in FITS.items():
         summary = own[kind]
         for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
-            yield {"step": step, "remark": remark}
+            yield _remark(step, remark)
         if "stopped" in summary:
-            yield {"step": STOP, "remark": summary["stopped"]}
+            yield _remark(STOP, summary["stopped"])
         for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
             for remark in fit["remarks"]:
-                yield {"step": step, "joint": joint, "remark": remark}
+                yield _remark(step, remark) | {"joint": joint}
+
+
+def _remark(step: str, remark: Mapping[str, Any]) -> Row:
+    return {"step": step, "code": remark["code"], "remark": in_words(remark)}

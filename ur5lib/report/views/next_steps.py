@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from itertools import islice
 
+from ur5lib.identification.samples import FEW
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP
@@ -12,7 +13,8 @@ from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
 MANY_LOST = 0.1  # share of frames, from which a recording is worth repeating
-PLURALS = {"moves ": "move ", "does ": "do ", "this joint": "these joints"}  # of remarks
+CONTRADICTIONS = ("unlikely constant", "current against constant")  # codes of remarks
+ASKING = ("no motion", "one path", "few paths")  # codes of those that ask for a recording
 
 
 def steps(results: Results) -> list[str]:
@@ -59,8 +61,7 @@ def payloads(results: Results) -> Iterator[Sentence]:
 
 def contradictions(results: Results) -> Iterator[Sentence]:
     """Repeat what the fits found to contradict prior knowledge."""
-    rows = results.tables["remarks"].dropna(subset="joint")
-    rows = rows[rows["remark"].str.contains("contradicts")]
+    rows = results.tables["remarks"].query("code in @CONTRADICTIONS")
     for robot, part in rows.groupby("robot", sort=False):
         yield say("steps.contradiction", robot=robot, numbers=part["joint"])
 
@@ -84,10 +85,9 @@ def doubted_sensors(results: Results) -> Iterator[Sentence]:
 
 def missing_recordings(results: Results) -> Iterator[Sentence]:
     """Ask for the recordings that would settle what is undetermined."""
-    for row in results.tables["excitation"].dropna(subset="advice").itertuples():
-        motion = row.advice.partition(" would determine ")[0]
-        if motion.startswith(("Holding", "Moving")):  # else no motion helps
-            yield say("steps.advised", robot=row.robot, motion=motion[0].lower() + motion[1:])
+    for row in results.tables["excitation"].dropna(subset="motion").itertuples():
+        motion = row.motion[0].lower() + row.motion[1:]
+        yield say("steps.advised", robot=row.robot, motion=motion)
     yield from other_motions(results)
     if results.tables["friction"].empty and not results.with_role("fit"):
         yield say("steps.fit")
@@ -99,15 +99,10 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
 
 def other_motions(results: Results) -> Iterator[Sentence]:
     """Turn the remarks of the fits that ask for a recording into a request."""
-    rows = results.tables["remarks"].dropna(subset="joint")
-    for (robot, remark), part in rows.groupby(["robot", "remark"], sort=False):
-        finding, _, request = remark.rpartition("; ")
-        if request.startswith("record"):
-            said = f"{finding.partition(':')[0]}: {request}"
-            if len(part) > 1:
-                for one, several in PLURALS.items():
-                    said = said.replace(one, several)
-            yield say("steps.other", robot=robot, numbers=part["joint"], said=said)
+    rows = results.tables["remarks"].query("code in @ASKING")
+    for (robot, code), part in rows.groupby(["robot", "code"], sort=False):
+        words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}
+        yield say(f"steps.{code}", **words)
 
 
 def _some(names: list[str]) -> Sentence:
