@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.real_arms import Fitted, RealRecording, RealStudy
+from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification.currents import (
     CurrentFit,
     band,
@@ -20,7 +21,6 @@ from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
-from ur5lib.pipeline.load_regressor import load_regressor
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
 from ur5lib.timeseries.arrays import Array
 
@@ -187,7 +187,8 @@ def test_one_recording_suffices_for_the_currents_of_the_ur10e(
 
 def load_of(one: RealRecording, fit: CurrentFit, smooth: Smooth) -> Load:
     """What a recording's flange carries; the runs to fit on differ by next to nothing."""
-    columns = load_regressor(one.robot, one.robot.fullest_model(), one.motion)
+    states = one.motion.q, one.motion.qd, one.motion.qdd
+    columns = load_regressor(one.robot, one.robot.fullest_model(), *states)
     return judge(estimate_payload(fit, one.record, columns, smooth), spread=0.0)
 
 

@@ -12,18 +12,16 @@ from tests.equal_records import same
 from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
-from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.dynamics.link_model import LINK_6, LinkModel
 from ur5lib.errors import remark
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
-from ur5lib.identification.payload import LEFT, PayloadEstimate
+from ur5lib.identification.payload import LEFT, PayloadEstimate, judged_load
 from ur5lib.identification.validation import least_squares_coefficients
 from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
-from ur5lib.pipeline.load_regressor import LINK_6
-from ur5lib.pipeline.payload_estimate import judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
@@ -199,6 +197,7 @@ def test_every_estimate_has_its_band_and_its_odds(
 
 
 LOAD_2 = 14.0  # Nm on joint 2, of 2 kg
+UNLOADED = {"parameters": [0.05] * 4, "std_error": [0.05] * 4, "parts": [0.05] * 3}
 
 
 @pytest.fixture(scope="module")
@@ -237,7 +236,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     found = given.get("found", found)
     known = {"source": "none", "payload": None, "told": None}
     known |= given.get("known", {})
-    unloaded = given.get("unloaded", [{"parameters": [0.05] * 4, "std_error": [0.05] * 4}])
+    unloaded = given.get("unloaded", [UNLOADED])
     per_load = np.zeros((count, 6, 4))
     per_load[:, 1, 0] = LOAD_2 / 2.0
     files: dict[str, Any] = {name: str(folder / f"{name}.parquet") for name in names}
@@ -305,9 +304,7 @@ def test_nothing_is_predicted_beside_a_stop_sign(friction: dict[str, Any], tmp_p
     [
         {"role": "fit"},  # its payload is taken as it is told
         {"known": {"source": "study", "payload": {"mass": 1.0}}},  # and so is a declared one
-        {
-            "unloaded": [{"parameters": [1.0] * 4, "std_error": [0.05] * 4}]
-        },  # bare runs seem to, too
+        {"unloaded": [UNLOADED | {"parameters": [1.0] * 4}]},  # bare runs seem to, too
         {
             "found": {
                 "parameters": [2.0, 0, 0, 0],
@@ -348,7 +345,7 @@ def test_without_unloaded_runs_the_mass_stands_alone() -> None:
     """No recording to fit on moves: nothing tells how far runs differ."""
     found = PayloadEstimate(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
     known = {"source": "none", "payload": None}
-    load = judged_load(found, [{}], paths=5, known=known, role="validate")
+    load = judged_load(found, [], paths=5, known=known, role="validate")
     assert np.isfinite(load["std_error"])
 
 

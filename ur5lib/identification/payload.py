@@ -4,7 +4,9 @@ A payload adds a torque that is linear in its mass and first moments. Friction g
 torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import stats
@@ -66,6 +68,44 @@ def judge(payload: PayloadEstimate, spread: float) -> Load:
     half = error * stats.norm.ppf(0.975)
     lasting = bool((payload.parts > mass / 2).all())
     return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
+
+
+def judged_load(
+    payload: PayloadEstimate,
+    unloaded: Sequence[PayloadEstimate],
+    paths: int,
+    known: Mapping[str, Any],
+    role: str,
+) -> dict[str, Any]:
+    """Return the undeclared payload, and whether it is included in the prediction.
+
+    unloaded: payloads of the recordings to fit on, of so many paths; known: torques.json. A load
+    that is certain is taken, unless the study declares another, or the recording is one to fit on,
+    whose payload is taken as it was given.
+    """
+    spread = np.zeros(4)
+    if unloaded:
+        values, errors = np.stack([(own.parameters, own.std_error) for own in unloaded], axis=1)
+        spread = run_to_run(values, errors, paths)
+    load = judge(payload, float(spread[0]))
+    taken = load.certain and known["source"] != "study" and role != "fit"
+    center, center_std = load_center(payload, load, spread)
+    configured = known["payload"]["mass"] if known["payload"] else 0.0
+    account = {"configured": configured, "carried": configured + load.mass}
+    place = {"center_of_mass": center, "center_of_mass_std": center_std}
+    return asdict(load) | account | {"taken": taken} | place
+
+
+def load_center(payload: PayloadEstimate, load: Load, spread: Array) -> tuple[Array, Array]:
+    """Return the centre of mass (3,) [m] and its standard error; NaN of a load that is uncertain.
+
+    spread: of mass and first moments from run to run, (4,).
+    """
+    if not load.certain:
+        return np.full(3, np.nan), np.full(3, np.nan)
+    center = payload.parameters[1:] / load.mass
+    moment_std = np.hypot(payload.std_error[1:], spread[1:])
+    return center, np.hypot(moment_std, center * load.std_error) / load.mass
 
 
 def joint_gains(left_over: Array, load: Array, count: int) -> Array:

@@ -5,9 +5,9 @@ import numpy as np
 from ur5lib.force.static_estimate import LEAST_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
+from ur5lib.pipeline.current_prediction import smoothed_external_torque
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.external_torque import smoothed_external_torque
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals

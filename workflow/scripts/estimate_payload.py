@@ -1,13 +1,14 @@
 """The mass on the flange beyond the arm's model and known payload, from motor currents alone."""
 
 from dataclasses import asdict
+from operator import attrgetter
 from typing import Any
 
+from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification import payload
 from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import smoothed_moving
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.load_regressor import load_regressor
 from ur5lib.pipeline.records.currents import LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -24,7 +25,8 @@ def estimate_payload(input: Any, output: Any, params: Any) -> None:
     per_load, summary = None, dict[str, Any]()
     if record is not None and friction["from"]:
         # read anew, so that a long recording's accelerations are not held throughout
-        per_load = load_regressor(robot, model, Motion.read(input.motion))
+        states = attrgetter("q", "qd", "qdd")
+        per_load = load_regressor(robot, model, *states(Motion.read(input.motion)))
         smooth = smoother(params.order, params.cutoff_hz)
         if smoothed_moving(record, smooth).any():  # at rest, friction hides a load
             fit = fit_for(params.recording, friction)

@@ -5,17 +5,16 @@ from typing import Any
 import numpy as np
 
 from ur5lib.identification.currents import fit_for
-from ur5lib.identification.payload import PayloadEstimate
+from ur5lib.identification.payload import PayloadEstimate, judged_load
 from ur5lib.pipeline.current_prediction import baselines, predicted_currents, scores, with_load
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_input import passed
-from ur5lib.pipeline.payload_estimate import judged_load
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import as_record, read_json, write_json
 
 
 def predict_currents(input: Any, output: Any, params: Any) -> None:
@@ -31,8 +30,9 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = fit_for(params.recording, friction), None, 0 * record.q
         if found := read_json(input.payload):
-            payload = PayloadEstimate(**{name: np.array(value) for name, value in found.items()})
-            unloaded = [*map(read_json, input.unloaded)]
+            payload = as_record(PayloadEstimate, found)
+            others = [found for path in input.unloaded if (found := read_json(path))]
+            unloaded = as_record(list[PayloadEstimate], others)
             load = judged_load(payload, unloaded, friction["paths"], known, params.role)
             if load["taken"]:
                 load_torque = LoadRegressor.read(input.regressor).torque(payload.parameters)
@@ -40,8 +40,8 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
         currents = predicted_currents(
             record, fit, load_torque, signals, Torques.read(input.torques), smooth, cutoff
         )
-        others = baselines(record, robot, np.array(friction["least_squares"]), signals)
-        judged = scores(record, currents, others, smooth)
+        known_maps = baselines(record, robot, np.array(friction["least_squares"]), signals)
+        judged = scores(record, currents, known_maps, smooth)
         summary |= {"load": load, "extent": passed(motion, currents), "scores": judged}
     currents.write(output.currents)
     write_json(summary, output.summary)
