@@ -29,7 +29,7 @@ from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.force_estimates import direct_problems, force_record
+from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import friction_summary
 from ur5lib.pipeline.imu_samples import imu_samples
 from ur5lib.pipeline.own_clocks import own_clocks
@@ -234,7 +234,7 @@ def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> I
     prior = ContactPrior(force=SETTINGS.contact.force_n)
     fmap = found["Fmap"]
     estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
-    forces = force_record(pushed.motion, {"Fmap": estimate}, causal=None)
+    forces = Forces.of(pushed.motion, {"Fmap": estimate}, background=None, causal=None)
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):

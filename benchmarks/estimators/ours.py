@@ -1,11 +1,13 @@
-"""This project's estimates, as the study holds them (docs/methods.md)."""
+"""This project's gated estimates, as the study holds them (docs/methods.md)."""
 
 from benchmarks.harness.estimator import Estimator, ready
+from ur5lib.pipeline.estimators import ESTIMATES, GATED
 
-OURS = "F̂ᵐᵃᵖ"
+OURS = ESTIMATES["Fmap"]
 
-ESTIMATORS = [
-    Estimator(OURS, "ours", False, ready("Fmap")),
-    Estimator("F̂ᵐᵃᵖ of the momentum observer", "ours", False, ready("observer")),
-    Estimator("F̂ᵐᵃᵖ, repeat-aware", "ours", False, ready("repeat")),
-]
+
+def _called(name: str) -> str:
+    return OURS if name == "Fmap" else f"{OURS}, {ESTIMATES[name]}"
+
+
+ESTIMATORS = [Estimator(_called(name), "ours", False, ready(name)) for name in GATED]

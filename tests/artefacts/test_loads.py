@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from tests.conftest import Workflow, copy_project
-from ur5lib.pipeline.estimates import GATED
+from ur5lib.pipeline.estimators import GATED
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.tables import read_csv, read_json

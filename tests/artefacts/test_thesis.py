@@ -19,7 +19,7 @@ from tests.artefacts.documents import (
 )
 from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT
-from ur5lib.pipeline.estimates import PUBLISHED
+from ur5lib.pipeline.estimators import PUBLISHED
 from ur5lib.report.reference import published, read_reference
 from ur5lib.tables import channel, read_csv, read_json, read_table
 

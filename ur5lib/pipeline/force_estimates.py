@@ -6,9 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel, Residuals
@@ -16,7 +14,6 @@ from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
@@ -79,23 +76,6 @@ def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) ->
     return found
 
 
-def causal_odds(
-    motion: Motion,
-    currents: Currents,
-    residuals: Residuals,
-    jacobian: Array,
-    prior: ContactPrior,
-) -> Array | None:
-    """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
-
-    jacobian: (M, 6, 6), at `used_rows`.
-    """
-    if currents.causal_torque is None or residuals.tau_causal is None:
-        return None
-    run = force_input(motion, currents.causal_torque, currents, past_states)
-    return causal_log_odds(run, jacobian, residuals.tau_causal, prior)
-
-
 def repeat_problem(
     fmap: Problem, alike: Iterable[tuple[Currents, Motion]], cutoff: float
 ) -> Problem | None:
@@ -113,24 +93,6 @@ def repeat_problem(
     if repeated is None:
         return None
     return Problem(fmap.input.with_torque(repeated.torque, repeated.states), repeated.model)
-
-
-def force_record(
-    motion: Motion, estimates: Mapping[str, WrenchEstimate], causal: Array | None
-) -> Forces:
-    """Return the estimates at the times of a motion, and least squares in the contacts of Fmap.
-
-    causal: of `causal_odds`.
-    """
-    whole = Forces(time=motion.time, segment=motion.segment, causal_log_odds=causal)
-    for name, estimate in estimates.items():
-        whole.wrench[name], whole.std[name] = estimate.wrench, estimate.std
-        whole.log_odds[name] = estimate.log_odds
-    if (fmap := estimates.get("Fmap")) is None:
-        return whole
-    whole.wrench["least_squares"] = fmap.least_squares
-    whole.std["least_squares"] = fmap.least_squares_std
-    return replace(whole, background=fmap.background)
 
 
 def repeated_runs(

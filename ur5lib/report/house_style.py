@@ -25,6 +25,7 @@ STYLES: dict[str, Any] = {
     "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
     "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
     "fourth": {"color": "#CC79A7", "linewidth": 1.0, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
+    "fifth": {"color": "#56B4E9", "linewidth": 1.0, "linestyle": (0, (2, 1, 2, 3))},
     "joint": {"color": JOINTS, "linewidth": 1.0},  # each joint in its own colour
 }
 HOUSE_STYLE: Any = {

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ur5lib.pipeline.estimates import NEW
+from ur5lib.pipeline.estimators import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
@@ -26,7 +26,7 @@ from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
 
 Series = dict[str, tuple[Array, str]]  # values (N, M) and style, by label
-DRAWN = ("third", "first", "second", "fourth")  # styles of estimates; the first has the band's
+DRAWN = ("third", "first", "second", "fourth", "fifth")  # of estimates; the first has the band
 PUBLISHED_STYLES = {
     "Fu": ("controller's estimate", "first"),
     "F": ("without friction", "second"),
@@ -173,7 +173,7 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
     for (name, label), style in zip(known.items(), DRAWN, strict=False):
         series[label] = with_breaks(forces.wrench[name], forces.segment), style
     band = None
-    if lead := next((name for name in ("Fmap", "static") if name in known), None):
+    if lead := next(iter(known), None):
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
         band = low, high

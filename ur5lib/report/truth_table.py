@@ -23,7 +23,6 @@ AXES = ["x", "y", "z"]
 MOTION_COMPONENTS = ["x", "y", "z", "rx", "ry", "rz"]
 ACCELERATION_UNITS = ["m/s2"] * 3 + ["rad/s2"] * 3
 WRENCH_UNITS = ["N"] * 3 + ["Nm"] * 3
-COMPARED = ("Fmap", "least_squares", "observer")  # estimates of the contact wrench
 PARTS = 8  # of an only recording, in a jackknife
 INSIDE2 = float(norm.cdf(2) - norm.cdf(-2))
 
@@ -120,8 +119,8 @@ def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Ro
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """Yield RMSE, MAE and coverage of the 95 % band of each estimate with a band."""
     true, index = truth.wrench, WRENCH
-    for method in (name for name in COMPARED if name in forces.std):
-        found, std = forces.wrench[method], forces.std[method]
+    for method, std in forces.std.items():
+        found = forces.wrench[method]
         off, zero = (mean_absolute_error(array, true) for array in (found, np.zeros_like(true)))
         rows = [
             *errors("wrench", index, WRENCH_UNITS, true, found),

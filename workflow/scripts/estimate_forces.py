@@ -2,58 +2,22 @@
 
 from typing import Any
 
-from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.residual_model import Residuals
-from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
-from ur5lib.pipeline.force_estimates import (
-    causal_odds,
-    direct_problems,
-    force_record,
-    is_fitted,
-    repeat_problem,
-    repeated_runs,
-)
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.estimators import ESTIMATORS, Stated
+from ur5lib.pipeline.force_run import ForceRun
 from ur5lib.pipeline.records.forces import Forces
-from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
-from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, read_record
 from ur5lib.timeseries.arrays import Array
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    if not is_fitted(read_json(input.friction), read_json(input.contradictions)):
-        _static(input, params).write(output.forces)
-        return
+    known = _estimates(input, params)
     # read anew, so that of a long recording either all inputs are held or all results
-    force_record(Motion.read(input.motion), *_estimates(input, params)).write(output.forces)
+    Forces.of(Motion.read(input.motion), *known).write(output.forces)
 
 
-def _static(input: Any, params: Any) -> Forces:
-    # slow to import, and friction of most arms is fitted
-    from ur5lib.pipeline.static_forces import static_forces
-
-    signals, motion = Signals.read(input.signals), Motion.read(input.motion)
-    jacobian = Kinematics.read(input.kinematics).jacobian
-    known = signals, motion, Torques.read(input.torques), jacobian
-    return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
-
-
-def _estimates(input: Any, params: Any) -> tuple[dict[str, WrenchEstimate], Array | None]:
-    motion, currents = Motion.read(input.motion), Currents.read(input.currents)
-    residuals = read_record(Residuals, input.residuals)
-    found = direct_problems(motion, currents, residuals)
-    rows = used_rows(motion.segment, motion.period)
-    jacobian = Kinematics.read(input.kinematics, rows).jacobian
-    if "Fmap" in found:
-        index, load = read_json(input.free_runs), read_json(input.load).get("load")
-        files = repeated_runs(found["Fmap"].input, params.recording, load, index)
-        alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
-        if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
-            found["repeat"] = repeat
-    prior = ContactPrior(force=params.contact_force_n)
-    causal = causal_odds(motion, currents, residuals, jacobian, prior)
-    return {name: problem.solve(jacobian, prior) for name, problem in found.items()}, causal
+def _estimates(input: Any, params: Any) -> tuple[dict[str, Stated], Array | None, Array | None]:
+    """Return the estimates by name, the slow external torque, and the causal odds of contact."""
+    run = ForceRun(input, params)
+    stated = {one.name: one.estimate(run) for one in ESTIMATORS}
+    found = {name: one for name, one in stated.items() if one is not None}
+    return found, None if run.fmap is None else run.fmap.background, run.causal_odds()

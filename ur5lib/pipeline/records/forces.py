@@ -1,8 +1,10 @@
 """Estimates of the contact wrench, and the force sensor's wrenches."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ur5lib.pipeline.estimates import GATED, NEW, PUBLISHED
+from ur5lib.pipeline.estimators import GATED, NEW, PUBLISHED, Stated
+from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.table import JOINTS, WRENCH, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array
 
@@ -24,6 +26,26 @@ class Forces(SegmentedTable):
     log_odds: dict[str, Array] = channels("log_odds_{}", "1", (), tuple(GATED))
     causal_log_odds: Array | None = channel("causal_log_odds", "1", optional=True)
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
+
+    @classmethod
+    def of(
+        cls,
+        motion: Motion,
+        estimates: Mapping[str, Stated],
+        background: Array | None,
+        causal: Array | None,
+    ) -> "Forces":
+        """Return estimates by name, at the times of a motion; causal: `causal_log_odds`."""
+        odds = {name: one.log_odds for name, one in estimates.items()}
+        return cls(
+            time=motion.time,
+            segment=motion.segment,
+            wrench={name: one.wrench for name, one in estimates.items()},
+            std={name: one.std for name, one in estimates.items()},
+            log_odds={name: own for name, own in odds.items() if own is not None},
+            background=background,
+            causal_log_odds=causal,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES, SPOKEN
+from ur5lib.pipeline.estimators import ESTIMATES, SPOKEN
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ur5lib.pipeline.estimates import ESTIMATES
+from ur5lib.pipeline.estimators import ESTIMATES
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES, NEW, SPOKEN
+from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.cells import numbered
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.force.contact_link import likely_links
-from ur5lib.pipeline.estimates import ESTIMATES, GATED, NEW, PUBLISHED
+from ur5lib.pipeline.estimators import ESTIMATES, GATED, NEW, PUBLISHED
 from ur5lib.report.cells import extremes, fixed, interval, number, numbered, signed, with_error
 from ur5lib.report.document import UNDETERMINED, Cell
 from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 from scipy.special import bdtr, bdtrc
 
-from ur5lib.pipeline.estimates import ESTIMATES
+from ur5lib.pipeline.estimators import ESTIMATES
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say

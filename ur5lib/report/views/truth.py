@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.pipeline.estimates import ESTIMATES
+from ur5lib.pipeline.estimators import ESTIMATES
 from ur5lib.report.document import Cell
 from ur5lib.report.results import NOTHING, Body, Column, Results, tabulated
 from ur5lib.report.truth_table import COLUMNS
