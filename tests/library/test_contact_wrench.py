@@ -7,7 +7,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from tests.library.made_up_torques import PRIOR, REGULAR, jacobians, torque_of
+from tests.library.made_up_torques import (
+    MODEL,
+    PRIOR,
+    REGULAR,
+    between,
+    free_run,
+    jacobians,
+    torque_of,
+)
 from ur5lib.force.contact_wrench import contact_wrench, learned_size, least_squares_wrench
 from ur5lib.force.current_based import wrench_from_torque
 from ur5lib.robots.description import Robot
@@ -87,6 +95,22 @@ def test_bands_hold_forces_of_motors_whose_constants_are_hardly_known(
             held[known].append(np.abs(error) < 1.96 * np.sqrt(found.variance[COUNT // 2, :3]))
     assert 0.9 <= np.mean(held[True]) <= 0.99
     assert np.mean(held[False]) < 0.9
+
+
+def test_an_estimate_widens_its_band_in_contact_by_the_doubt_of_constants(ur5: Robot) -> None:
+    """And changes nothing else: the wrench, and the band where no contact is found."""
+    free = free_run(ur5, 0, seconds=12.0, moving=False)
+    force = 60.0 * between(free.time, 4, 7)[:, None] * [0.0, 0.6, 0.8]
+    pushed, doubtful = (
+        free.pushed(free.wrench(force)),
+        replace(MODEL, constants_doubt=np.full(6, 0.3)),
+    )
+    plain, wider = pushed.estimate(), pushed.estimate(model=doubtful)
+    np.testing.assert_array_equal(wider.wrench, plain.wrench)
+    touched = (plain.wrench != 0).any(axis=1)
+    assert touched[(free.time > 4.5) & (free.time < 6.5)].all()
+    assert (wider.std[touched, :3] > plain.std[touched, :3]).all()
+    np.testing.assert_array_equal(wider.std[~touched], plain.std[~touched])
 
 
 def test_a_force_that_changes_is_told_less_exactly(ur5: Robot) -> None:
