@@ -30,13 +30,12 @@ from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
 from ur5lib.pipeline.friction_fit import friction_summary
-from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.residual_fit import residual_summary, with_trials
 from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
 from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record

@@ -7,15 +7,19 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import RefusalError, Remark, remark
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel, Residuals, Stretch, fit_residual_model
+from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
 from ur5lib.identification.currents import CurrentFit, breakaway_torque, constants_doubt
 from ur5lib.identification.samples import LEAST_PATHS
+from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import as_record
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
 TORQUES = {
@@ -86,3 +90,35 @@ def _residual_model(
     ]
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
     return replace(model, constants_doubt=constants_doubt(fit))
+
+
+def with_trials(
+    residuals: Residuals,
+    recordings: Sequence[tuple[Currents, Motion, Array]],
+    prior: ContactPrior,
+) -> Residuals:
+    """Return residual models with the size up to which contacts are missed, `missed_to`.
+
+    residuals: of `residual_summary`; recordings: those of the fit, with their Jacobians
+    (M, 6, 6), at `used_rows`. Each model counts the size in its own deviations; the trials are
+    those of the external torque.
+    """
+    if residuals.tau_ext is None:
+        return residuals
+    random, tried = np.random.default_rng(0), []
+    for currents, motion, jacobian in recordings:
+        if (fmap := direct_problems(motion, currents, residuals).get("Fmap")) is not None:
+            tried.append(_tried(fmap, jacobian, prior, random))
+    missed_to = largest_of_trials(tried)
+    known = {name: getattr(residuals, name) for name in TORQUES}
+    tested = {name: model and replace(model, missed_to=missed_to) for name, model in known.items()}
+    return replace(residuals, **tested)
+
+
+def _tried(
+    problem: Problem, jacobian: Array, prior: ContactPrior, random: np.random.Generator
+) -> Tried:
+    def wrench_under(torque: Array) -> Array:
+        return problem.pushed(torque).solve(jacobian, prior).wrench
+
+    return try_contacts(wrench_under, problem.input, jacobian, problem.model, prior, random)

@@ -5,11 +5,10 @@ from typing import Any
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.wrench_estimate import used_rows
-from ur5lib.pipeline.missed_contacts import with_trials
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.residual_fit import residual_summary, with_trials
 from ur5lib.tables import read_json, write_json
 
 
