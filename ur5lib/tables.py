@@ -172,8 +172,19 @@ def read_json(path: str | Path) -> Any:
 
 
 def read_record(kind: type[Record], path: str | Path) -> Record:
-    """Read a summary of which the fields are declared; raises as `as_record`."""
-    return as_record(kind, read_json(path))
+    """Read a summary of which the fields are declared.
+
+    Raises InputError where it has others: a step of another version wrote it.
+    """
+    from pydantic import ValidationError  # slow to import
+
+    try:
+        return as_record(kind, read_json(path))
+    except ValidationError as error:
+        place = " → ".join(map(str, error.errors()[0]["loc"]))
+        raise InputError(
+            f"{path}: {place} is not as this version writes it; run snakemake again"
+        ) from None
 
 
 def as_record(kind: type[Record], data: object) -> Record:

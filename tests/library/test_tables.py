@@ -17,6 +17,7 @@ from ur5lib.tables import (
     named,
     read_columns,
     read_json,
+    read_record,
     read_table,
     unit,
     write_csv,
@@ -135,3 +136,10 @@ def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:
     assert read_json(tmp_path / "x.json") == {"a": [1.0, None], "b": [None]}
     write_csv(pd.DataFrame({"mae": [0.123456789012, None]}), tmp_path / "x.csv")
     assert (tmp_path / "x.csv").read_text() == 'mae\n0.123456789\n""\n'
+
+
+def test_a_summary_of_another_version_is_refused_with_its_place(tmp_path: Path) -> None:
+    write_json({"a": [1.0, "b"]}, tmp_path / "old.json")
+    assert read_record(dict[str, list[object]], tmp_path / "old.json") == {"a": [1.0, "b"]}
+    with pytest.raises(InputError, match=r"old\.json: a → 1 .* run snakemake again"):
+        read_record(dict[str, list[float]], tmp_path / "old.json")
