@@ -4,15 +4,14 @@ Records, thresholds, tables, figures, the comparison with simulated truth and th
 ESTIMATORS as they stand here; the first that a recording has leads its figures and sentences.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from ur5lib.timeseries.arrays import Array
 
 if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
     from ur5lib.force.wrench_estimate import WrenchEstimate
-    from ur5lib.pipeline.force_run import ForceRun
 
 
 class Stated(Protocol):
@@ -36,6 +35,25 @@ class Stated(Protocol):
 
 
 @dataclass(frozen=True)
+class Run:
+    """A recording, as far as its estimators share it.
+
+    solved: the most probable wrenches by the external torque, the observer's, and less that of
+    other runs; causal_odds: log-odds (N,) of contact from past currents; static: the estimate
+    without any fit, where there is none.
+    """
+
+    solved: "Mapping[str, WrenchEstimate]" = field(default_factory=dict)
+    causal_odds: Array | None = None
+    static: Stated | None = None
+
+    @property
+    def background(self) -> Array | None:
+        """Return the slow external torque (N, 6) [Nm] that is no contact, by F̂ᵐᵃᵖ."""
+        return self.solved["Fmap"].background if "Fmap" in self.solved else None
+
+
+@dataclass(frozen=True)
 class Estimator:
     """One estimator of the contact wrench.
 
@@ -46,14 +64,14 @@ class Estimator:
 
     name: str
     label: str
-    estimate: "Callable[[ForceRun], Stated | None]"
+    estimate: Callable[[Run], Stated | None]
     gated: bool = True
     article: str = ""
 
 
-def fmap(run: "ForceRun") -> Stated | None:
+def fmap(run: Run) -> Stated | None:
     """Return the most probable wrench by the external torque."""
-    return run.fmap
+    return run.solved.get("Fmap")
 
 
 class WithoutPrior(NamedTuple):
@@ -73,29 +91,24 @@ class WithoutPrior(NamedTuple):
         return self.of.least_squares_std
 
 
-def least_squares(run: "ForceRun") -> Stated | None:
+def least_squares(run: Run) -> Stated | None:
     """Return the wrench by least squares, in the contacts of F̂ᵐᵃᵖ."""
-    return None if run.fmap is None else WithoutPrior(run.fmap)
+    return WithoutPrior(run.solved["Fmap"]) if "Fmap" in run.solved else None
 
 
-def observer(run: "ForceRun") -> Stated | None:
+def observer(run: Run) -> Stated | None:
     """Return the most probable wrench by the torque of the momentum observer."""
-    return run.solved(run.problems.get("observer"))
+    return run.solved.get("observer")
 
 
-def repeat(run: "ForceRun") -> Stated | None:
+def repeat(run: Run) -> Stated | None:
     """Return F̂ᵐᵃᵖ, less the external torque of the same trajectory without contact."""
-    return run.solved(run.repeat())
+    return run.solved.get("repeat")
 
 
-def static(run: "ForceRun") -> Stated | None:
+def static(run: Run) -> Stated | None:
     """Return the estimate of a resting arm without any fit, where there is none."""
-    if run.is_fitted:
-        return None
-    # slow to import, and friction of most arms is fitted
-    from ur5lib.pipeline.static_forces import static_forces
-
-    return static_forces(run)
+    return run.static
 
 
 ESTIMATORS = (

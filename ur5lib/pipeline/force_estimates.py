@@ -6,7 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import past_states
 from ur5lib.force.force_input import ForceInput, may_repeat
 from ur5lib.force.gears import Gears
 from ur5lib.force.residual_model import ResidualModel, Residuals
@@ -74,6 +76,23 @@ def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) ->
         if torque is not None and model is not None:
             found[name] = Problem(force_input(motion, torque, currents), model)
     return found
+
+
+def causal_odds(
+    motion: Motion,
+    currents: Currents,
+    residuals: Residuals,
+    jacobian: Array,
+    prior: ContactPrior,
+) -> Array | None:
+    """Return the log-odds (N,) of contact from past currents, None where their torque is not known.
+
+    jacobian: (M, 6, 6), at `used_rows`.
+    """
+    if currents.causal_torque is None or residuals.tau_causal is None:
+        return None
+    run = force_input(motion, currents.causal_torque, currents, past_states)
+    return causal_log_odds(run, jacobian, residuals.tau_causal, prior)
 
 
 def repeat_problem(

@@ -10,11 +10,10 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.current_prediction import smoothed_external_torque
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.force_run import ForceRun
-from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.robots.description import load_robot
+from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
 
@@ -26,10 +25,19 @@ class Static(NamedTuple):
     log_odds: None = None
 
 
-def static_forces(run: ForceRun) -> Static | None:
-    """Return the static estimate; None without currents or known torque constants."""
-    robot, signals = load_robot(run.files.arm), Signals.read(run.files.signals)
-    torques, motion = Torques.read(run.files.torques), run.motion
+def static_forces(
+    robot: Robot,
+    signals: Signals,
+    motion: Motion,
+    torques: Torques,
+    jacobian: Array,
+    order: int,
+    cutoff: float,
+) -> Static | None:
+    """Return the static estimate; None without currents or known torque constants.
+
+    jacobian: (N, 6, 6); order, cutoff: of the low-pass of currents, [Hz].
+    """
     record = current_record("", signals, motion, torques, robot.fullest_model())
     if record is None:
         return None
@@ -37,9 +45,8 @@ def static_forces(run: ForceRun) -> Static | None:
         prior = prior_of(robot, [controllers_ratio(signals, motion)])
     except ValueError:  # neither the maker nor the controller tells the constants
         return None
-    order, cutoff = run.settings.order, run.settings.cutoff_hz
     torque, std = torque_at_rest(record, prior, smoother(order, cutoff), cutoff)
-    return Static(*static_wrench(torque, std, Kinematics.read(run.files.kinematics).jacobian))
+    return Static(*static_wrench(torque, std, jacobian))
 
 
 def torque_at_rest(

@@ -278,13 +278,14 @@ def content(path):
     return Path(path).read_bytes()
 
 
+TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?: .*\n)+", re.MULTILINE)  # types change no result
 IMPORT = re.compile(r"^ *(?:from|import) (ur5lib[\w.]*)(?: import (\([^)]*\)|.*))?", re.MULTILINE)
 
 
 @cache
 def imported_modules(path):
     """Return the files of ur5lib modules that a Python file imports, without importing them."""
-    found = IMPORT.findall(content(path).decode())
+    found = IMPORT.findall(TYPES.sub("", content(path).decode()))
     names = {module for module, _ in found}
     names |= {f"{module}.{name}" for module, of in found for name in re.findall(r"\w+", of)}
     stems = [Path(*name.split(".")) for name in names]

@@ -2,22 +2,58 @@
 
 from typing import Any
 
-from ur5lib.pipeline.estimators import ESTIMATORS, Stated
-from ur5lib.pipeline.force_run import ForceRun
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.residual_model import Residuals
+from ur5lib.force.wrench_estimate import used_rows
+from ur5lib.pipeline.estimators import ESTIMATORS, Run, Stated
+from ur5lib.pipeline.force_estimates import (
+    causal_odds,
+    direct_problems,
+    is_fitted,
+    repeat_problem,
+    repeated_runs,
+)
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.timeseries.arrays import Array
+from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.records.torques import Torques
+from ur5lib.robots.description import load_robot
+from ur5lib.tables import read_json, read_record
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    known = _estimates(input, params)
-    # read anew, so that of a long recording either all inputs are held or all results
-    Forces.of(Motion.read(input.motion), *known).write(output.forces)
+    fitted = is_fitted(read_json(input.friction), read_json(input.contradictions))
+    run = _fitted(input, params) if fitted else Run(static=_static(input, params))
+    found = {one.name: one.estimate(run) for one in ESTIMATORS}
+    causal, background = run.causal_odds, run.background
+    del run  # of a long recording, either all inputs are held or all results
+    Forces.of(Motion.read(input.motion), found, background, causal).write(output.forces)
 
 
-def _estimates(input: Any, params: Any) -> tuple[dict[str, Stated], Array | None, Array | None]:
-    """Return the estimates by name, the slow external torque, and the causal odds of contact."""
-    run = ForceRun(input, params)
-    stated = {one.name: one.estimate(run) for one in ESTIMATORS}
-    found = {name: one for name, one in stated.items() if one is not None}
-    return found, None if run.fmap is None else run.fmap.background, run.causal_odds()
+def _static(input: Any, params: Any) -> Stated | None:
+    # slow to import, and friction of most arms is fitted
+    from ur5lib.pipeline.static_forces import static_forces
+
+    motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
+    known = Signals.read(input.signals), motion, Torques.read(input.torques), jacobian
+    return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
+
+
+def _fitted(input: Any, params: Any) -> Run:
+    motion, currents = Motion.read(input.motion), Currents.read(input.currents)
+    residuals = read_record(Residuals, input.residuals)
+    found = direct_problems(motion, currents, residuals)
+    rows = used_rows(motion.segment, motion.period)
+    jacobian = Kinematics.read(input.kinematics, rows).jacobian
+    if "Fmap" in found:
+        index, load = read_json(input.free_runs), read_json(input.load).get("load")
+        files = repeated_runs(found["Fmap"].input, params.recording, load, index)
+        alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
+        if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
+            found["repeat"] = repeat
+    prior = ContactPrior(force=params.contact_force_n)
+    causal = causal_odds(motion, currents, residuals, jacobian, prior)
+    estimates = {name: problem.solve(jacobian, prior) for name, problem in found.items()}
+    return Run(estimates, causal)

@@ -31,17 +31,18 @@ class Forces(SegmentedTable):
     def of(
         cls,
         motion: Motion,
-        estimates: Mapping[str, Stated],
+        estimates: Mapping[str, Stated | None],
         background: Array | None,
         causal: Array | None,
     ) -> "Forces":
         """Return estimates by name, at the times of a motion; causal: `causal_log_odds`."""
-        odds = {name: one.log_odds for name, one in estimates.items()}
+        known = {name: one for name, one in estimates.items() if one is not None}
+        odds = {name: one.log_odds for name, one in known.items()}
         return cls(
             time=motion.time,
             segment=motion.segment,
-            wrench={name: one.wrench for name, one in estimates.items()},
-            std={name: one.std for name, one in estimates.items()},
+            wrench={name: one.wrench for name, one in known.items()},
+            std={name: one.std for name, one in known.items()},
             log_odds={name: own for name, own in odds.items() if own is not None},
             background=background,
             causal_log_odds=causal,
