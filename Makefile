@@ -25,7 +25,8 @@ test: lint ## run every check but the slow tests
 	OMP_NUM_THREADS=1 pytest -m "not slow"  # two processes share the work already
 
 test-slow: .venv/ready ## run the slow tests: many arms and designs, studies, devices in real time
-	OMP_NUM_THREADS=1 pytest -m slow
+	OMP_NUM_THREADS=1 pytest -m "slow and not real_time"
+	OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 --reruns 2 --reruns-delay 5  # alone: they need a machine that keeps up
 
 lint: .venv/ready ## check style and types
 	pre-commit run --all-files

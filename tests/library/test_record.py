@@ -32,7 +32,7 @@ from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 HOME = np.array([0.5, -1.6, 1.6, -1.5, 1.5, 0.3])
 STUDY = """\

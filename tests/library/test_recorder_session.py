@@ -35,7 +35,7 @@ from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
 from ur5lib.tables import read_json
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 BORN = time.monotonic()  # sensors read the time since, by the host's clock,
 SCALE = 0.01  # per s, so that no reading is beyond what a sensor can read
@@ -81,15 +81,24 @@ def read_back(devices: Lab, folder: Path) -> RawRecording:
     return read_recording(RtdeRecording.model_validate(entry).model_dump())
 
 
+def behind(controller: EmulatedController) -> float:
+    """Return how far an emulated arm is behind the time [s]."""
+    due = controller.clock.stamp(time.monotonic()) - controller.setup.uptime
+    return due - controller.time()
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, EmulatedController]:
-    """A session of some seconds, with its manifest."""
+    """A session of some seconds, with its manifest; refused where the arm could not keep up."""
     folder = tmp_path_factory.mktemp("session") / "run"
     with lab() as (devices, controller):
         with Session(devices.devices(), folder) as session:
             write_manifest(folder, session.identities(), None, None)
             assert not read_json(folder / NAME)["complete"]
+            lags = [behind(controller)]
             time.sleep(SECONDS)
+            lags.append(behind(controller))
+        assert max(lags) < 0.02, f"this computer is too busy: the arm is {lags} s behind"
         write_manifest(folder, session.identities(), session.statuses(), None)
     return devices, folder, controller
 

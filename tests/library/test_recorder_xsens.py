@@ -20,7 +20,7 @@ from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.stand.lab.xsens_device import XsensDevice
 from ur5lib.timeseries.arrays import Array
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.real_time]
 
 READING = np.array([0.5, -1.0, 9.75, 0.25, 0.0, -0.125, 0.5, 0.25, -0.75])
 

@@ -34,8 +34,9 @@ class Faults:
 class Delivery:
     """The packets that are on their way.
 
-    is_stream: bytes in order, as on a serial line; otherwise datagrams. lost, late: the numbers of
-    the samples that were hit, counted since the device was last switched on.
+    is_stream: bytes in order, as on a serial line; otherwise datagrams. lost: the numbers of the
+    samples that were never sent; late: of those that arrived after a later one. Both are counted
+    since the device was last switched on.
     """
 
     def __init__(self, faults: Faults, is_stream: bool) -> None:
@@ -43,8 +44,8 @@ class Delivery:
         self.late: list[int] = []
         self._faults, self._is_stream = faults, is_stream
         self._random = random.Random(faults.seed)
-        self._queue: list[tuple[float, int, bytes]] = []
-        self._parts = 0
+        self._queue: list[tuple[float, int, int, bytes]] = []
+        self._parts, self._furthest = 0, -1
         self._latest = 0.0
 
     def put(self, sample: int, packet: bytes, when: float) -> None:
@@ -53,24 +54,28 @@ class Delivery:
         if fault == "lost":
             self.lost.append(sample)
             return
-        if fault == "late":
-            self.late.append(sample)
-        self._enqueue(packet[: len(packet) // 2] if fault == "split" else packet, when, fault)
+        half = len(packet) // 2
+        self._enqueue(sample, packet[:half] if fault == "split" else packet, when, fault)
         if fault == "repeated":
-            self._enqueue(packet, when)
+            self._enqueue(sample, packet, when)
         if fault == "split":
-            self._enqueue(packet[len(packet) // 2 :], when + REST)
+            self._enqueue(sample, packet[half:], when + REST)
 
     def take(self, now: float) -> list[bytes]:
         """Return the packets, or parts of them, that arrive until then [s, monotonic]."""
         arrived = []
         while self._queue and self._queue[0][0] <= now:
-            arrived.append(heapq.heappop(self._queue)[2])
+            _, _, sample, part = heapq.heappop(self._queue)
+            if sample < self._furthest:
+                self.late.append(sample)
+            self._furthest = max(self._furthest, sample)
+            arrived.append(part)
         return arrived
 
     def forget(self) -> None:
-        """Drop what is on its way."""
+        """Drop what is on its way; samples are counted anew."""
         self._queue.clear()
+        self._furthest = -1
 
     def _draw(self) -> str:
         """Return the fault that hits a packet, or none."""
@@ -79,9 +84,9 @@ class Delivery:
         [name] = self._random.choices([*names, ""], [*shares, 1 - sum(shares)])
         return name
 
-    def _enqueue(self, part: bytes, when: float, fault: str = "") -> None:
+    def _enqueue(self, sample: int, part: bytes, when: float, fault: str = "") -> None:
         when += self._faults.late_s if fault == "late" else 0.0
         if self._is_stream:  # what follows waits
             when = self._latest = max(when, self._latest)
-        heapq.heappush(self._queue, (when, self._parts, part))
+        heapq.heappush(self._queue, (when, self._parts, sample, part))
         self._parts += 1
