@@ -163,6 +163,30 @@ def test_every_erratum_that_explains_a_number_says_so(printed: pd.DataFrame) -> 
         assert re.search(r"\d+(\.\d+)? (%|s|mm|Nm|ms|above)", erratum.error)
 
 
+def test_errata_state_the_numbers_of_the_printed_tables(printed: pd.DataFrame) -> None:
+    """As rounded there; 0.168 Nm is printed in Section 5.2."""
+    text, known = errata(), printed[["printed", "rebuilt", "as_erratum_says"]]
+    torques = known[printed["source"].isin(["Table 5.1", "Table 5.6"])].to_numpy().ravel()
+    for place in text:
+        if place.startswith(("Table 5.6", "Table 5.1,")):
+            stated = re.findall(r"\d+\.\d{3,}(?! mm)", text[place])
+            digits = {len(number.partition(".")[2]) for number in stated}
+            assert {*stated} <= {f"{own:.{n}f}" for own in torques for n in digits} | {"0.168"}
+    missing = 100 * (1 - printed["printed"] / printed["rebuilt"])
+    for model in ("[21]", "C"):
+        rows = missing[(printed["quantity"] == "MAE of q̂̇ [rad/s]") & (printed["row"] == model)]
+        assert f"{rows.min():.0f} to {rows.max():.0f} %" in text["Tables 5.1, 5.5"]
+    ratio = printed[printed["source"] == "Table 5.7"].set_index("number")["ratio"]
+    y, z = 100 * (1 - ratio[["y", "z"]])
+    assert f"{y:.0f} and {z:.0f} % below" in text["Table 5.7, Section 5.5"]
+
+
+def errata() -> dict[str, str]:
+    """The text of each erratum by its place."""
+    found = read_reference(PROJECT / "workflow" / "studies" / "thesis_reference.yaml").errata
+    return {erratum.place: f"{erratum.error} {erratum.choice}" for erratum in found}
+
+
 def test_every_unexplained_number_is_a_finding(thesis_results: Path, printed: pd.DataFrame) -> None:
     """By table, row and per cent."""
     text = html.unescape((thesis_results / "report.html").read_text())
@@ -215,6 +239,23 @@ def test_the_printed_offset_of_joint_2_is_regression_to_the_mean(
     friction = read_csv(thesis_results / "tables" / "friction.csv").query("joint == 2")
     right = friction.set_index("parameter")
     assert abs(right.loc["offset", "value"]) < 2 * right.loc["offset", "std_error"]
+
+
+def test_the_erratum_on_joint_2_states_the_numbers_of_the_tables(
+    thesis_results: Path, constants: pd.DataFrame
+) -> None:
+    rows = constants.query("joint == 2").set_index(["regression", "recording"])
+    forward, reverse = rows.loc["torque_on_current"], rows.loc["current_on_torque"].loc[TABLE_5_7]
+    varied = forward[forward["mean_torque"].abs() < 20]
+    friction = read_csv(thesis_results / "tables" / "friction.csv").query("joint == 2")
+    fit = friction.set_index("parameter")
+    ranges = [(forward["offset"], " Nm"), (varied["offset"], " Nm"), (varied["torque_constant"], "")]
+    fitted = [(fit.loc["offset"], " Nm"), (fit.loc["torque_constant"], " Nm/A")]
+    numbers = [f"{own.min():.1f} to {own.max():.1f}{unit}" for own, unit in ranges]
+    numbers += [f"{reverse['offset']:.1f} Nm and {reverse['torque_constant']:.1f} Nm/A"]
+    numbers += [f"{own['value']:.1f} ± {own['std_error']:.1f}{unit}" for own, unit in fitted]
+    text = errata()["Equations 6.5, 6.6"]
+    assert [number for number in numbers if number.replace("-", "−") not in text] == []
 
 
 def test_rotors_are_those_of_the_maker(thesis_results: Path) -> None:
