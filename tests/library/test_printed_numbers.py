@@ -87,13 +87,14 @@ def test_tolerances_are_the_tables_own() -> None:
 
 def test_one_number_is_the_largest_of_six() -> None:
     place = {"table": "torque_mae", "value": "max", "row": "model"}
+    right = place | {"value": "mae"}
     rows = compared(
-        reference(values={"A": (7.5,)}, rebuilt=place),
+        reference(values={"A": (7.5,)}, rebuilt=place, right=right),
         rebuilt([1.0, 2.5, 0.5, 0.1, 0.2, 0.3]),
         [Explained(1, "torque_mae", "A", np.array([7.0, 6.0, 1, 1, 1, 1]))],
     )
     (row,) = rows
-    assert row["number"] == "largest"
+    assert (row["number"], row["right"]) == ("largest", 2.5)
     assert (row["rebuilt"], row["as_erratum_says"], row["status"]) == (7.5, 7.0, "equal")
 
 
@@ -113,6 +114,19 @@ def test_what_is_right_stands_beside_and_rows_may_stand_elsewhere() -> None:
     )
     first = next(rows)
     assert (first["source"], first["right"]) == ("Table 2", 6.0)
+
+
+def test_what_is_right_may_be_a_fit_to_other_recordings() -> None:
+    """Of an arm, and so without a recording; its rows have names of their own."""
+    fitted = [
+        {"robot": robot, "joint": joint, "parameter": parameter, "value": joint + add}
+        for robot, parameter, add in (("ur5", "k", 1), ("ur5", "other", 10), ("ur10e", "k", 100))
+        for joint in range(1, 7)
+    ]
+    where = {"robot": "ur5", "parameter": {"A": "k"}}
+    one = reference(right={"table": "fit", "value": "value", "where": where})
+    rows = compared(one, rebuilt([2.0] * 6) | {"fit": pd.DataFrame(fitted)}, [])
+    assert [row["right"] for row in rows] == [2, 3, 4, 5, 6, 7]
 
 
 def test_a_row_has_six_numbers_or_one() -> None:

@@ -1,5 +1,6 @@
 """Figures that are not over time: scatter plots, filters, coverage of bands."""
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import cycle
 
@@ -45,10 +46,16 @@ def scatter_panels(
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
             if fitted is not None:
                 axis.plot(x[:, joint], fitted[:, joint], ".", color="black", **FITTED_DOTS)
-            axis.set(xlabel=axes[0].format(joint + 1), ylabel=axes[1].format(joint + 1))
+            xlabel, ylabel = (_in_math(label.format(joint + 1)) for label in axes)
+            axis.set(xlabel=xlabel, ylabel=ylabel)
     columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
     data = {name.format(j + 1): column[:, j] for j in range(6) for name, column in columns.items()}
     return Drawing(figure, pd.DataFrame(data))
+
+
+def _in_math(label: str) -> str:
+    """Return a label whose symbols have their joint as a subscript."""
+    return re.sub(r"(\w)_(\d)", r"$\1_\2$", label)
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:

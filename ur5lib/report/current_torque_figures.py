@@ -14,7 +14,7 @@ def without_friction(samples: CurrentTorque | None) -> Drawing:
     """Draw Figure 6.1: torque of rigid links."""
     if samples is None:
         return nothing_to_draw()
-    return scatter_panels(samples.rigid, samples.current, ("rigid τ_{} [Nm]", CURRENT))
+    return scatter_panels(samples.rigid, samples.current, ("τ_{} of rigid links [Nm]", CURRENT))
 
 
 def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | None) -> Drawing:
@@ -24,4 +24,4 @@ def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | No
     torque = samples.total
     ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
     lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
-    return scatter_panels(torque, samples.current, ("with friction τ_{} [Nm]", CURRENT), lines)
+    return scatter_panels(torque, samples.current, ("τ_{} with friction [Nm]", CURRENT), lines)

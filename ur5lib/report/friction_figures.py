@@ -73,10 +73,10 @@ def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> d
     }
     return {
         "current_torque": scatter_panels(
-            samples.torque, samples.current, ("rigid τ_{} [Nm]", current), lines
+            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", current), lines
         ),
         "current_torque_friction": scatter_panels(
-            needed, samples.current, ("with friction τ_{} [Nm]", current), lines
+            needed, samples.current, ("τ_{} with friction [Nm]", current), lines
         ),
         "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
         "residuals": residual_panels(samples.current - samples.predicted, against, "A"),

@@ -89,7 +89,7 @@ def _beside(
     right = _found(table.right, tables, table.recording, row)
     as_said = {way.erratum: way.numbers for way in ways}
     if len(printed) == 1 and len(rebuilt):
-        rebuilt = pd.Series({"largest": rebuilt.max()})
+        rebuilt, right = (pd.Series({"largest": own.max()}) for own in (rebuilt, right))
         as_said = {erratum: np.array([each.max()]) for erratum, each in as_said.items()}
     digits = _decimals(table)
     for place, (number, value) in enumerate(rebuilt.items()):
@@ -105,8 +105,8 @@ def _found(
     if lookup is None:
         return pd.Series(dtype=float)
     table = tables[lookup.table]
-    known = {"recording": recording} | lookup.where | ({lookup.row: row} if lookup.row else {})
-    for column, value in known.items():
+    of = {"recording": recording} if "recording" in table else {}  # a fit is of several
+    for column, value in (of | lookup.cells(row)).items():
         table = table[table[column] == value]
     return table.set_index(lookup.number)[lookup.column(row)]
 

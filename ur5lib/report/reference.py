@@ -18,18 +18,28 @@ class Lookup(Strict):
 
     table: its name; value: column of the numbers, or that of each published row; row: column that
     names the published rows, empty where one row of numbers belongs to all; number: column that
-    tells a row's numbers apart; where: what other columns must hold.
+    tells a row's numbers apart; where: what other columns must hold, or must for each published
+    row.
     """
 
     table: str
     value: str | dict[str, str]
     row: str = ""
     number: str = "joint"
-    where: dict[str, str] = Field(default_factory=dict)
+    where: dict[str, str | dict[str, str]] = Field(default_factory=dict)
 
     def column(self, row: str) -> str:
         """Return the column of a published row's numbers."""
-        return self.value if isinstance(self.value, str) else self.value[row]
+        return _of_row(self.value, row)
+
+    def cells(self, row: str) -> dict[str, str]:
+        """Return what columns hold where a published row's numbers stand."""
+        known = {column: _of_row(value, row) for column, value in self.where.items()}
+        return known | ({self.row: row} if self.row else {})
+
+
+def _of_row(value: str | dict[str, str], row: str) -> str:
+    return value if isinstance(value, str) else value[row]
 
 
 class PrintedTable(Strict):
