@@ -24,6 +24,7 @@ import torch
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness import page
+from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.estimator import Estimator, Learned
 from benchmarks.harness.options import built
 from benchmarks.harness.run import Run
@@ -61,7 +62,7 @@ def main() -> None:
     write_csv(table, RESULTS / "leaderboard.csv")
     print(page.tables(table))
     if given.page:
-        further = sections(RESULTS)
+        further = sections(RESULTS) | {"detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
         write_text(page.with_kept(text, PAGE.read_text(), further, names), PAGE)
 

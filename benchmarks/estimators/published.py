@@ -2,12 +2,13 @@
 
 `actual_TCP_force` is what Universal Robots' controller streams; its method and its latency are not
 published. F̂* = J⁻ᵀ (k i + b - τ_C - τ_fr) is Equation 6.9 of the thesis, with its printed constants
-and its low-pass without delay.
+and its low-pass without delay; F̂ is the same without the friction τ_fr (6.8).
 """
 
 from benchmarks.harness.estimator import Estimator, ready
 
 ESTIMATORS = [
     Estimator("controller, F̂ᵘ", "`actual_TCP_force`, Universal Robots", True, ready("Fu")),
+    Estimator("thesis, F̂", "thesis 2014, Equation 6.8", False, ready("F")),
     Estimator("thesis, F̂*", "thesis 2014, Equation 6.9", False, ready("F*")),
 ]

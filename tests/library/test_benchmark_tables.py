@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from benchmarks.current_prediction import Known, Own, pair_rows
 from benchmarks.estimators.ours import OURS
+from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
@@ -17,6 +19,7 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
 from ur5lib.robots.description import Robot
+from ur5lib.tables import write_csv
 
 PERIOD, COUNT = 0.008, 1000  # s, samples
 
@@ -60,6 +63,29 @@ def test_contacts_are_counted_by_force_and_link() -> None:
     assert lines[2] == "| 5 to 10 N | 1 | 0 | 0 | 1 | 60% | 0% | 4.0 | 100% |"
     assert lines[-2] == "| on link 6 | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
     assert lines[-1] == "| all | 2 | 1 | 0 | 1 | 80% | 50% | 2.5 | 100% |"
+
+
+def test_contacts_found_are_those_of_the_study(tmp_path: Path) -> None:
+    """Without a sensor, alarms count on recordings that nothing touches and no fit has seen."""
+    roles = {"pushed": "contact", "free": "validate", "fitted": "fit", "touched": "contact"}
+    study = {"recordings": [{"name": name, "role": role} for name, role in roles.items()]}
+    (tmp_path / "configuration.yaml").write_text(yaml.safe_dump(study))
+    rows = [
+        {"recording": name, "estimate": estimate, "threshold": 5.0, "alarms_per_min": 1.5}
+        | ({"force_class_n": 3.0, "contacts": 4, "found": 2} if name == "pushed" else {})
+        for name in roles
+        for estimate in ("Fmap", "F", "F*", "Fu")
+    ]
+    counted = ["false_alarms_per_min", "extra_alarms", "free_time_in_alarm", "median_delay_s"]
+    causal = ["causal_found", "causal_delay_s"]
+    table = pd.DataFrame(rows).reindex(columns=[*rows[0], *counted, *causal])
+    (tmp_path / "tables").mkdir()
+    write_csv(table, tmp_path / "tables" / "detection.csv")
+    found, false = detection_tables([tmp_path]).split("\n\n")
+    assert len(found.splitlines()) == 2 + 4
+    assert "| pushed | F̂* | 5.0 | 2 of 4 |" in found
+    (alarms,) = false.splitlines()[2:]
+    assert alarms.startswith("| free | validate | 1.5 | 1.5 | 1.5 | 1.5 |")
 
 
 def predictions() -> pd.DataFrame:
