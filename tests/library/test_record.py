@@ -92,6 +92,14 @@ def test_an_emulated_session_becomes_a_recording_of_the_study(study: Path) -> No
         record(study, options, console())
 
 
+def has_kept_up(folder: Path) -> bool:
+    """Whether an emulated arm was as late in the last fifth of a recording as in the one before."""
+    robot = pd.read_csv(folder / "robot.csv")
+    late = (robot["host_time"] - robot["timestamp"]).to_numpy()
+    *_, before, last = (part.min() for part in np.array_split(late, 5))
+    return bool(before - last < 0.001)
+
+
 def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     """The truth about a session: what the encoders read, and when the sensors' first samples were.
 
@@ -101,6 +109,8 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     truth = Truth.read(folder / "truth.parquet").at(raw.robot.table["time"].to_numpy())
     read = np.array([raw.robot.table[f"actual_q_{joint}"] for joint in range(6)]).T
     np.testing.assert_allclose(truth.q, read, rtol=0, atol=1e-4)
+    if not has_kept_up(folder):
+        pytest.skip("this computer is too busy to emulate the arm: its stamps come late")
     clocks = read_json(folder / "truth.json")["clocks"]
     starts = {name: start.seconds for name, (_, start) in place_sensors(raw, []).items()}
     assert starts == pytest.approx({n: one["offset_s"] for n, one in clocks.items()}, abs=0.002)
