@@ -97,7 +97,7 @@ def has_kept_up(folder: Path) -> bool:
     robot = pd.read_csv(folder / "robot.csv")
     late = (robot["host_time"] - robot["timestamp"]).to_numpy()
     *_, before, last = (part.min() for part in np.array_split(late, 5))
-    return bool(before - last < 0.001)
+    return bool(abs(before - last) < 0.001)
 
 
 def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
