@@ -150,7 +150,14 @@ def test_unexplained_numbers_are_findings() -> None:
     assert "25 % more" in missed
     assert len(unexplained_heading(shown)) == 1
     assert sources(shown) == ["Table 1"]
-    assert len(numbers(shown, "Table 1").rows) == 6
+    first, *others = numbers(shown, "Table 1").rows
+    assert [cell.text for cell in first][1:6] == ["A", "1", "2.0001", "2", "1.000"]
+    assert len(others) == 5
+
+
+def test_rows_have_the_names_of_the_report() -> None:
+    rows = [row | {"row": "F*"} for row in compared(reference(), rebuilt([2.0] * 6), [])]
+    assert {row[1].text for row in numbers(results(rows), "Table 1").rows} == {"F̂*"}
 
 
 def test_the_nearest_explanation_tells_the_per_cent() -> None:

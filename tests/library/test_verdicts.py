@@ -518,7 +518,7 @@ def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
     (finding,), (beside,) = claimed.judged(results), claimed.compared(results)
     assert ("fails" not in finding) == holds
     assert f"{4 - found} of 4" in finding or f"{100 * above:.0f} %" in finding
-    numbers = [f"F̂* finds {found} of", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
+    numbers = [f"F̂* finds {found} of these 4", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
     assert [number for number in numbers if number not in beside] == []
     unprinted = study(fixed_threshold=rows)
     assert [*claimed.judged(unprinted)] == claimed.compared(unprinted) == []

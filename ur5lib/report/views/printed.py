@@ -6,13 +6,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import significant
+from ur5lib.pipeline.estimators import ESTIMATES
+from ur5lib.report.cells import number, significant
 from ur5lib.report.document import Cell
 from ur5lib.report.printed_numbers import COLUMNS, EQUAL, UNEXPLAINED
 from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
 DIGITS = 4  # of a number that is not printed
+NAMES = {**ESTIMATES, "euler": "Euler angles"}  # of rows
 
 
 def sources(results: Results) -> list[str]:
@@ -24,11 +26,11 @@ def numbers(results: Results, of: str) -> Body:
     """Return every number of a published table: printed, rebuilt, as an erratum says, and right."""
     columns: dict[str, Column] = {
         "quantity": "quantity",
-        "row": "row",
-        "of": "number",
+        "row": lambda row: NAMES.get(row.row, row.row),
+        "joint or component": "number",
         "printed": lambda row: _number(row.printed, 6),
         "rebuilt": lambda row: _number(row.rebuilt),
-        "ratio": lambda row: _number(row.ratio, 3),
+        "ratio": lambda row: number(row.ratio, 3),
         "as an erratum says": lambda row: _number(row.as_erratum_says),
         "right": lambda row: _number(row.right),
         "status": "status",
