@@ -15,14 +15,15 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Arm:
-    """Parameters of the equations of motion; frame k is the Denavit-Hartenberg frame of link k.
+    """Parameters of the equations of motion of an arm of n joints; frame k is the
+    Denavit-Hartenberg frame of link k.
 
     urdf: the arm as URDF, for `chains`;
-    mass: (6,) [kg]; center_of_mass: (6, 3) [m] in frame k;
-    inertia: (6, 3, 3) [kg m²] about the centre of mass, axes of frame k;
-    rotor_inertia: (6,) [kg m²], seen through the gear;
+    mass: (n,) [kg]; center_of_mass: (n, 3) [m] in frame k;
+    inertia: (n, 3, 3) [kg m²] about the centre of mass, axes of frame k;
+    rotor_inertia: (n,) [kg m²], seen through the gear;
     gravity: (3,) [m/s²] in the base frame;
-    parameters: (66,), π of τ = Y π, see `inertial_parameters`, used by `rigid_body`;
+    parameters: (11 n,), π of τ = Y π, see `inertial_parameters`, used by `rigid_body`;
     geometry: the lengths and twists, the same for all models; fused: see `build_arm`.
     """
 
@@ -85,7 +86,7 @@ def geometry(robot: Robot) -> Geometry:
 
 
 def inertial_parameters(robot: Robot, bodies: RigidBodies) -> Array:
-    """Return π of τ = Y π, (66,) [kg, kg m, kg m²]: ten per link, then the six rotor inertias.
+    """Return π of τ = Y π, (11 n,) [kg, kg m, kg m²]: ten per link, then the n rotor inertias.
 
     m, m c_x, m c_y, m c_z, I_xx, I_xy, I_yy, I_xz, I_yz, I_zz about the origin and in the axes of
     the URDF's link_k: origin o_(k-1), and axes that the tail of link k turns into frame k's.

@@ -15,24 +15,30 @@ from ur5lib.dynamics.tracing import Geometry, Kernel, straight_line
 CPU, GPU = 1 << 14, 1 << 20
 
 
-def evaluate(arm: Arm, kernel: Kernel, *states: Tensor) -> Tensor:
-    """Evaluate a kernel of (geometry, parameters, *states) for all samples.
+def evaluate(arm: Arm, kernel: Kernel, *states: Tensor, wrench: Tensor | None = None) -> Tensor:
+    """Evaluate a kernel of (geometry, parameters, *states, wrench) for all samples.
 
-    states: (N, 6) each, which the kernel takes as (6, N). Returns (N, ...) of its (..., N).
-    Raises ValueError where the states are not six values each of the same samples, or not of the
-    arm's precision.
+    states: (N, n) each, of n joints; wrench: (N, 6). The kernel takes (n, N) and (6, N). Returns
+    (N, ...) of its (..., N).
+    Raises ValueError where they are not of these shapes with the same N, or not of the arm's
+    precision.
     """
-    wanted = (len(states[0]), 6), arm.parameters.dtype
-    if any((state.shape, state.dtype) != wanted for state in states):
-        given = ", ".join(f"{tuple(state.shape)} {state.dtype}" for state in states)
-        raise ValueError(f"states must be (N, 6) of the same N, {wanted[1]}, not {given}")
+    joints, dtype = len(arm.geometry.joints), arm.parameters.dtype
+    given = [*states] if wrench is None else [*states, wrench]
+    widths = [joints] * len(states) + [6]
+    if any(
+        (rows.shape, rows.dtype) != ((len(states[0]), width), dtype)
+        for rows, width in zip(given, widths, strict=False)
+    ):
+        found = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in given)
+        raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {found}")
     program = (_fused if arm.fused else straight_line)(kernel, arm.geometry)
 
     def samples_first(*batch: Tensor) -> Tensor:
         rows = program(arm.parameters, *(state.T.contiguous() for state in batch))
         return rows.movedim(-1, 0)
 
-    return in_batches(samples_first, batch_size(arm), *states)
+    return in_batches(samples_first, batch_size(arm), *given)
 
 
 def in_batches(function: Callable[..., Tensor], size: int, *states: Tensor) -> Tensor:

@@ -13,7 +13,7 @@ import torch
 
 @cache
 def serial_chain(text: str, link: int, dtype: torch.dtype, device: torch.device) -> pk.SerialChain:
-    """Return the chain from the base to frame k of a link, 1 to 6, of an arm as URDF."""
+    """Return the chain from the base to frame k of a link, 1 to n, of an arm as URDF."""
     chain = pk.SerialChain(read_urdf(text, dtype), f"frame_{link}", dtype=dtype)
     return chain.to(device=device)
 

@@ -12,22 +12,22 @@ from ur5lib.timeseries.chunks import in_chunks
 
 
 def flange_kinematics(robot: Robot, q: Array) -> tuple[Array, Array, Array]:
-    """Return R_6 (N, 3, 3), o_6 (N, 3) [m] and J_g (N, 6, 6), base frame. q: (N, 6) [rad]."""
+    """Return R_n (N, 3, 3), o_n (N, 3) [m] and J_g (N, 6, n), base frame. q: (N, n) [rad]."""
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
 
     def side_by_side(q: Array) -> Array:
         positions = torch.from_numpy(q)
-        rotation, origin = (part[:, 6] for part in kinematics.link_frames(arm, positions))
+        rotation, origin = (part[:, -1] for part in kinematics.link_frames(arm, positions))
         parts = rotation, origin, kinematics.jacobian(arm, positions)
         return torch.cat([part.flatten(1) for part in parts], dim=1).numpy()
 
     rotation, origin, jacobian = np.split(in_chunks(side_by_side, q), [9, 12], axis=1)
-    return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(-1, 6, 6)
+    return rotation.reshape(-1, 3, 3), origin, jacobian.reshape(len(q), 6, -1)
 
 
 def differentiable_singular_value(robot: Robot, q: Array) -> tuple[Array, PullBack]:
     """Return the smallest singular value of J_g (N,), in which metres and radians count alike, and
-    the pull-back of its derivative to q. q: (N, 6) [rad].
+    the pull-back of its derivative to q. q: (N, n) [rad].
     """
     arm = build_arm(robot, robot.chosen_model)  # its masses do not matter here
 
@@ -38,7 +38,10 @@ def differentiable_singular_value(robot: Robot, q: Array) -> tuple[Array, PullBa
 
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """Return rotations (N, 7, 3, 3) and origins (N, 7, 3) [m] of frames 0 to 6; q: (N, 6) [rad]."""
+    """Return rotations (N, n + 1, 3, 3) and origins (N, n + 1, 3) [m] of frames 0 to n.
+
+    q: (N, n) [rad].
+    """
     arm = build_arm(robot, robot.chosen_model)
     rotation, origin = kinematics.link_frames(arm, torch.from_numpy(q))
     return rotation.numpy(), origin.numpy()
@@ -46,10 +49,10 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 def point_acceleration(robot: Robot, q: Array, qd: Array, qdd: Array, point: Array) -> Array:
     """Return linear and angular acceleration (N, 6) [m/s², rad/s²], base frame, of a point that
-    frame 6 carries.
+    frame n carries.
 
-    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]; point: (3,) [m], in frame 6.
+    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]; point: (3,) [m], in frame n.
     """
     position, velocity, acceleration = map(torch.from_numpy, (q, qd, qdd))
     arm, place = build_arm(robot, robot.chosen_model), torch.from_numpy(point)
-    return kinematics.acceleration(arm, position, velocity, acceleration, 6, place).numpy()
+    return kinematics.acceleration(arm, position, velocity, acceleration, point=place).numpy()

@@ -13,13 +13,11 @@ from ur5lib.robots.urdf import link_tail
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.chunks import in_chunks
 
-LINK_6 = slice(50, 54)  # of π: mass and first moments; a payload is a part of link 6
-
 
 class LinkModel:
     """Rigid-body dynamics of an arm under one of its link models.
 
-    q, qd, qdd are arrays (N, 6) [rad, rad/s, rad/s²]; torques are (N, 6) [Nm]. Raises KeyError
+    q, qd, qdd are arrays (N, n) [rad, rad/s, rad/s²]; torques are (N, n) [Nm]. Raises KeyError
     where the arm has no link model of this name.
     """
 
@@ -29,7 +27,7 @@ class LinkModel:
 
     @property
     def parameters(self) -> Array:
-        """Return the inertial parameters π (66,) of τ = Y π."""
+        """Return the inertial parameters π (11 n,) of τ = Y π."""
         return self.arm.parameters.numpy()
 
     def inverse_dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
@@ -37,15 +35,15 @@ class LinkModel:
         return rigid_body.inverse_dynamics(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
 
     def regressor(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Return Y (N, 6, 66) of τ = Y π."""
+        """Return Y (N, n, 11 n) of τ = Y π."""
         return regressor.regressor(self.arm, *map(torch.from_numpy, (q, qd, qdd))).numpy()
 
     def differentiable_regressor(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, PullBack]:
-        """Return Y (N, 6, 66) of τ = Y π, and the pull-back of its derivative to q, qd and qdd."""
+        """Return Y (N, n, 11 n) of τ = Y π, and the pull-back of its derivative to q, qd, qdd."""
         return with_pull_back(partial(regressor.regressor, self.arm), q, qd, qdd)
 
     def momentum(self, q: Array, qd: Array) -> Array:
-        """Return the generalised momentum p = D(q) q̇ (N, 6) [Nm s]."""
+        """Return the generalised momentum p = D(q) q̇ (N, n) [Nm s]."""
 
         def product(q: Array, qd: Array) -> Array:
             inertia = rigid_body.inertia_matrix(self.arm, torch.from_numpy(q))
@@ -68,16 +66,18 @@ class LinkModel:
 
 
 def load_regressor(robot: Robot, model: str, q: Array, qd: Array, qdd: Array) -> Array:
-    """Return the torque (N, 6, 4) per mass [kg] and first moments [kg m] of a load in frame 6.
+    """Return the torque (N, n, 4) per mass [kg] and first moments [kg m] of a load in frame n.
 
-    robot: under the recording's gravity. The moments of link 6 in Y of τ = Y π, (N, 6, 66), are
-    about its joint: h = m t + R h₆, with the constant transform R, t from there to frame 6.
+    robot: under the recording's gravity. The moments of link n in Y of τ = Y π, (N, n, 11 n), are
+    about its joint: h = m t + R h_n, with the constant transform R, t from there to frame n.
     """
-    rotation, tail = link_tail(robot.link_poses()[5])
+    poses = robot.link_poses()
+    rotation, tail = link_tail(poses[-1])
+    last = 10 * (len(poses) - 1)  # its mass in π, then its first moments
     arm = LinkModel(robot, model)
 
     def per_load(*motion: Array) -> Array:
-        mass, moments = np.split(arm.regressor(*motion)[:, :, LINK_6], [1], axis=2)
+        mass, moments = np.split(arm.regressor(*motion)[:, :, last : last + 4], [1], axis=2)
         return np.concatenate([mass + moments @ tail[:, None], moments @ rotation], axis=2)
 
     return in_chunks(per_load, q, qd, qdd)

@@ -73,21 +73,23 @@ class Wrench(NamedTuple):
 NO_WRENCH = Wrench(ZERO, ZERO)
 
 
-def components(states: Any) -> list[Number]:
-    """Return the six rows of (6, N)."""
-    return [states[k] for k in range(6)]
+def components(geometry: Geometry, *states: Any) -> list[list[Number]]:
+    """Return the rows of states (n, N), one for each joint of n."""
+    return [[state[k] for k in geometry.joints] for state in states]
 
 
-def split(parameters: Any) -> tuple[list[Inertia], list[Number]]:
+def split(geometry: Geometry, parameters: Any) -> tuple[list[Inertia], list[Number]]:
     """Split the parameters of an `Arm` into links and rotor inertias."""
-    values = [parameters[i] for i in range(66)]
-    return [link_inertia(values[10 * k : 10 * k + 10]) for k in range(6)], values[60:]
+    count = len(geometry.joints)
+    values = [parameters[i] for i in range(11 * count)]
+    links = [link_inertia(values[10 * k : 10 * k + 10]) for k in geometry.joints]
+    return links, values[10 * count :]
 
 
-def joints(geometry: Geometry, q: Sequence[Number]) -> list[Joint]:
-    """Return joints 1 to 6 at positions q."""
+def joints(geometry: Geometry, q: Any) -> list[Joint]:
+    """Return joints 1 to n at positions q, rows (n, N)."""
     tails = (NO_TAIL, *geometry.tails)
-    return [Joint(tails[k], torch.cos(q[k]), torch.sin(q[k])) for k in range(6)]
+    return [Joint(tails[k], torch.cos(q[k]), torch.sin(q[k])) for k in geometry.joints]
 
 
 def link_inertia(parameters: Sequence[Number]) -> Inertia:
@@ -99,7 +101,7 @@ def link_inertia(parameters: Sequence[Number]) -> Inertia:
 def link_motions(
     chain: Sequence[Joint], gravity: Vector, qd: Sequence[Number], qdd: Sequence[Number]
 ) -> Iterator[LinkMotion]:
-    """Yield the motion of links 1 to 6, outwards from the base, which accelerates by -g0."""
+    """Yield the motion of links 1 to n, outwards from the base, which accelerates by -g0."""
     motion = LinkMotion(ZERO, ZERO, scaled(-1.0, gravity), (ZERO, ZERO, ZERO))
     for joint, speed, change in zip(chain, qd, qdd, strict=True):
         # a_k = a_k-1 + (S(α) + S(ω)²) r, in the frame of link k-1; then all in that of link k

@@ -14,11 +14,11 @@ from ur5lib.dynamics.tracing import Geometry, Number, stacked
 
 
 def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
-    """Return Y(q, q̇, q̈) of τ = Y π, (N, 6, 66), with π as in `Arm.parameters`.
+    """Return Y(q, q̇, q̈) of τ = Y π, (N, n, 11 n), with π as in `Arm.parameters`.
 
-    q, qd, qdd: (N, 6) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
-    The first 60 columns are those of Pinocchio's computeJointTorqueRegressor.
-    Raises ValueError where states are not (N, 6) of the same N, or not of the arm's precision.
+    q, qd, qdd: (N, n) [rad, rad/s, rad/s²]. Of the arm, only its geometry matters.
+    The first 10 n columns are those of Pinocchio's computeJointTorqueRegressor.
+    Raises ValueError where states are not (N, n) of the same N, or not of the arm's precision.
     """
     plain = replace(arm, fused=False)  # thousands of operations would compile for minutes
     return evaluate(plain, _columns, q, qd, qdd)
@@ -26,13 +26,13 @@ def regressor(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
 
 def _columns(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
     """Return Y: the torques of links with one parameter equal to one and the others zero."""
-    chain = recursion.joints(geometry, components(q))
-    rates = components(qd), components(qdd)
+    chain, joints = recursion.joints(geometry, q), geometry.joints
+    rates = components(geometry, qd, qdd)
     columns: list[list[Number]] = []
     for k, motion in enumerate(recursion.link_motions(chain, geometry.gravity, *rates)):
         for unit in torch.eye(10).tolist():
             wrench = recursion.needed_wrench(link_inertia(unit), motion)
             torques = recursion.joint_torques(chain[: k + 1], [NO_WRENCH] * k + [wrench])
-            columns.append(torques + [0.0] * (5 - k))
-    columns += [[rates[1][k] if j == k else 0.0 for j in range(6)] for k in range(6)]
-    return torch.stack([stacked([column[j] for column in columns], q[0]) for j in range(6)])
+            columns.append(torques + [0.0 for _ in joints[k + 1 :]])
+    columns += [[rates[1][k] if j == k else 0.0 for j in joints] for k in joints]
+    return torch.stack([stacked([column[j] for column in columns], q[0]) for j in joints])

@@ -1,8 +1,8 @@
 """The equations of motion (2.64) of an arm, batched: by Newton and Euler, with composite bodies.
 
-All are functions of an arm and of states (N, 6): q [rad], qd [rad/s], qdd [rad/s²], torque [Nm].
-Raises ValueError where states are not (N, 6) of the same N, or not of the arm's precision.
-Gradients reach the states, and the arm's `parameters`.
+All are functions of an arm of n joints and of states (N, n): q [rad], qd [rad/s], qdd [rad/s²],
+torque [Nm]. Gradients reach the states, and the arm's `parameters`. Raises ValueError where states
+are not (N, n) of the same N, or not of the arm's precision.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,6 @@ from ur5lib.dynamics.batches import batch_size, evaluate, in_batches
 from ur5lib.dynamics.recursion import ZERO, Inertia, LinkMotion, Wrench, components, split
 from ur5lib.dynamics.tracing import Geometry, Number, stacked
 
-STILL = (0.0,) * 6
 UNIT_TURN = LinkMotion(ZERO, (0.0, 0.0, 1.0), ZERO, recursion.turning(ZERO, (0.0, 0.0, 1.0)))
 
 
@@ -26,19 +25,19 @@ def inverse_dynamics(
 ) -> Tensor:
     """Return τ = D(q) q̈ + C(q, q̇) q̇ + g(q) - J_gᵀ wrench (Equation 2.64).
 
-    wrench: (N, 6) [N, Nm], on the arm, base axes, at the origin of frame 6. Returns (N, 6) [Nm].
+    wrench: (N, 6) [N, Nm], on the arm, base axes, at the origin of frame n. Returns (N, n) [Nm].
     """
     torque = evaluate(arm, _newton_euler, q, qd, qdd)
     return torque if wrench is None else torque - wrench_torque(arm, q, wrench)
 
 
 def inertia_matrix(arm: Arm, q: Tensor) -> Tensor:
-    """Return D(q), (N, 6, 6) [kg m²], symmetric and positive definite, rotors included."""
+    """Return D(q), (N, n, n) [kg m²], symmetric and positive definite, rotors included."""
     return evaluate(arm, _composite_bodies, q)
 
 
 def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
-    """Return C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, 6, 6) [Nm s/rad].
+    """Return C(q, q̇) of the Christoffel symbols (2.65, 2.66), (N, n, n) [Nm s/rad].
 
     They are symmetric, c_ijk = c_jik, so b(q̇) = C(q, q̇) q̇ is a quadratic form in q̇ for each
     joint and C half its slope. A quadratic form has a central difference without error, at any
@@ -49,27 +48,27 @@ def coriolis_matrix(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
         ahead, behind = (evaluate(arm, _unloaded, q, qd + step) for step in (unit, -unit))
         return (ahead - behind) / 4
 
-    units = torch.eye(6, dtype=q.dtype, device=q.device)
+    units = torch.eye(q.shape[1], dtype=q.dtype, device=q.device)
     return torch.stack([column(unit) for unit in units], dim=2)
 
 
 def gravity_torque(arm: Arm, q: Tensor) -> Tensor:
-    """Return g(q) of Equation 2.67, (N, 6) [Nm]."""
+    """Return g(q) of Equation 2.67, (N, n) [Nm]."""
     return evaluate(arm, _at_rest, q)
 
 
 def wrench_torque(arm: Arm, q: Tensor, wrench: Tensor) -> Tensor:
-    """Return J_gᵀ wrench, (N, 6) [Nm], the joint torques of a wrench on the arm.
+    """Return J_gᵀ wrench, (N, n) [Nm], the joint torques of a wrench on the arm.
 
-    wrench: (N, 6) [N, Nm], base axes, at the origin of frame 6.
+    wrench: (N, 6) [N, Nm], base axes, at the origin of frame n.
     """
-    return evaluate(arm, _pushed, q, wrench)
+    return evaluate(arm, _pushed, q, wrench=wrench)
 
 
 def forward_dynamics(
     arm: Arm, q: Tensor, qd: Tensor, torque: Tensor, wrench: Tensor | None = None
 ) -> Tensor:
-    """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, 6) [rad/s²]; wrench as above."""
+    """Return q̈ = D⁻¹ (τ + J_gᵀ wrench - C q̇ - g), (N, n) [rad/s²]; wrench as above."""
 
     def solve(q: Tensor, free: Tensor) -> Tensor:
         root = torch.linalg.cholesky(inertia_matrix(arm, q))
@@ -89,46 +88,42 @@ def potential_energy(arm: Arm, q: Tensor) -> Tensor:
     return evaluate(arm, _potential_energy, q)
 
 
-# Kernels: states are (6, N); parameters are those of `Arm`.
+# Kernels: states are (n, N); parameters are those of `Arm`.
 
 
 def _newton_euler(geometry: Geometry, parameters: Any, q: Any, qd: Any, qdd: Any) -> Any:
-    bodies, rotors = split(parameters)
-    qd, qdd = components(qd), components(qdd)
-    return stacked(_torques(geometry, bodies, rotors, components(q), qd, qdd), q[0])
+    rates = components(geometry, qd, qdd)
+    return stacked(_torques(geometry, *split(geometry, parameters), q, *rates), q[0])
 
 
 def _at_rest(geometry: Geometry, parameters: Any, q: Any) -> Any:
-    bodies, rotors = split(parameters)
-    return stacked(_torques(geometry, bodies, rotors, components(q), STILL, STILL), q[0])
+    still = [0.0 for _ in geometry.joints]
+    return stacked(_torques(geometry, *split(geometry, parameters), q, still, still), q[0])
 
 
 def _unloaded(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
-    bodies, rotors = split(parameters)
-    weightless = geometry._replace(gravity=ZERO)
-    torques = _torques(weightless, bodies, rotors, components(q), components(qd), STILL)
-    return stacked(torques, q[0])
+    weightless, still = geometry._replace(gravity=ZERO), [0.0 for _ in geometry.joints]
+    [speeds] = components(geometry, qd)
+    return stacked(_torques(weightless, *split(geometry, parameters), q, speeds, still), q[0])
 
 
 def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
-    bodies, rotors = split(parameters)
-    qd = components(qd)
-    weightless = geometry._replace(gravity=ZERO)
-    momenta = _torques(weightless, bodies, rotors, components(q), STILL, qd)  # D q̇
-    return 0.5 * sum(speed * momentum for speed, momentum in zip(qd, momenta, strict=True))
+    weightless, still = geometry._replace(gravity=ZERO), [0.0 for _ in geometry.joints]
+    [speeds] = components(geometry, qd)
+    momenta = _torques(weightless, *split(geometry, parameters), q, still, speeds)  # D q̇
+    return 0.5 * sum(speed * momentum for speed, momentum in zip(speeds, momenta, strict=True))
 
 
 def _potential_energy(geometry: Geometry, parameters: Any, q: Any) -> Any:
-    chain = recursion.joints(geometry, components(q))
-    whole, *_ = recursion.composite_inertias(chain, split(parameters)[0])
+    chain, (bodies, _) = recursion.joints(geometry, q), split(geometry, parameters)
+    whole, *_ = recursion.composite_inertias(chain, bodies)
     energy = -recursion.dot(geometry.gravity, chain[0].inwards(whole.moment))
     return stacked([energy], q[0])[0]
 
 
 def _composite_bodies(geometry: Geometry, parameters: Any, q: Any) -> Any:
     """Return D: column k is the torque of q̈_k = 1, which moves all links beyond it as one body."""
-    bodies, rotors = split(parameters)
-    chain = recursion.joints(geometry, components(q))
+    chain, (bodies, rotors) = recursion.joints(geometry, q), split(geometry, parameters)
     entries: dict[tuple[int, int], Any] = {}
     for k, body in enumerate(recursion.composite_inertias(chain, bodies)):
         wrench = recursion.needed_wrench(body, UNIT_TURN)
@@ -136,17 +131,18 @@ def _composite_bodies(geometry: Geometry, parameters: Any, q: Any) -> Any:
         for j in reversed(range(k)):
             wrench = recursion.wrench_inwards(chain[j + 1], wrench)
             entries[j, k] = entries[k, j] = wrench.moment[2]
-    return torch.stack([stacked([entries[i, j] for j in range(6)], q[0]) for i in range(6)])
+    rows = [[entries[i, j] for j in geometry.joints] for i in geometry.joints]
+    return torch.stack([stacked(row, q[0]) for row in rows])
 
 
 def _pushed(geometry: Geometry, parameters: Any, q: Any, wrench: Any) -> Any:
-    chain = recursion.joints(geometry, components(q))
-    force, moment = tuple(components(wrench)[:3]), tuple(components(wrench)[3:])
+    chain = recursion.joints(geometry, q)
+    force, moment = tuple(wrench[k] for k in range(3)), tuple(wrench[k] for k in range(3, 6))
     for joint in chain:
         force, moment = joint.outwards(force), joint.outwards(moment)
     end = geometry.tails[-1]
     moment = recursion.plus(moment, recursion.cross(end.lever, force))
-    inner = [recursion.NO_WRENCH] * 5
+    inner = [recursion.NO_WRENCH] * (len(chain) - 1)
     return stacked(recursion.joint_torques(chain, [*inner, Wrench(force, moment)]), q[0])
 
 
@@ -154,7 +150,7 @@ def _torques(
     geometry: Geometry,
     bodies: Sequence[Inertia],
     rotors: Sequence[Number],
-    q: Sequence[Number],
+    q: Any,
     qd: Sequence[Number],
     qdd: Sequence[Number],
 ) -> list[Number]:

@@ -1,6 +1,6 @@
 """Inverse dynamics in task space (Equations 2.75 to 2.79), batched.
 
-A pose X is (N, 6): position of frame 6 [m], then φ, ϑ, ψ [rad] (2.30). States are those of
+A pose X is (N, 6): position of frame n [m], then φ, ϑ, ψ [rad] (2.30). States are those of
 `rigid_body`. At sin ϑ = 0 and where the arm is singular, results are infinite or not a number.
 """
 
@@ -22,7 +22,7 @@ from ur5lib.dynamics.rigid_body import inverse_dynamics
 def pose(arm: Arm, q: Tensor) -> Tensor:
     """Return X (N, 6) [m, rad] (Equation 2.30)."""
     rotation, origin = link_frames(arm, q)
-    return torch.cat([origin[:, 6], zyz_angles(rotation[:, 6])], dim=1)
+    return torch.cat([origin[:, -1], zyz_angles(rotation[:, -1])], dim=1)
 
 
 def pose_acceleration(arm: Arm, q: Tensor, qd: Tensor, qdd: Tensor) -> Tensor:
@@ -36,7 +36,7 @@ def drift(arm: Arm, q: Tensor, qd: Tensor) -> Tensor:
     Its angular part follows from ω = B φ̇ (2.33 corrected, erratum 1): φ̈ = B⁻¹ (α - Ḃ φ̇).
     """
     rotation, _ = link_frames(arm, q)
-    angles, rates = zyz_angles(rotation[:, 6]), _apply(analytical_jacobian(arm, q), qd)[:, 3:]
+    angles, rates = zyz_angles(rotation[:, -1]), _apply(analytical_jacobian(arm, q), qd)[:, 3:]
     B, B_rate = torch.func.jvp(zyz_rates_to_angular_velocity, (angles,), (rates,))[:2]
     linear, angular = velocity_product_acceleration(arm, q, qd).split(3, dim=1)
     return torch.cat([linear, _solve(B, angular - _apply(B_rate, rates))], dim=1)

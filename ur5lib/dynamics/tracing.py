@@ -29,10 +29,15 @@ class Tail(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """The constants of an arm: tails of links 1 to 6, gravity [m/s²]."""
+    """The constants of an arm of n joints: tails of links 1 to n, gravity [m/s²]."""
 
     tails: tuple[Tail, ...]
     gravity: tuple[float, float, float]
+
+    @property
+    def joints(self) -> range:
+        """Return the joints, counted from 0."""
+        return range(len(self.tails))
 
 
 @cache

@@ -8,7 +8,7 @@ import numpy as np
 from ur5lib.errors import Remark, remark
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.quality import Finding
-from ur5lib.robots.description import Payload, PerJoint
+from ur5lib.robots.description import Payload, Six
 from ur5lib.timeseries.arrays import Array
 
 # Differences that matter: 0.05 kg changes the gravity torque of a long arm by 0.5 Nm.
@@ -68,9 +68,7 @@ def load_account(load: Carried) -> dict[str, Any]:
     return plain | {"source": load.source}
 
 
-def disagreements(
-    declared: Payload | None, tcp: PerJoint | None, signals: Signals
-) -> list[Finding]:
+def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -> list[Finding]:
     """Return where a study's payload and tool centre point differ from the controller's.
 
     declared, tcp: of the study, None where it declares none; tcp: position [m] and rotation vector
@@ -111,7 +109,7 @@ def _changing_payload(signals: Signals) -> dict[str, object]:
     return {"least": float(mass.min()), "most": float(mass.max())}
 
 
-def _other_tcp(tcp: PerJoint | None, signals: Signals) -> dict[str, object]:
+def _other_tcp(tcp: Six | None, signals: Signals) -> dict[str, object]:
     if tcp is None or signals.tcp_offset is None:
         return {}
     told = np.array(_medians(signals.tcp_offset, 6))

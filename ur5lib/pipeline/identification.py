@@ -21,6 +21,7 @@ from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
 from ur5lib.identification.identified_model import identified_model
 from ur5lib.robots.description import Robot
+from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
@@ -35,13 +36,18 @@ def with_rotors(robot: Robot, rotors: Mapping[str, Any]) -> Robot:
     if not rotors["from"]:
         return robot
     name = f"{robot.chosen_model}+rotors"
-    described = robot.models.get(name, robot.models[robot.chosen_model])
+    described = name if name in robot.models else robot.chosen_model
     # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
     fitted = [
         inertia if value is None or value < 0 else value
-        for value, inertia in zip(rotors["value"]["inertia"], described.rotor_inertias, strict=True)
+        for value, inertia in zip(
+            rotors["value"]["inertia"],
+            rigid_bodies(robot, described).rotor_inertia.tolist(),
+            strict=True,
+        )
     ]
-    return robot.with_model(name, described.model_copy(update={"rotor_inertias": tuple(fitted)}))
+    model = robot.models[described].model_copy(update={"rotor_inertias": tuple(fitted)})
+    return robot.with_model(name, model)
 
 
 def with_identified(

@@ -19,11 +19,13 @@ INVALID = "is not a valid description of an arm (docs/robots.md)"
 
 Vector3 = tuple[float, float, float]
 T = TypeVar("T")
-PerLink = tuple[T, T, T, T, T, T]
+PerLink = tuple[T, ...]
 PerJoint = PerLink[float]
+Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an inertia tensor
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
+JOINTS = 6  # of the arms whose recordings are read; an arm itself may have any number
 ON_EARTH = (9.0, 10.5)  # m/s²
 
 
@@ -101,7 +103,7 @@ class Payload(Strict):
 
     mass: Positive
     center_of_mass: Vector3 = (0.0, 0.0, 0.0)
-    inertia: PerJoint = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    inertia: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def joined(self, other: "Payload | None") -> "Payload":
         """Return this payload and another as one rigid body (Equations 2.45, 2.46)."""
@@ -124,19 +126,20 @@ class Payload(Strict):
 
 
 class Model(Strict):
-    """A link model: the mass distribution of six links; centres of mass [m] in the link's frame.
+    """A link model: the mass distribution of n links; centres of mass [m] in the link's frame.
 
     Each link is given either as cylinders or by its inertia tensor: xx yy zz xy xz yz [kg m²],
     about the centre of mass, axes of the link's frame. rotor_inertias: of each joint's motor,
-    reflected through its gear [kg m²]. masses [kg]: where they differ from the robot's.
+    reflected through its gear [kg m²]; none where they are neglected. masses [kg]: where they
+    differ from the robot's.
     """
 
     description: str
     masses: PerLink[Positive] | None = None
     centers_of_mass: PerLink[Vector3]
     cylinders: PerLink[list[Cylinder]] | None = None
-    inertias: PerLink[PerJoint] | None = None
-    rotor_inertias: PerLink[NotNegative] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    inertias: PerLink[Six] | None = None
+    rotor_inertias: PerLink[NotNegative] = ()
     payload: Payload | None = None
 
     @model_validator(mode="after")
@@ -189,11 +192,19 @@ class Gains(Strict):
     velocity: PerJoint
 
 
+EACH_JOINT = {  # fields with one entry for each joint, or the link that it moves
+    *("denavit_hartenberg", "calibration", "masses"),  # of the arm
+    *("centers_of_mass", "cylinders", "inertias", "rotor_inertias"),  # of a model
+    *("torque_constant", "offset", "preliminary_torque_constant"),  # of the currents
+    *("coulomb", "viscous", "position", "velocity"),  # of friction and gains
+}
+
+
 class Robot(Strict):
-    """A six-joint arm: geometry, masses, link models and published constants.
+    """An arm of n revolute joints: geometry, masses, link models and published constants.
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
-    limit, 1 to 6; wrist_sensor: whether a force sensor is built into its flange; calibration: of
+    limit, 1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of
     one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`.
     """
 
@@ -222,28 +233,46 @@ class Robot(Strict):
             raise ValueError(f"`chosen_model` must be one of {', '.join(self.models)}")
         return self
 
+    @model_validator(mode="after")
+    def _each_joint_is_described(self) -> Self:
+        constants = [own for own in (self.current_to_torque, self.friction) if own is not None]
+        for part in (self, *self.models.values(), *constants, *self.closed_loop_gains.values()):
+            for name, values in part:
+                if name in EACH_JOINT and values and len(values) != len(self.joints):
+                    raise ValueError(
+                        f"`{name}` has {len(values)} entries, `joints` has {len(self.joints)}"
+                    )
+        return self
+
+    @property
+    def joint_numbers(self) -> range:
+        """Return the numbers of the joints, from 1."""
+        return range(1, len(self.joints) + 1)
+
     def motor(self, joint: int) -> Motor:
-        """Return the motor of joint 1 to 6."""
+        """Return the motor of a joint by its number."""
         return self.motors[self.joints[joint - 1]]
 
     def link_poses(self) -> list[Pose]:
-        """Return the constant transforms from the turned joints 1 to 6 to frames 1 to 6."""
+        """Return the constant transforms from the turned joint k to frame k, in order."""
         return list(self.calibration or (link.pose() for link in self.denavit_hartenberg))
 
     def maker_torque_constants(self) -> list[float]:
-        """Return the manufacturer's Nm/A of joints 1 to 6, after the gears; NaN where unknown."""
-        motors = [self.motor(joint) for joint in range(1, 7)]
+        """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown."""
+        motors = map(self.motor, self.joint_numbers)
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def position_limits(self) -> list[float]:
-        """Return how far joints 1 to 6 turn to either side [rad], infinity where without end."""
+        """Return how far each joint turns to either side [rad], infinity where without end."""
         endless = self.endless_joints or []
-        return [math.inf if k in endless else self.motor(k).position_max for k in range(1, 7)]
+        return [
+            math.inf if k in endless else self.motor(k).position_max for k in self.joint_numbers
+        ]
 
     def with_rotors(self) -> Self:
         """Return the arm with the model "<chosen>+rotors", if its joints' sizes tell the rotors."""
         name = f"{self.chosen_model}+rotors"
-        rotors = [self.motor(joint).reflected_rotor() for joint in range(1, 7)]
+        rotors = [self.motor(joint).reflected_rotor() for joint in self.joint_numbers]
         if name in self.models or None in rotors:
             return self
         bare = self.models[self.chosen_model]
@@ -301,12 +330,18 @@ def robot_path(name: str) -> Path:
 def load_robot(path: str | Path) -> Robot:
     """Read one arm's description, e.g. from `robot_path("ur5")`.
 
-    Raises InputError when the file is invalid.
+    Raises InputError when the file is invalid, or the arm has not six joints.
     """
     try:
-        return robot_of(read_description(path))
+        robot = robot_of(read_description(path))
     except ValidationError as error:
         raise InputError(f"{path} {INVALID}: {error}") from error
+    if len(robot.joints) != JOINTS:
+        raise InputError(
+            f"{path} describes {len(robot.joints)} joints; recordings of arms with {JOINTS} joints "
+            "are read, others are not"
+        )
+    return robot
 
 
 def read_description(path: str | Path) -> Any:

@@ -11,11 +11,11 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class RigidBodies:
-    """The six links of an arm as rigid bodies, each in its own Denavit-Hartenberg frame.
+    """The n links of an arm as rigid bodies, each in its own Denavit-Hartenberg frame.
 
-    mass: (6,) [kg]; center_of_mass: (6, 3) [m];
-    inertia: (6, 3, 3) [kg m²] about the centre of mass;
-    rotor_inertia: (6,) [kg m²] of the joints' motors, reflected through their gears.
+    mass: (n,) [kg]; center_of_mass: (n, 3) [m];
+    inertia: (n, 3, 3) [kg m²] about the centre of mass;
+    rotor_inertia: (n,) [kg m²] of the joints' motors, reflected through their gears.
     """
 
     mass: Array
@@ -88,25 +88,26 @@ def rigid_bodies(robot: Robot, model: str) -> RigidBodies:
         if links.cylinders is not None
         else map(tensor, links.inertias or ())
     )
+    masses = links.masses or robot.masses
     bodies = RigidBodies(
-        mass=np.array(links.masses or robot.masses),
+        mass=np.array(masses),
         center_of_mass=np.array(links.centers_of_mass),
         inertia=np.stack(list(inertias)),
-        rotor_inertia=np.array(links.rotor_inertias),
+        rotor_inertia=np.array(links.rotor_inertias or np.zeros(len(masses))),
     )
     return bodies if links.payload is None else mount(bodies, links.payload)
 
 
 def mount(bodies: RigidBodies, payload: Payload) -> RigidBodies:
-    """Return the links with link 6 and a payload merged into one body (Equations 2.45, 2.46)."""
-    center, mounted = bodies.center_of_mass[5], np.array(payload.center_of_mass)
-    mass = bodies.mass[5] + payload.mass
-    common = (bodies.mass[5] * center + payload.mass * mounted) / mass
-    inertia = shift_inertia(bodies.inertia[5], bodies.mass[5], center - common)
+    """Return the links with a payload merged into the last one (Equations 2.45, 2.46)."""
+    center, mounted = bodies.center_of_mass[-1], np.array(payload.center_of_mass)
+    mass = bodies.mass[-1] + payload.mass
+    common = (bodies.mass[-1] * center + payload.mass * mounted) / mass
+    inertia = shift_inertia(bodies.inertia[-1], bodies.mass[-1], center - common)
     inertia += shift_inertia(tensor(payload.inertia), payload.mass, mounted - common)
     return RigidBodies(
-        mass=np.append(bodies.mass[:5], mass),
-        center_of_mass=np.vstack([bodies.center_of_mass[:5], common]),
-        inertia=np.concatenate([bodies.inertia[:5], inertia[None]]),
+        mass=np.append(bodies.mass[:-1], mass),
+        center_of_mass=np.vstack([bodies.center_of_mass[:-1], common]),
+        inertia=np.concatenate([bodies.inertia[:-1], inertia[None]]),
         rotor_inertia=bodies.rotor_inertia,
     )

@@ -15,7 +15,6 @@ HEAD = """\
 # Units: Nm, rad/s, kg m2, Nm s/rad; friction is in Nm since Isaac Sim 5.
 # The joints are driven by torque: for control of position, set stiffness and damping.
 """
-JOINTS = [f"joint_{k}" for k in range(1, 7)]
 
 
 def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
@@ -24,27 +23,30 @@ def isaac(robot: Robot, model: str, friction: JointFriction | None) -> str:
     The rotors of a link model are `armature`; Coulomb friction is `friction` (at rest) and
     `dynamic_friction`. Friction is left out where none was identified.
     """
-    motors = [robot.motor(k) for k in range(1, 7)]
+    motors = [robot.motor(k) for k in robot.joint_numbers]
+    names = [f"joint_{k}" for k in robot.joint_numbers]
     fields: dict[str, Sequence[float] | Array] = {
         "effort_limit_sim": [motor.torque_max for motor in motors],
         "velocity_limit_sim": [motor.velocity_max for motor in motors],
-        "stiffness": [0.0] * 6,
-        "damping": [0.0] * 6,
+        "stiffness": [0.0 for _ in motors],
+        "damping": [0.0 for _ in motors],
         "armature": rigid_bodies(robot, model).rotor_inertia,
     }
     if friction is not None:
         coulomb, viscous = friction.coulomb, friction.viscous
         fields |= {"friction": coulomb, "dynamic_friction": coulomb, "viscous_friction": viscous}
-    arm = {"joint_names_expr": JOINTS, **_by_joint(fields)}
+    arm = {"joint_names_expr": names, **_by_joint(fields, names)}
     return HEAD + yaml.safe_dump({"arm": arm}, sort_keys=False)
 
 
-def _by_joint(fields: Mapping[str, Sequence[float] | Array]) -> dict[str, dict[str, float]]:
+def _by_joint(
+    fields: Mapping[str, Sequence[float] | Array], names: Sequence[str]
+) -> dict[str, dict[str, float]]:
     """Return the values of each field by joint, without those that are unknown."""
     return {
         name: {
             joint: float(value)
-            for joint, value in zip(JOINTS, values, strict=True)
+            for joint, value in zip(names, values, strict=True)
             if not math.isnan(value)
         }
         for name, values in fields.items()

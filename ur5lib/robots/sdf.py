@@ -25,7 +25,7 @@ def sdf(robot: Robot, model: str, friction: JointFriction | None) -> str:
     arm = SubElement(root, "model", name=robot.name)
     SubElement(arm, "link", name="frame_0")
     _add_joint(arm, "base", "fixed", "world", "frame_0")
-    for k in range(1, 7):
+    for k in robot.joint_numbers:
         _add_link(arm, k, robot, bodies)
         joint = _add_joint(arm, f"joint_{k}", "revolute", _parent(k), f"link_{k}")
         _add_axis(joint, k, robot, friction)

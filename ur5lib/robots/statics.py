@@ -12,9 +12,9 @@ from ur5lib.timeseries.arrays import Array
 
 
 def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
-    """Return rotations (N, 7, 3, 3) and origins (N, 7, 3) [m] of frames 0 to 6; q: (N, 6) [rad].
+    """Return rotations (N, n + 1, 3, 3) and origins (N, n + 1, 3) [m] of frames 0 to n.
 
-    In the base frame (Equation 2.19).
+    q: (N, n) [rad]. In the base frame (Equation 2.19).
     """
     rotations, origins = [np.tile(np.eye(3), (len(q), 1, 1))], [np.zeros((len(q), 3))]
     for angle, pose in zip(q.T, robot.link_poses(), strict=True):
@@ -26,31 +26,31 @@ def link_frames(robot: Robot, q: Array) -> tuple[Array, Array]:
 
 
 def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
-    """Return the torque (N, 6) [Nm] that holds the arm, payload included; q: (N, 6) [rad]."""
+    """Return the torque (N, n) [Nm] that holds the arm, payload included; q: (N, n) [rad]."""
     rotation, origin = link_frames(robot, q)
     bodies = rigid_bodies(robot, model)
     centers = np.einsum("nkij,kj->nki", rotation[:, 1:], bodies.center_of_mass) + origin[:, 1:]
-    weights = bodies.mass[:, None] * np.array(robot.gravity)
+    weights, joints = bodies.mass[:, None] * np.array(robot.gravity), range(q.shape[1])
     return np.stack(
         [
-            sum(_holding(rotation, origin, j, centers[:, k], weights[k]) for k in range(j, 6))
-            for j in range(6)
+            sum(_holding(rotation, origin, j, centers[:, k], weights[k]) for k in joints[j:])
+            for j in joints
         ],
         axis=1,
     )
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, 6, 4) that holds a load on the flange, per mass [kg] and per first
-    moments [kg m] in frame 6; q: (N, 6) [rad].
+    """Return the torque (N, n, 4) that holds a load on the flange, per mass [kg] and per first
+    moments [kg m] in frame n; q: (N, n) [rad].
     """
     rotation, origin = link_frames(robot, q)
     gravity = np.array(robot.gravity)
-    torque = np.zeros((len(q), 6, 4))
-    for joint in range(6):
-        torque[:, joint, 0] = _holding(rotation, origin, joint, origin[:, 6], gravity)
+    torque = np.zeros((*q.shape, 4))
+    for joint in range(q.shape[1]):
+        torque[:, joint, 0] = _holding(rotation, origin, joint, origin[:, -1], gravity)
         across = np.cross(gravity, rotation[:, joint, :, 2])  # g·(z × c) = (g × z)·c
-        torque[:, joint, 1:] = -np.einsum("ni,nij->nj", across, rotation[:, 6])
+        torque[:, joint, 1:] = -np.einsum("ni,nij->nj", across, rotation[:, -1])
     return torque
 
 
@@ -62,6 +62,9 @@ def _turn(angle: Array) -> Array:
 
 
 def _holding(rotation: Array, origin: Array, joint: int, point: Array, weight: Array) -> Array:
-    """Return the torque (N,) [Nm] of joint 0 to 5 that holds a weight (3,) [N] at points (N, 3)."""
+    """Return the torque (N,) [Nm] of a joint that holds a weight (3,) [N] at points (N, 3).
+
+    joint: counted from 0.
+    """
     lever = np.cross(rotation[:, joint, :, 2], point - origin[:, joint])
     return -lever @ weight

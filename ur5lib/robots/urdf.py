@@ -40,13 +40,13 @@ def thick(inertia: Array, share: float = 1e-12) -> Array:
 def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = None) -> str:
     """Return an arm as URDF, with friction as `dynamics` of its joints.
 
-    The base is `frame_0`; for k = 1 to 6, `joint_k` turns `link_k`, which has the mass, and its
+    The base is `frame_0`; for k = 1 to n, `joint_k` turns `link_k`, which has the mass, and its
     Denavit-Hartenberg frame `frame_k` lies at the far end of the link. URDF has no element for
     rotor inertias: set them as `model.armature` in Pinocchio and `model.dof_armature` in MuJoCo.
     """
     root = Element("robot", name=robot.name)
     SubElement(root, "link", name="frame_0")
-    for k in range(1, 7):
+    for k in robot.joint_numbers:
         _add_link(root, k, robot, bodies)
         _add_joint(root, k, robot, friction)
         _add_frame(root, k, robot)

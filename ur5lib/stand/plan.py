@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
-from ur5lib.robots.description import Payload, PerJoint, Positive, Vector3
+from ur5lib.robots.description import Payload, Positive, Six, Vector3
 from ur5lib.strict import Strict, existing_file
 from ur5lib.timeseries.fourier import rest_conditions
 
@@ -45,7 +45,7 @@ class Movej(Planned):
 
     kind: Literal["movej"]
     way_points: Annotated[
-        Annotated[list[PerJoint], Field(min_length=2), Tag("array")]
+        Annotated[list[Six], Field(min_length=2), Tag("array")]
         | Annotated[str, AfterValidator(existing_file), Tag("string")],
         Discriminator(_list_or_file),
     ] = Field(
@@ -67,7 +67,7 @@ class Fourier(Planned):
     draw: int = Field(
         1, ge=0, description="seed of the random coefficients; noise has its own seed"
     )
-    posture: PerJoint = Field(POSTURE, description="start of the motion [rad]")
+    posture: Six = Field(POSTURE, description="start of the motion [rad]")
     amplitude_rad: float = Field(
         0.7, gt=0, le=3.1, description="largest deviation from the posture"
     )
@@ -85,9 +85,9 @@ class Series(Planned):
     """
 
     kind: Literal["series"]
-    posture: PerJoint = Field(description="start of the motion [rad]")
+    posture: Six = Field(description="start of the motion [rad]")
     period_s: float = Field(gt=0, le=600, description="period of the series")
-    coefficients: list[PerJoint] = Field(
+    coefficients: list[Six] = Field(
         min_length=8,
         max_length=400,
         description="of each joint [rad]: of the sines of all harmonics of 1/period_s, then of the "
@@ -108,7 +108,7 @@ class Standstill(Planned):
     """The arm holds a posture."""
 
     kind: Literal["standstill"]
-    posture: PerJoint = Field(POSTURE, description="joint angles [rad]")
+    posture: Six = Field(POSTURE, description="joint angles [rad]")
 
 
 Trajectory = Annotated[Movej | Fourier | Series | Standstill, Field(discriminator="kind")]
@@ -195,7 +195,7 @@ class Clock(Planned):
 class ForceSensor(Planned):
     """A force sensor between flange and tool; reads the force of the environment on the arm."""
 
-    bias: PerJoint = Field(
+    bias: Six = Field(
         (-5.0, 1.8, -1.0, 0.07, 0.43, -0.11),
         description="bias of force and torque, sensor axes [N, Nm]",
     )
@@ -209,10 +209,10 @@ class WristSensor(Planned):
     It reads scale R^T f + bias + drift t, with f the force on the arm in the axes of frame 6.
     """
 
-    bias: PerJoint = Field(
+    bias: Six = Field(
         (3.0, -3.0, 3.0, 0.1, -0.1, 0.1), description="bias of force and torque [N, Nm]"
     )
-    drift_per_min: PerJoint = Field(
+    drift_per_min: Six = Field(
         (0.0, 0.0, 0.0, 0.0, 0.0, 0.0), description="drift of the bias [N/min, Nm/min]"
     )
     rotation_deg: Vector3 = Field(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import PerJoint, Robot
+from ur5lib.robots.description import Robot, Six
 from ur5lib.robots.urscript import calls, parse, six
 from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
 from ur5lib.strict import expect_file
@@ -48,7 +48,7 @@ def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time
     return targets
 
 
-def read_way_points(path: str | Path) -> list[PerJoint]:
+def read_way_points(path: str | Path) -> list[Six]:
     """Read way-points [rad] from a text file with one command `movej([six angles])` per line.
 
     This is the file format of the thesis (Section 4.4.1). Raises InputError for anything else.
@@ -66,7 +66,7 @@ def read_way_points(path: str | Path) -> list[PerJoint]:
     return points
 
 
-def _way_point(line: str, place: str) -> PerJoint:
+def _way_point(line: str, place: str) -> Six:
     try:
         command = parse(line)
         if command.name != "movej":
@@ -163,7 +163,7 @@ def _series(plan: Series, time: Array) -> Targets:
     return _targets(plan.posture, plan.period_s, np.array(plan.coefficients), time)
 
 
-def _targets(posture: PerJoint, period: float, coefficients: Array, time: Array) -> Targets:
+def _targets(posture: Six, period: float, coefficients: Array, time: Array) -> Targets:
     """Return the targets of a series about a posture (6,) [rad]; it rests before time zero."""
     terms = fourier_terms(period, len(coefficients) // 2, time.clip(min=0))[:3]
     q, qd, qdd = (term @ coefficients for term in terms)

@@ -11,8 +11,8 @@ from ur5lib.robots.description import (
     OWN_FOLDER,
     Gravity,
     Payload,
-    PerJoint,
     Robot,
+    Six,
     Vector3,
     load_robot,
     robot_names,
@@ -97,7 +97,7 @@ class Tool(Payload):
     position [m] and rotation vector [rad].
     """
 
-    tcp: PerJoint | None = Field(
+    tcp: Six | None = Field(
         None, description="pose of the tool centre point: position [m], rotation vector [rad]"
     )
 
