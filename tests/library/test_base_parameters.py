@@ -15,12 +15,11 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import RefusalError
 from ur5lib.identification import base_parameters as module
 from ur5lib.identification.base_parameters import (
-    NAMES,
     BaseParameters,
     Estimate,
     base_parameters,
-    friction_columns,
     identify,
+    parameter_names,
     prior_width,
     stack,
     torque_error,
@@ -130,21 +129,11 @@ def test_names_say_what_is_hidden_in_what() -> None:
     assert names[0].startswith("I_zz of link 1 ")
     assert names[0].endswith(" +1 rotor inertia of joint 1")
     assert names[-1] == "rotor inertia of joint 6"
-    assert (NAMES[0], NAMES[59], NAMES[60]) == (
+    assert (parameter_names(66)[0], parameter_names(66)[59], parameter_names(66)[60]) == (
         "m of link 1",
         "I_zz of link 6",
         "rotor inertia of joint 1",
     )
-    friction = ("Coulomb friction", "viscous friction", "torque offset")
-    assert NAMES[66:] == tuple(f"{name} of joint {k}" for name in friction for k in range(1, 7))
-
-
-def test_friction_has_columns_of_its_own() -> None:
-    q, qd, qdd = random_states(count=300)
-    rows = np.concatenate([columns("ur5", q, qd, qdd), friction_columns(qd, 0.02)], axis=2)
-    assert len(base_parameters(rows).columns) == 40 + 18
-    one = friction_columns(np.array([[0.01, -2, 0, 0, 0, 0]]), 0.02) @ np.arange(18)
-    np.testing.assert_array_equal(one[0, :2], [6 * 0.01 + 12, -1 - 2 * 7 + 13])
 
 
 # Accumulation
@@ -174,11 +163,10 @@ def test_what_cannot_be_fitted_is_refused(ur5: Robot) -> None:
 
 
 def test_a_prior_is_as_wide_as_an_arm_may_be() -> None:
-    """Of mass, first moments and inertias of each link, of rotors, and of three kinds of friction:
-    half a kilogram, a decimetre of a kilogram, and so on."""
+    """Of mass, first moments and inertias of each link, and of rotors: half a kilogram, a decimetre
+    of a kilogram, and so on."""
     link = [0.5, *[0.1] * 3, *[0.05] * 6]
-    np.testing.assert_array_equal(prior_width(), [*link * 6, *[2.0] * 6])
-    np.testing.assert_array_equal(prior_width(84), [*link * 6, *[2.0] * 6, *[20.0] * 18])
+    np.testing.assert_array_equal(prior_width(66), [*link * 6, *[2.0] * 6])
 
 
 def test_of_many_blocks_a_hundred_are_kept() -> None:
@@ -237,29 +225,19 @@ def test_exact_torques_give_exact_base_parameters(ur5: Robot) -> None:
     assert found.determined(groups).all()
 
 
-def test_friction_is_found_along_with_the_links(ur5: Robot) -> None:
-    q, qd, qdd = sines(30)
-    rows = np.concatenate([columns("ur5", q, qd, qdd), friction_columns(qd, 0.02)], axis=2)
-    friction = np.repeat([5.0, 8.0, -0.5], 6)
-    truth = np.append(parameters(ur5, "C+rotors"), friction)
-    prior = np.append(parameters(ur5, "C"), np.zeros(18))
-    noise = np.random.default_rng(0).normal(0, 0.01, (len(q), 6))
-    found = fit(rows, rows @ truth + noise, prior)
-    np.testing.assert_allclose(found.noise, 0.01, rtol=0.1)
-    np.testing.assert_allclose(found.parameters[66:], friction, atol=0.02)
-
-
 def test_intervals_hold_the_truth(ur5: Robot) -> None:
     """200 runs with joint 6 at rest and a truth that the prior knows nothing better of than its
     widths; noise like a current's: correlated over a fifth of a second.
     """
     random, groups = np.random.default_rng(0), ur5_base().groups
     rows, prior = columns("ur5", *sines(100, still=(5,))), parameters(ur5, "C")
-    truth = prior + random.normal(size=66) * prior_width()
+    truth = prior + random.normal(size=66) * prior_width(66)
     size = np.array([0.15, 0.15, 0.15, 0.06, 0.06, 0.06])  # Nm
     exact = fit(rows, rows @ truth, prior)
     lost = np.abs(groups @ (exact.parameters - truth)) > 0.01 * np.abs(groups @ (prior - truth))
-    assert [NAMES[column] for column in ur5_base().columns[lost]] == ["rotor inertia of joint 6"]
+    assert [parameter_names(66)[column] for column in ur5_base().columns[lost]] == [
+        "rotor inertia of joint 6"
+    ]
 
     called, inside = [], []
     for _ in range(200):
@@ -291,7 +269,7 @@ def test_a_recording_of_one_joint_tells_what_that_joint_feels(ur5: Robot) -> Non
     rows, truth = columns("ur5", q + 0.7, qd, qdd), parameters(ur5, "C+rotors")
     noise = np.random.default_rng(0).normal(0, 0.001, q.shape)
     found = fit(rows, rows @ truth + noise, parameters(ur5, "C"))
-    told = np.array(NAMES)[ur5_base().columns[found.determined(ur5_base().groups)]]
+    told = np.array(parameter_names(66))[ur5_base().columns[found.determined(ur5_base().groups)]]
     assert {"m c_x of link 6", "m c_y of link 6"} <= set(told)
     assert not [name for name in told if "link 2" in name or "link 3" in name]
 
@@ -308,7 +286,7 @@ def target_blocks(study: RealStudy, name: str) -> list[tuple[Array, Array]]:
 @pytest.fixture(scope="module")
 def controller(ur5: Robot, real_ur5: RealStudy) -> Estimate:
     rows = (block for name in FITTED for block in target_blocks(real_ur5, name))
-    return identify(stack(rows), parameters(ur5, "C"), prior_width())
+    return identify(stack(rows), parameters(ur5, "C"), prior_width(66))
 
 
 def test_the_controllers_model_predicts_every_other_recording(

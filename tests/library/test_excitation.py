@@ -16,14 +16,14 @@ from ur5lib.timeseries.arrays import Array
 @cache
 def candidates() -> dict[str, Array]:
     return {
-        name: columns("ur5", *motion) for name, motion in candidate_motions(1.5, 3, 300).items()
+        name: columns("ur5", *motion) for name, motion in candidate_motions(6, 1.5, 3, 300).items()
     }
 
 
 def check(*motion: Array, noise: float = 0.01) -> Excitation:
     rows = columns("ur5", *motion)
     data = stack(blocks(rows, np.zeros(rows.shape[:2])))
-    return check_excitation(data, ur5_base(), prior_width(), np.full(6, noise), candidates())
+    return check_excitation(data, ur5_base(), prior_width(66), np.full(6, noise), candidates())
 
 
 def told(advice: list[Remark]) -> set[tuple[str, str]]:
@@ -37,7 +37,7 @@ def told(advice: list[Remark]) -> set[tuple[str, str]]:
 
 
 def test_candidates_fill_the_range_and_no_more() -> None:
-    for q, qd, qdd in candidate_motions(2.0, 5.0).values():
+    for q, qd, qdd in candidate_motions(6, 2.0, 5.0).values():
         for values, limit in ((q, np.pi), (qd, 2.0), (qdd, 5.0)):
             assert values.shape == (1000, 6)
             reach = np.abs(values).max(axis=0)
@@ -48,7 +48,7 @@ def test_candidates_fill_the_range_and_no_more() -> None:
 
 def test_candidates_are_named_by_the_joints_that_move() -> None:
     """None, each alone, each two, all; in the same poses."""
-    motions = candidate_motions(2.0, 5.0, 50)
+    motions = candidate_motions(6, 2.0, 5.0, 50)
     assert len(motions) == 1 + 6 + 15 + 1
     for name, (q, qd, qdd) in motions.items():
         np.testing.assert_array_equal(q, motions["Holding still"][0])
@@ -64,8 +64,8 @@ def test_a_condition_number_is_of_columns_by_the_width_of_their_parameters() -> 
     rows, base = columns("ur5", *sines(20)), ur5_base()
     noise = np.array([1.0, 2, 3, 0.5, 0.1, 0.2])
     data = stack(blocks(rows, np.zeros(rows.shape[:2])))
-    found = check_excitation(data, base, prior_width(), noise, candidates())
-    weighted = (rows / noise[:, None] * prior_width()).reshape(-1, 66)
+    found = check_excitation(data, base, prior_width(66), noise, candidates())
+    weighted = (rows / noise[:, None] * prior_width(66)).reshape(-1, 66)
     rotors = [column for column in base.columns if column >= 60]
     for group, chosen in (("all", base.columns), ("rotors", rotors)):
         expected = np.linalg.cond(weighted[:, chosen])

@@ -13,9 +13,9 @@ from scipy.linalg import block_diag
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import (
-    NAMES,
     BaseParameters,
     base_parameters,
+    parameter_names,
     prior_width,
 )
 from ur5lib.identification.excitation import candidate_motions
@@ -33,6 +33,7 @@ CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque consta
 NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
 UNITS = ("Nm/A", "Nm", "Nm", "Nm s/rad", "Nm/Nm")
+PARAMETERS = parameter_names(66)  # of the links and rotors of six joints
 LINK_UNITS = {"m of": "kg", "m c": "kg m", "I_": "kg m²", "rotor": "kg m²"}  # by a name's start
 LINK_6 = slice(50, 60)  # of the columns of Y: a payload moves as link 6 does
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the states that determine base parameters
@@ -93,13 +94,13 @@ class Problem:
 
     def names(self) -> list[str]:
         """Return the parameters' names, in physical terms."""
-        links = [NAMES[column] for column in self.base.columns]
+        links = [PARAMETERS[column] for column in self.base.columns]
         joints = [f"{name} of joint {k}" for k in range(1, 7) for name in PER_JOINT]
-        return [*links, *joints, *(f"payload: {NAMES[k]}" for k in _payload(self.has_payload))]
+        return [*links, *joints, *(f"payload: {PARAMETERS[k]}" for k in _payload(self.has_payload))]
 
     def units(self) -> list[str]:
         """Return the units of the parameters, in the order of `names`."""
-        links = [NAMES[column] for column in [*self.base.columns, *_payload(self.has_payload)]]
+        links = [PARAMETERS[column] for column in [*self.base.columns, *_payload(self.has_payload)]]
         units = [next(u for word, u in LINK_UNITS.items() if n.startswith(word)) for n in links]
         return [*units[: self.count], *UNITS * 6, *units[self.count :]]
 
@@ -225,7 +226,7 @@ def nominal_maps(robot: Robot) -> Maps:
 
 def random_states(speed: float, acceleration: float) -> tuple[Array, Array, Array]:
     """Return random q, q̇, q̈ of all joints, (300, 6) each, up to a speed and an acceleration."""
-    *_, states = candidate_motions(speed, acceleration, count=300).values()
+    *_, states = candidate_motions(6, speed, acceleration, count=300).values()
     return states
 
 
@@ -239,12 +240,12 @@ def build_problem(robot: Robot, model: LinkModel, maps: Maps, has_payload: bool)
 
 def _prior(robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool) -> Array:
     """Return the information before any recording: that of the priors of the fits."""
-    spread = base.groups * prior_width()
+    spread = base.groups * prior_width(len(PARAMETERS))
     blocks = [np.linalg.inv(spread @ spread.T)]
     for joint, (inverse, *_) in enumerate(maps.coefficients, start=1):
         known = JointPrior(inverse, CONSTANT_WIDTH * inverse, robot.motor(joint).torque_max)
         blocks.append(known.over(BASE).precision)
-    width = prior_width()[_payload(has_payload)]
+    width = prior_width(len(PARAMETERS))[_payload(has_payload)]
     return np.asarray(block_diag(*blocks, np.diag(width**-2.0)))
 
 

@@ -23,10 +23,10 @@ def causal_log_odds(
     """Return the log-odds (N,) of contact at each sample, from it and the samples before.
 
     run: with a torque that was low-passed causally, and states by `past_states`; jacobian:
-    (M, 6, 6), at `used_rows`, NaN where the arm's pose is unknown; model: of such torques.
+    (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; model: of such torques.
     """
     rows = used_rows(run.segment, run.period)
-    posed, states = finite_rows(jacobian.reshape(-1, 36)), run.states[rows]
+    posed, states = finite_rows(jacobian.reshape(len(rows), -1)), run.states[rows]
     doubt = np.zeros(states.shape) if run.doubt is None else np.nan_to_num(run.doubt[rows])
     probability = _filtered(
         np.where(posed[:, None], run.torque[rows], np.nan),
@@ -63,7 +63,7 @@ def _filtered(
     contact = np.empty(len(torque))
     for t in range(len(torque)):
         if fresh[t]:
-            weight, b, P = chain.start, np.zeros(6), noise.spread[t]
+            weight, b, P = chain.start, np.zeros_like(torque[t]), noise.spread[t]
         # prediction: p⁻ = Aᵀ p;  b⁻ = a b, P⁻ = a P a + sqrt(1 - a²) Q sqrt(1 - a²)
         weight = weight @ chain.transitions
         b, P = decay[t] * b, _scaled(P, decay[t]) + _scaled(noise.spread[t], renewal[t])
@@ -85,5 +85,5 @@ def _filtered(
 
 
 def _scaled(covariance: Array, factor: Array) -> Array:
-    """Return D C D, D = diag(factor); covariance: C (6, 6); factor: (6,)."""
+    """Return D C D, D = diag(factor); covariance: C (n, n); factor: (n,)."""
     return factor[:, None] * covariance * factor

@@ -33,8 +33,9 @@ def contact_wrench(
 ) -> Wrench:
     """Estimate F̂ᵐᵃᵖ of one contact and its variance.
 
-    torque: Jᵀ F, of the contact alone, (n, 6) [Nm], rows of NaN where unknown: there the wrench is
-    zero with the prior's variance; jacobian: (n, 6, 6); noise: S (n, 6, 6) [Nm²]; worth:
+    torque: Jᵀ F, of the contact alone, (n, m) [Nm] of m joints, rows of NaN where unknown: there
+    the wrench is zero with the prior's variance; jacobian: (n, 6, m); noise: S (n, m, m) [Nm²];
+    worth:
     independent values per sample, at most 1; period: [s]; size: P (6, 6), the prior covariance of
     the wrench, None to learn it.
     """
@@ -89,9 +90,9 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
     Arguments as above; NaN where the torque is unknown. It is the baseline of F̂ᵐᵃᵖ in known
     contacts.
     """
-    linear = jacobian[:, :3]  # J_v (n, 3, 6)
+    linear = jacobian[:, :3]  # J_v (n, 3, m)
     # J_v S⁻¹, then cov F = (J_v S⁻¹ J_vᵀ)⁻¹
-    weighted = np.linalg.solve(noise, linear.mT).mT  # (n, 3, 6)
+    weighted = np.linalg.solve(noise, linear.mT).mT  # (n, 3, m)
     covariance = np.asarray(np.linalg.pinv(weighted @ linear.mT, hermitian=True), np.float64)
     force = (covariance @ weighted @ torque[..., None])[..., 0]  # (n, 3)
     nothing = np.zeros_like(force)
@@ -104,7 +105,7 @@ def least_squares_wrench(torque: Array, jacobian: Array, noise: Array) -> Wrench
 def _lost(estimate: Posterior, jacobian: Array, prior: ContactPrior) -> Array:
     """Return the variance (n, 6) from each joint's load friction under this contact."""
     # cov τ_lost = diag((c Jᵀ F)²), c of each joint, propagated by the gain: K cov τ_lost Kᵀ
-    carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, 6)
+    carried = (jacobian.mT @ estimate.mean[..., None])[..., 0]  # Jᵀ F (n, m)
     lost = diagonal((prior.load_friction * carried) ** 2)
     return _diagonal(estimate.gain @ lost @ estimate.gain.mT)
 

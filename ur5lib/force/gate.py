@@ -39,10 +39,10 @@ class Gate(NamedTuple):
 
 @dataclass(frozen=True)
 class Noise:
-    """Covariances (N, 6, 6) [Nm²] of the external torque other than that of a contact.
+    """Covariances (N, n, n) [Nm²] of the external torque other than that of a contact.
 
     quick: of the fast error; spread: of the background and the fast error together; hidden: of the
-    part of a contact that dry friction may absorb; still: (N, 6), joints at rest while the whole
+    part of a contact that dry friction may absorb; still: (N, n), joints at rest while the whole
     arm rests.
     """
 
@@ -53,7 +53,7 @@ class Noise:
 
     @classmethod
     def of(cls, states: States, model: ResidualModel, prior: ContactPrior, doubt: Array) -> "Noise":
-        """Return the noise of samples in joint states (N, 6); doubt: (N, 6) [Nm], of a load."""
+        """Return the noise of samples in joint states (N, n); doubt: (N, n) [Nm], of a load."""
         still = states % STATES == STILL
         held = np.where(still, HELD * model.breakaway, 0.0) ** 2
         taken = np.where(still, prior.stiction, prior.rubbing) * model.breakaway
@@ -121,7 +121,7 @@ def _contact_densities(
 ) -> list[Array]:
     """Return log p(τ | contact) (N,) of each kind of contact: N(b, S + S_hidden + P_b + Jᵀ P J)."""
     residual = torque - background.mean
-    besides = noise.quick + noise.hidden + share * background.covariance  # (N, 6, 6)
+    besides = noise.quick + noise.hidden + share * background.covariance  # (N, n, n)
     return [
         log_density(residual, besides + jacobian.mT @ contact @ jacobian)
         for contact in prior.bank()
@@ -131,7 +131,7 @@ def _contact_densities(
 def free_covariances(
     jacobian: Array, noise: Noise, model: ResidualModel, prior: ContactPrior
 ) -> list[Array]:
-    """Return the covariances (N, 6, 6) of a free arm's torque: undisturbed, then hunting."""
+    """Return the covariances (N, n, n) of a free arm's torque: undisturbed, then hunting."""
     undisturbed = noise.quick + jacobian.mT @ prior.when_free() @ jacobian
     return [
         undisturbed + diagonal(np.where(noise.still, share * model.breakaway, 0.0) ** 2)
@@ -140,7 +140,7 @@ def free_covariances(
 
 
 def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:
-    """Return the covariance (N, 6, 6) of the torque as a measurement of the background.
+    """Return the covariance (N, n, n) of the torque as a measurement of the background.
 
     Σ p(free state) cov / p(free); in contact, the sample hardly counts.
     """
@@ -179,8 +179,8 @@ class Chain:
 
 
 def diagonal(variance: Array) -> Array:
-    """Return diagonal matrices (N, 6, 6) of variances (N, 6)."""
-    return variance[:, :, None] * np.eye(6)
+    """Return diagonal matrices (N, n, n) of variances (N, n)."""
+    return variance[:, :, None] * np.eye(variance.shape[1])
 
 
 def log_density(x: Array, covariance: Array) -> Array:

@@ -29,7 +29,7 @@ MISSED_TO = 2.0  # deviations up to which most contacts are missed, where none w
 
 
 class Stretch(NamedTuple):
-    """External torque (N, 6) [Nm] and joint states (N, 6) without a gap; period: [s]."""
+    """External torque (N, n) [Nm] and joint states (N, n) without a gap; period: [s]."""
 
     torque: Array
     states: States
@@ -40,13 +40,13 @@ class Stretch(NamedTuple):
 class ResidualModel:
     """External torque without contact: a background (Ornstein-Uhlenbeck) and a fast error.
 
-    spread, change: (S, 6) [Nm], by joint state: standard deviations of the sum, and of the fast
-    error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
-    correlation: (6, 6), between joints; independent: [s], between independent values of the fast
-    error; breakaway: (6,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
+    spread, change: (S, n) [Nm], by joint state, of n joints: standard deviations of the sum, and of
+    the fast error, which changes within SHORT; rate: (S,) [1/s], at which the background renews;
+    correlation: (n, n), between joints; independent: [s], between independent values of the fast
+    error; breakaway: (n,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
     bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
     size up to which most contacts are missed, in deviations of what hides them; constants_doubt:
-    (6,), relative standard errors of the torque constants that the torques come from.
+    (n,), relative standard errors of the torque constants that the torques come from.
     """
 
     spread: Array
@@ -60,8 +60,8 @@ class ResidualModel:
     constants_doubt: Array | float = 0.0
 
     def covariance(self, of: Array, states: States) -> Array:
-        """Return D C D at each sample, D from `spread` or `change`: (N, 6, 6) [Nm²]."""
-        deviation = of[states, np.arange(6)]
+        """Return D C D at each sample, D from `spread` or `change`: (N, n, n) [Nm²]."""
+        deviation = of[states, np.arange(states.shape[1])]
         return deviation[:, :, None] * self.correlation * deviation[:, None, :]
 
     def wider(self, factor: float) -> "ResidualModel":
@@ -109,17 +109,17 @@ def fit_residual_model(
     """Fit the residual model to contact-free stretches by moments.
 
     cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per
-    1 / (2 cutoff); breakaway: (6,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags
+    1 / (2 cutoff); breakaway: (n,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags
     separates fast error and background. A state that no stretch contains has the largest deviations
     of the others. Raises RefusalError if no stretch is as long as the longer lag, or a joint never
     moves.
     """
     # E[x²], and the variogram at both lags
     short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
-    whole, near, far = _moments(stretches), _moments(short), _moments(long)  # (S, 6) each
+    whole, near, far = _moments(stretches), _moments(short), _moments(long)  # (S, n) each
     if not np.isfinite(far).any():
         raise RefusalError("short recordings", seconds=LONG)
-    still = [joint + 1 for joint in range(6) if np.isnan(whole[MOVING, joint])]
+    still = (np.flatnonzero(np.isnan(whole[MOVING])) + 1).tolist()
     if still:
         raise RefusalError("still joints", joints=still)
     change = np.sqrt(_filled(near))
@@ -170,8 +170,8 @@ def _passed(where: Mask, lag: int) -> Mask:
 
 
 def _moments(stretches: Sequence[Stretch]) -> Array:
-    """Return mean squares (S, 6) over time by state and joint; NaN for a state without data."""
-    total, seconds = np.zeros((STATES, 6)), np.zeros((STATES, 6))
+    """Return mean squares (S, n) over time by state and joint; NaN for a state without data."""
+    total, seconds = np.zeros((2, STATES, stretches[0].torque.shape[1]))
     for torque, states, period in stretches:
         for state in range(STATES):
             here = (states == state) & np.isfinite(torque)
@@ -187,7 +187,9 @@ def _filled(moments: Array) -> Array:
 
 
 def _correlation(differences: Sequence[Stretch], deviation: Array) -> Array:
-    """Return the correlation (6, 6) of the joints' differences, scaled by their deviations."""
-    parts = [one.torque / deviation[one.states, np.arange(6)] for one in differences]
+    """Return the correlation (n, n) of the joints' differences, scaled by their deviations."""
+    parts = [
+        one.torque / deviation[one.states, np.arange(one.states.shape[1])] for one in differences
+    ]
     scaled = np.concatenate(parts)
     return np.asarray(np.corrcoef(scaled[finite_rows(scaled)].T))

@@ -48,7 +48,7 @@ class StretchEstimate(NamedTuple):
 
 @dataclass(frozen=True)
 class WrenchEstimate:
-    """The wrench of the environment on the arm, base axes, at the origin of frame 6.
+    """The wrench of the environment on the arm, base axes, at the origin of the last frame.
 
     Each quantity is interpolated between the samples used when it is asked for: those of a long
     recording take a gigabyte together. NaN where the arm's pose is unknown. stretches: each with
@@ -75,7 +75,7 @@ class WrenchEstimate:
 
     @property
     def background(self) -> Array:
-        """Return the slow part (N, 6) [Nm] of the external torque."""
+        """Return the slow part (N, n) [Nm] of the external torque."""
         return self._at_all("background")
 
     @property
@@ -135,9 +135,9 @@ def estimate_wrench(
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
-    torque: external, low-passed, (N, 6) [Nm], rows of NaN where unknown; jacobian: (M, 6, 6), at
-    `used_rows`, NaN where the arm's pose is unknown; states: (N, 6), of `model`; segment: (N,);
-    period: [s]; doubt: (N, 6) [Nm], standard deviation of an estimated load's torque; gears: None
+    torque: external, low-passed, (N, n) [Nm], rows of NaN where unknown; jacobian: (M, 6, n), at
+    `used_rows`, NaN where the arm's pose is unknown; states: (N, n), of `model`; segment: (N,);
+    period: [s]; doubt: (N, n) [Nm], standard deviation of an estimated load's torque; gears: None
     if their friction is unknown, which then counts as none.
     """
     # every stretch on its own, thinned to STEP
@@ -151,7 +151,7 @@ def estimate_wrench(
         load_std = np.zeros(own_states.shape) if doubt is None else np.nan_to_num(doubt[thin])
         noise = Noise.of(own_states, model, prior, load_std)
         # without a Jacobian, the torque is unknown too
-        posed = finite_rows(own_jacobian.reshape(-1, 36))
+        posed = finite_rows(own_jacobian.reshape(len(own_states), -1))
         known = np.where(posed[:, None], torque[thin], np.nan)
         lever = np.where(posed[:, None, None], own_jacobian, 0.0)
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
@@ -201,12 +201,12 @@ def _estimate(
     carried, share = gears.contact_torque(left)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
     hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
-    covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(6)
+    covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(torque.shape[1])
     covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
     worth = min(1.0, period / model.independent)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
-    chosen, plain = _nothing(torque), _nothing(torque)
+    chosen, plain = _nothing(len(torque)), _nothing(len(torque))
     for span in contacts:
         part = slice(*span)
         own = carried[part], jacobian[part], covariance[part]
@@ -258,9 +258,9 @@ def _std_while_shut(
     return mixture_std(np.maximum(probability, likely[:, None]), variance, free)
 
 
-def _nothing(torque: Array) -> Wrench:
-    """Return a wrench of zero with variance zero."""
-    return Wrench(np.zeros_like(torque), np.zeros_like(torque))
+def _nothing(count: int) -> Wrench:
+    """Return wrenches of zero with variance zero."""
+    return Wrench(*np.zeros((2, count, 6)))
 
 
 def _put(whole: Wrench, part: slice, own: Wrench) -> None:

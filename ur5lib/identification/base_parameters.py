@@ -14,15 +14,9 @@ from ur5lib.timeseries.metrics import mean_absolute_error
 Blocks = Iterable[tuple[Array, Array]]
 
 LINK = ("m", "m c_x", "m c_y", "m c_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
-FRICTION = ("Coulomb friction", "viscous friction", "torque offset")
-NAMES = (
-    *(f"{name} of link {k}" for k in range(1, 7) for name in LINK),
-    *(f"rotor inertia of joint {k}" for k in range(1, 7)),
-    *(f"{name} of joint {k}" for name in FRICTION for k in range(1, 7)),
-)
+OF_JOINT = len(LINK) + 1  # parameters: those of its link, and the rotor inertia
 # Standard deviations of the prior around the published model.
 MASS_WIDTH, MOMENT_WIDTH, INERTIA_WIDTH, ROTOR_WIDTH = 0.5, 0.1, 0.05, 2.0  # kg, kg m, kg m²
-FRICTION_WIDTHS = (20.0, 20.0, 20.0)  # Nm, Nm s/rad, Nm
 DEPENDENT = 1e-9  # of the largest column: rank tolerance, between rounding and independent columns
 MOST_BLOCKS = 100
 FINEST = 1e-6  # Nm: the last digit of a logged torque
@@ -39,16 +33,25 @@ class BaseParameters:
     columns: NDArray[np.intp]
     groups: Array
 
+    @property
+    def parameters(self) -> list[str]:
+        """Return the names of π (P,)."""
+        return parameter_names(self.groups.shape[1])
+
     def names(self) -> list[str]:
         """Return each base parameter as a sum: its own parameter and those grouped with it."""
-        return [_sum(row, column) for row, column in zip(self.groups, self.columns, strict=True)]
+        rows, of = zip(self.groups, self.columns, strict=True), self.parameters
+        return [
+            " ".join([of[k], *(f"{row[i]:+.3g} {of[i]}" for i in np.flatnonzero(row) if i != k)])
+            for row, k in rows
+        ]
 
 
 @dataclass(frozen=True)
 class Stack:
-    """The rows [Y τ] of a linear fit, reduced to the triangular factors of their QR.
+    """The rows [Y τ] of a linear fit to an arm of n joints, as the triangular factors of their QR.
 
-    factors: (B, 6, P + 1, P + 1), of each block and joint; samples: (B,), rows per block.
+    factors: (B, n, P + 1, P + 1), of each block and joint; samples: (B,), rows per block.
     """
 
     factors: Array
@@ -62,7 +65,7 @@ class Estimate:
     parameters: (P,); scatter: (K, P), V of the covariance Vᵀ V from the jackknife over blocks;
     spread: (P, P), S of the covariance S Sᵀ for independent errors of all rows; rounding: (P, P),
     the same for what the last digit of torques leaves; width: (P,), standard deviations of the
-    prior; noise: (6,) [Nm], of each joint's torque.
+    prior; noise: (n,) [Nm], of each joint's torque.
     """
 
     parameters: Array
@@ -92,7 +95,7 @@ class Estimate:
 def base_parameters(regressor: Array) -> BaseParameters:
     """Determine the base parameters of an arm by a rank test (Gautier 1991).
 
-    regressor: (N, 6, P), Y of τ = Y π at some hundred random states. A parameter whose column
+    regressor: (N, n, P), Y of τ = Y π at some hundred random states. A parameter whose column
     depends on those before belongs to their groups. Links are taken from the base outwards, as
     Khalil does, which keeps the groups short.
     """
@@ -109,30 +112,22 @@ def base_parameters(regressor: Array) -> BaseParameters:
     return BaseParameters(np.array(kept), groups)
 
 
-def _sum(row: Array, column: int) -> str:
-    """Return a base parameter in words: its own parameter, then the others of its group."""
-    others = [f"{row[i]:+.3g} {NAMES[i]}" for i in np.flatnonzero(row) if i != column]
-    return " ".join([NAMES[column], *others])
+def parameter_names(count: int) -> list[str]:
+    """Return the names of π (P,), P = count: those of the links, then the rotor inertias."""
+    joints = range(1, count // OF_JOINT + 1)
+    links = [f"{name} of link {k}" for k in joints for name in LINK]
+    return [*links, *(f"rotor inertia of joint {k}" for k in joints)]
 
 
-def friction_columns(qd: Array, dead_zone: float) -> Array:
-    """Return the regressor (N, 6, 18) of Coulomb friction, viscous friction and offset by joint.
-
-    qd: (N, 6) [rad/s]; there is no Coulomb friction up to dead_zone [rad/s] (Equation 3.12).
-    """
-    direction = np.where(np.abs(qd) > dead_zone, np.sign(qd), 0.0)
-    terms = np.stack([direction, qd, np.ones_like(qd)], axis=1)
-    return np.einsum("nkj,ji->njki", terms, np.eye(6)).reshape(len(qd), 6, 18)
-
-
-def prior_width(count: int = 66) -> Array:
-    """Return the standard deviations of the prior of π (66,), or of π and friction (84,)."""
+def prior_width(count: int) -> Array:
+    """Return the standard deviations of the prior of π (P,), P = count."""
     link = [MASS_WIDTH, *[MOMENT_WIDTH] * 3, *[INERTIA_WIDTH] * 6]
-    return np.array([*link * 6, *[ROTOR_WIDTH] * 6, *np.repeat(FRICTION_WIDTHS, 6)])[:count]
+    joints = count // OF_JOINT
+    return np.array([*link * joints, *[ROTOR_WIDTH] * joints])
 
 
 def stack(blocks: Blocks) -> Stack:
-    """Accumulate regressors (N, 6, P) and torques (N, 6) [Nm], block by block.
+    """Accumulate regressors (N, n, P) and torques (N, n) [Nm], block by block.
 
     Errors within a block may be correlated, those of different blocks count as independent: one or
     two seconds per block suffice. Rows with NaN are excluded. Memory is bounded: beyond MOST_BLOCKS
@@ -144,8 +139,9 @@ def stack(blocks: Blocks) -> Stack:
         rows = np.concatenate([regressor, torque[..., None]], axis=2)
         rows = rows[np.isfinite(rows).all(axis=(1, 2))]
         if len(rows):
-            full = np.zeros((6, *rows.shape[2:] * 2))  # gives short blocks a full factor, too
-            factors.append(_triangle(np.concatenate([full, rows.swapaxes(0, 1)], axis=1)))
+            own = rows.swapaxes(0, 1)
+            full = np.zeros((len(own), *own.shape[2:] * 2))  # a full factor of short blocks, too
+            factors.append(_triangle(np.concatenate([full, own], axis=1)))
             samples.append(len(rows))
         if len(samples) > MOST_BLOCKS:
             i = int(np.argmin(np.add(samples[:-1], samples[1:])))
@@ -162,9 +158,9 @@ def _triangle(rows: Array) -> Array:
 
 
 def total(data: Stack) -> Array:
-    """Return the triangular factors (6, P + 1, P + 1) of all rows of each joint."""
+    """Return the triangular factors (n, P + 1, P + 1) of all rows of each joint."""
     rows = data.factors.swapaxes(0, 1)
-    return _triangle(rows.reshape(6, -1, rows.shape[-1]))
+    return _triangle(rows.reshape(len(rows), -1, rows.shape[-1]))
 
 
 def identify(data: Stack, prior: Array, width: Array) -> Estimate:
@@ -178,7 +174,7 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
         raise RefusalError("one block")
     rows, count = total(data), data.samples.sum()
     # alternate π and the noise of each joint, n - tr(S Sᵀ Yᵀ Y) / σ² degrees of freedom
-    noise = _noise(rows, prior, np.full(6, count))
+    noise = _noise(rows, prior, np.full(len(rows), count))
     for _ in range(10):
         parameters, spread = solve(rows, noise, prior, width)
         spent = (np.linalg.norm(rows[..., :-1] @ spread, axis=(1, 2)) / noise) ** 2
@@ -187,12 +183,12 @@ def identify(data: Stack, prior: Array, width: Array) -> Estimate:
     scatter = _scatter(data.factors / noise[:, None, None], parameters, spread, width)
     # of n samples rounded by up to half a digit, |Σ g_k ε_k| <= √n |g| FINEST / 2; this is the
     # standard deviation of an error that is anywhere between these bounds
-    _, rounding = solve(rows, np.full(6, np.sqrt(count / 12) * FINEST), prior, width)
+    _, rounding = solve(rows, np.full(len(rows), np.sqrt(count / 12) * FINEST), prior, width)
     return Estimate(parameters, scatter, spread, rounding, width, noise)
 
 
 def torque_error(blocks: Blocks, parameters: Array) -> Array:
-    """Return the MAE (6,) [Nm] of the torques Y π of other blocks; parameters: (P,)."""
+    """Return the MAE (n,) [Nm] of the torques Y π of other blocks; parameters: (P,)."""
     torques = [(regressor @ parameters, torque) for regressor, torque in blocks]
     estimate, reference = map(np.concatenate, zip(*torques, strict=True))
     return mean_absolute_error(estimate, reference)
@@ -201,7 +197,7 @@ def torque_error(blocks: Blocks, parameters: Array) -> Array:
 def solve(rows: Array, noise: Array, prior: Array, width: Array) -> tuple[Array, Array]:
     """Return π (P,) and S (P, P), covariance S Sᵀ, from the factors of all rows and the prior.
 
-    rows: (6, P + 1, P + 1); noise: (6,) [Nm]; prior, width: (P,). QR of [Y τ; 1 π₀] / [σ; width].
+    rows: (n, P + 1, P + 1); noise: (n,) [Nm]; prior, width: (P,). QR of [Y τ; 1 π₀] / [σ; width].
     """
     weighted = (rows / noise[:, None, None]).reshape(-1, rows.shape[-1])
     ridge = np.column_stack([np.diag(1 / width), prior / width])
@@ -218,7 +214,7 @@ def prior_share(groups: Array, spread: Array, width: Array) -> Array:
 
 
 def _noise(rows: Array, parameters: Array, freedom: Array) -> Array:
-    """Return the standard deviation (6,) of the residuals, with degrees of freedom (6,)."""
+    """Return the standard deviation (n,) of the residuals, with degrees of freedom (n,)."""
     residual = np.linalg.norm(rows @ np.append(-parameters, 1.0), axis=1)
     return np.maximum(residual / np.sqrt(np.maximum(freedom, 1.0)), FINEST)
 

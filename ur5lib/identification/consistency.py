@@ -4,7 +4,7 @@ import cvxpy as cp
 import numpy as np
 
 from ur5lib.errors import RefusalError
-from ur5lib.identification.base_parameters import Estimate
+from ur5lib.identification.base_parameters import OF_JOINT, Estimate
 from ur5lib.timeseries.arrays import Array
 
 LENGTH = 0.1  # m: a link's size, which scales masses, moments and inertias alike
@@ -29,12 +29,13 @@ BASIS = _basis()
 
 
 def pseudo_inertias(parameters: Array) -> Array:
-    """Return the pseudo-inertias (6, 4, 4) [kg] of π = parameters (P,), lengths in LENGTH."""
-    return np.einsum("ki,imn->kmn", parameters[:60].reshape(6, 10), BASIS)
+    """Return the pseudo-inertias (n, 4, 4) [kg] of π = parameters (P,), lengths in LENGTH."""
+    joints = len(parameters) // OF_JOINT
+    return np.einsum("ki,imn->kmn", parameters[:-joints].reshape(joints, -1), BASIS)
 
 
 def smallest_eigenvalues(parameters: Array) -> Array:
-    """Return the pseudo-inertias' least eigenvalues (6,) [kg], positive for bodies (Wensing)."""
+    """Return the pseudo-inertias' least eigenvalues (n,) [kg], positive for bodies (Wensing)."""
     return np.linalg.eigvalsh(pseudo_inertias(parameters))[:, 0].astype(np.float64)
 
 
@@ -51,9 +52,9 @@ def consistent(estimate: Estimate) -> Array:
     bodies = [
         cp.reshape(BASIS.reshape(10, 16).T @ parameters[10 * k : 10 * k + 10], (4, 4), order="C")
         >> MARGIN * np.eye(4)
-        for k in range(6)
+        for k in range(len(estimate.noise))
     ]
-    rotors = parameters[60:66] >= MARGIN
+    rotors = parameters[10 * len(bodies) :] >= MARGIN
     problem = cp.Problem(cp.Minimize(cp.sum_squares(change)), [*bodies, rotors])
     problem.solve(solver=cp.CLARABEL)
     if problem.status != cp.OPTIMAL:

@@ -1,7 +1,7 @@
 """Which of an arm's parameters recordings determine, and which motions would determine the rest."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -11,7 +11,6 @@ from scipy.linalg import eigh
 from ur5lib.errors import Remark, remark
 from ur5lib.identification.base_parameters import (
     LARGEST_SHARE,
-    NAMES,
     BaseParameters,
     Stack,
     prior_share,
@@ -26,7 +25,6 @@ GROUPS = {  # of parameters, by the words their names begin with
     "gravity": "m ",
     "inertia": "I_",
     "rotors": "rotor inertia",
-    "friction": ("Coulomb friction", "viscous friction", "torque offset"),
 }
 
 
@@ -46,20 +44,23 @@ class Excitation:
     advice: list[Remark]
 
 
-def candidate_motions(speed: float, acceleration: float, count: int = 1000) -> dict[str, Motion]:
-    """Return motions by name, (count, 6) each: q, q̇, q̈ [rad, rad/s, rad/s²].
+def candidate_motions(
+    joints: int, speed: float, acceleration: float, count: int = 1000
+) -> dict[str, Motion]:
+    """Return motions of n joints by name, (count, n) each: q, q̇, q̈ [rad, rad/s, rad/s²].
 
     Holding still, one joint moving, two at the same time, and all: each in random poses over the
     whole range, at random velocities up to `speed` and accelerations up to `acceleration`.
     """
     random = np.random.default_rng(0)
     limits = np.array([np.pi, speed, acceleration])[:, None, None]
-    q, qd, qdd = random.uniform(-1, 1, (3, count, 6)) * limits
+    q, qd, qdd = random.uniform(-1, 1, (3, count, joints)) * limits
     motions = {"Holding still": (q, 0 * qd, 0 * qdd)}
-    for number in (1, 2, 6):
-        for joints in combinations(range(6), number):
-            moving = np.isin(np.arange(6), joints)
-            name = "all joints" if number == 6 else " and ".join(f"joint {k + 1}" for k in joints)
+    for number in (1, 2, joints):
+        for chosen in combinations(range(joints), number):
+            moving = np.isin(np.arange(joints), chosen)
+            several = " and ".join(f"joint {k + 1}" for k in chosen)
+            name = "all joints" if number == joints else several
             name = f"Moving {name} at up to {speed:g} rad/s and {acceleration:g} rad/s²"
             motions[name] = q, moving * qd, moving * qdd
     return motions
@@ -68,9 +69,9 @@ def candidate_motions(speed: float, acceleration: float, count: int = 1000) -> d
 def check_excitation(
     data: Stack, base: BaseParameters, width: Array, noise: Array, candidates: dict[str, Array]
 ) -> Excitation:
-    """Check which base parameters are determined at a noise (6,) [Nm], independent in each sample.
+    """Check which base parameters are determined at a noise (n,) [Nm], independent in each sample.
 
-    width: (P,), standard deviations of the prior; candidates: regressors (N, 6, P) of
+    width: (P,), standard deviations of the prior; candidates: regressors (N, n, P) of
     `candidate_motions`. A parameter counts as determined if less than a hundredth of its variance
     comes from the prior. A fit may determine less, because its errors are correlated.
     """
@@ -83,18 +84,18 @@ def check_excitation(
     return Excitation(
         condition=_condition(rows[..., :-1] / noise[:, None, None], base, width),
         combinations=_combinations(rows, base, width, noise),
-        undetermined=[NAMES[column] for column in base.columns[before]],
+        undetermined=[base.parameters[column] for column in base.columns[before]],
         advice=[*_advice(base, before, after)],
     )
 
 
 def _rows(regressor: Array) -> Array:
-    """Return rows (6, N, P + 1) of each joint, with torques of zero, which do not matter here."""
+    """Return rows (n, N, P + 1) of each joint, with torques of zero, which do not matter here."""
     return np.pad(regressor.swapaxes(0, 1), ((0, 0), (0, 0), (0, 1)))
 
 
 def _determined(rows: Array, base: BaseParameters, width: Array, noise: Array) -> Mask:
-    """Return which base parameters (B,) rows (6, N, P + 1) determine."""
+    """Return which base parameters (B,) rows (n, N, P + 1) determine."""
     _, spread = solve(rows, noise, np.zeros(len(width)), width)
     return prior_share(base.groups, spread, width) <= LARGEST_SHARE
 
@@ -111,7 +112,7 @@ def _condition(weighted: Array, base: BaseParameters, width: Array) -> dict[str,
     """Return the condition numbers of the columns, each scaled by the width of its parameter."""
     columns = (weighted * width).reshape(-1, len(width))
     members = {
-        group: [column for column in base.columns if NAMES[column].startswith(beginning)]
+        group: [column for column in base.columns if base.parameters[column].startswith(beginning)]
         for group, beginning in GROUPS.items()
     }
     members["all"] = list(base.columns)
@@ -129,17 +130,17 @@ def _advice(base: BaseParameters, unknown: Mask, after: dict[str, Mask]) -> Iter
         motion = max(after, key=lambda name: int(np.sum(left & after[name])))
         gained = left & after[motion]
         if not gained.any():
-            yield remark("no motion determines", parameters=_by_owner(base.columns[left]))
+            yield remark("no motion determines", parameters=_by_owner(base, left))
             return
-        found = {"motion": motion, "parameters": _by_owner(base.columns[gained])}
+        found = {"motion": motion, "parameters": _by_owner(base, gained)}
         yield remark("motion determines", **found)
         left = left & ~gained
 
 
-def _by_owner(columns: Iterable[int]) -> list[Remark]:
-    """Return parameters, grouped by link or joint."""
+def _by_owner(base: BaseParameters, chosen: Mask) -> list[Remark]:
+    """Return the chosen base parameters (B,), grouped by link or joint."""
     owners: dict[str, list[str]] = defaultdict(list)
-    for column in columns:
-        name, owner = NAMES[column].split(" of ")
+    for column in base.columns[chosen]:
+        name, owner = base.parameters[column].split(" of ")
         owners[owner].append(name)
     return [remark("parameters of", names=names, owner=owner) for owner, names in owners.items()]

@@ -1,5 +1,7 @@
 """Identified parameters as one more model of an arm."""
 
+import numpy as np
+
 from ur5lib.robots.description import Model, Robot
 from ur5lib.robots.inertia import shift_inertia, tensor
 from ur5lib.robots.urdf import link_tail
@@ -7,13 +9,15 @@ from ur5lib.timeseries.arrays import Array
 
 
 def identified_model(robot: Robot, parameters: Array, description: str) -> Model:
-    """Return the model of an arm with inertial parameters π = parameters (P,); P >= 66.
+    """Return the model of an arm with inertial parameters π = parameters (P,).
 
     π as in `ur5lib.dynamics.arm.inertial_parameters`, in the URDF's frames link_k; a payload
-    belongs to link 6. Raises ValueError if a mass or a rotor inertia is negative.
+    belongs to the last link. Raises ValueError if a mass or a rotor inertia is negative.
     """
     masses, centers, inertias = [], [], []
-    for link, pose in zip(parameters[:60].reshape(6, 10), robot.link_poses(), strict=True):
+    poses = robot.link_poses()
+    links, rotors = np.split(parameters, [10 * len(poses)])
+    for link, pose in zip(links.reshape(-1, 10), poses, strict=True):
         mass, center = link[0], link[1:4] / link[0]
         rotation, translation = link_tail(pose)
         about_origin = tensor(link[[4, 6, 9, 5, 7, 8]].tolist())
@@ -27,6 +31,6 @@ def identified_model(robot: Robot, parameters: Array, description: str) -> Model
             "masses": tuple(masses),
             "centers_of_mass": tuple(centers),
             "inertias": tuple(inertias),
-            "rotor_inertias": tuple(parameters[60:66].tolist()),
+            "rotor_inertias": tuple(rotors.tolist()),
         }
     )

@@ -28,7 +28,7 @@ RESOLUTION = 1e-3  # Nm: noise of a torque in the excitation check
 SPEED, ACCELERATION = 1.5, 3.0  # rad/s, rad/s²: of the motions that it may suggest
 DESCRIPTION = "identified from the controller's torques, physically consistent"
 
-Block = tuple[Array, Array]  # regressors (n, 6, 66) and torques (n, 6) [Nm]
+Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
 
 def with_rotors(robot: Robot, rotors: Mapping[str, Any]) -> Robot:
@@ -61,7 +61,7 @@ def with_identified(
     data = stack(blocks)
     unique = [gravity for k, gravity in enumerate(gravities) if gravity not in gravities[:k]]
     models = [LinkModel(robot.mounted(gravity), robot.chosen_model) for gravity in unique]
-    estimate = identify(data, models[0].parameters, prior_width())
+    estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
     parameters = consistent(estimate)
     model = identified_model(robot, parameters, DESCRIPTION)
     summary = identification_summary(models, data, estimate, parameters, blocks)
@@ -76,13 +76,15 @@ def identification_summary(
     blocks: list[Block],
 ) -> dict[str, Any]:
     """Return base parameters, errors with and without consistency, and undetermined parameters."""
-    motions = candidate_motions(SPEED, ACCELERATION)
+    motions = candidate_motions(len(estimate.noise), SPEED, ACCELERATION)
     candidates = {
         name: np.concatenate([model.regressor(*motion) for model in models])
         for name, motion in motions.items()
     }
     base = base_parameters(candidates[list(motions)[-1]])
-    excitation = check_excitation(data, base, estimate.width, np.full(6, RESOLUTION), candidates)
+    excitation = check_excitation(
+        data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
+    )
     return {
         "noise": estimate.noise,
         "parameters": parameter_rows(base, estimate, parameters),
@@ -104,7 +106,7 @@ def parameter_rows(
     """Return each base parameter: the sum it stands for, its value and standard error, and whether
     the data determine it.
 
-    weights: (66,), of the arm's parameters π in that sum.
+    weights: (P,), of the arm's parameters π in that sum.
     """
     return [
         {"parameter": name, "value": value, "std_error": std, "determined": bool(known)}

@@ -5,12 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.linalg import block_diag
 
-from ur5lib.signals.imu_model import BIASES, LinearImu
+from ur5lib.signals.imu_model import BIASES, MOTION, LinearImu
 from ur5lib.signals.innovations import innovation_test
 from ur5lib.signals.noise import moving_mean
 from ur5lib.signals.smoothing import (
     LINK,
-    MOTION,
     STATES,
     KnownJoints,
     SmoothedMotion,

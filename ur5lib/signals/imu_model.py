@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.signals.smoothing import MOTION
 from ur5lib.timeseries.arrays import Array
 
+MOTION = 18  # states of six joints: q, q̇, q̈
 BIASES = 6  # states of the IMU: biases of accelerometer and gyroscope
 
 

@@ -35,11 +35,11 @@ NYQUIST_SHARE = 0.7  # of the Nyquist frequency, up to which vibrations are foun
 
 @dataclass(frozen=True)
 class EncoderNoise:
-    """What drives the joints, and the noise of their encoders, at each sample.
+    """What drives n joints, and the noise of their encoders, at each sample.
 
-    jerk, vibration: (N, 6) [rad/s³/√Hz], intensities of the white jerks that drive the motion and
-    the vibration; frequency: (6,) [rad/s] and damping: (6,) of the vibration; position: (N, 6)
-    [rad] and velocity: (N, 6) [rad/s], standard deviations; lag: (6,) [s] of measured velocities.
+    jerk, vibration: (N, n) [rad/s³/√Hz], intensities of the white jerks that drive the motion and
+    the vibration; frequency: (n,) [rad/s] and damping: (n,) of the vibration; position: (N, n)
+    [rad] and velocity: (N, n) [rad/s], standard deviations; lag: (n,) [s] of measured velocities.
     """
 
     jerk: Array
@@ -54,7 +54,7 @@ class EncoderNoise:
 def encoder_noise(time: Array, segment: Labels, q: Array, qd: Array) -> EncoderNoise:
     """Estimate the noise by maximum likelihood of the innovations of each joint's Kalman filter.
 
-    time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, 6) [rad,
+    time: (N,) [s], evenly spaced within a segment; segment: (N,) labels; q, qd: (N, n) [rad,
     rad/s], NaN where missing. Raises ValueError if a joint has no velocities.
 
     First, constant parameters maximise the likelihood of the innovations (Schweppe) on the stretch

@@ -19,7 +19,6 @@ from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 from ur5lib.timeseries.segments import starts
 
-MOTION = 18  # entries of the motion: q, q̇, q̈
 STATES = 6  # of a joint: θ, θ̇, θ̈, δ, δ̇, δ̈
 LINK = np.hstack([np.eye(3), np.eye(3)])  # from them to q, q̇, q̈
 TICK, TICK_DECIMALS = 1e-6, 6  # s; steps of time are rounded to it, and none is shorter
@@ -29,13 +28,13 @@ UNKNOWN = np.array([10.0, 10.0, 100.0])  # rad, rad/s, rad/s²: std at the start
 
 @dataclass(frozen=True)
 class SmoothedMotion:
-    """State at each sample, given all measurements, with its standard deviations.
+    """State of n joints at each sample, given all measurements, with its standard deviations.
 
-    state, std: (N, 18), q [rad], q̇ [rad/s], q̈ [rad/s²] side by side, or (N, 24) with the biases of
-    accelerometer [m/s²] and gyroscope [rad/s]; motor_qd: (N, 6) [rad/s], velocities on the motor's
-    side, without vibrations; innovations: (N, M), normalised, of q, q̇ and the IMU, NaN where
-    nothing was measured; test: of the innovations; encoders: their noise; imu: (N, 6), noise of the
-    IMU's readings, None without an IMU.
+    state, std: (N, 3 n), q [rad], q̇ [rad/s], q̈ [rad/s²] side by side, or (N, 3 n + 6) with the
+    biases of accelerometer [m/s²] and gyroscope [rad/s]; motor_qd: (N, n) [rad/s], velocities on
+    the motor's side, without vibrations; innovations: (N, M), normalised, of q, q̇ and the IMU, NaN
+    where nothing was measured; test: of the innovations; encoders: their noise; imu: (N, 6), noise
+    of the IMU's readings, None without an IMU.
     """
 
     state: Array
@@ -47,30 +46,35 @@ class SmoothedMotion:
     imu: Array | None = None
 
     @property
+    def joints(self) -> int:
+        """Return n."""
+        return self.motor_qd.shape[1]
+
+    @property
     def q(self) -> Array:
-        """Return the positions (N, 6) [rad]."""
-        return self.state[:, :6]
+        """Return the positions (N, n) [rad]."""
+        return self.state[:, : self.joints]
 
     @property
     def qd(self) -> Array:
-        """Return the velocities (N, 6) [rad/s]."""
-        return self.state[:, 6:12]
+        """Return the velocities (N, n) [rad/s]."""
+        return self.state[:, self.joints : 2 * self.joints]
 
     @property
     def qdd(self) -> Array:
-        """Return the accelerations (N, 6) [rad/s²]."""
-        return self.state[:, 12:18]
+        """Return the accelerations (N, n) [rad/s²]."""
+        return self.state[:, 2 * self.joints : 3 * self.joints]
 
     @property
     def biases(self) -> Array:
         """Return the biases of accelerometer [m/s²] and gyroscope [rad/s], (N, 6); else (N, 0)."""
-        return self.state[:, MOTION:]
+        return self.state[:, 3 * self.joints :]
 
 
 class KnownJoints(NamedTuple):
     """The motion according to the encoders alone, to which an IMU adds; noise: the encoders'.
 
-    state, std: (N, 18), as in SmoothedMotion; shared: (N, 6) [rad²/s³], covariance of q̇ and q̈.
+    state, std: (N, 3 n), as in SmoothedMotion; shared: (N, n) [rad²/s³], covariance of q̇ and q̈.
     """
 
     state: Array
@@ -81,7 +85,7 @@ class KnownJoints(NamedTuple):
 
 @dataclass(frozen=True)
 class SmoothedJoints(SmoothedMotion):
-    """The same from the encoders alone; shared: (N, 6) [rad²/s³], covariance of q̇ and q̈."""
+    """The same from the encoders alone; shared: (N, n) [rad²/s³], covariance of q̇ and q̈."""
 
     shared: Array = field(kw_only=True)
 
@@ -95,14 +99,14 @@ def smooth_encoders(
 ) -> SmoothedJoints:
     """Estimate the motion from joint positions and velocities alone.
 
-    time: (N,) [s], increasing; segment: (N,) labels, each smoothed on its own; q, qd: (N, 6) [rad,
+    time: (N,) [s], increasing; segment: (N,) labels, each smoothed on its own; q, qd: (N, n) [rad,
     rad/s], NaN where missing; noise: estimated from them, if not given. Raises ValueError if a
     joint has no data.
     """
     noise = noise or encoder_noise(time, segment, q, qd)
-    count = len(time)
-    state, std = np.empty((2, count, 3, 6))
-    innovations, (shared, motor_qd) = np.empty((count, 2, 6)), np.empty((2, count, 6))
+    count, joints = q.shape
+    state, std = np.empty((2, count, 3, joints))
+    innovations, (shared, motor_qd) = np.empty((count, 2, joints)), np.empty((2, count, joints))
     for rows, own, off in smooth(encoder_system(time, segment, q, qd, noise), count):
         # x_link = [I I] [θ, δ]
         covariance = LINK @ own.covariance @ LINK.T
@@ -111,32 +115,33 @@ def smooth_encoders(
         shared[rows], motor_qd[rows] = covariance[:, :, 1, 2], own.mean[:, :, 1]
     flat = innovations.reshape(count, -1)
     test = innovation_test(flat, segment)
-    shared *= widening(test) ** 2
+    shared *= widening(test, joints) ** 2
     state, std = state.reshape(count, -1), std.reshape(count, -1)
     widen(std, test, q)
     return SmoothedJoints(state, std, motor_qd, flat, test, noise, shared=shared)
 
 
 def widen(std: Array, test: InnovationTest, q: Array) -> None:
-    """Widen standard deviations (N, 18) in place, because errors are not as white as assumed.
+    """Widen standard deviations (N, 3 n) in place, because errors are not as white as assumed.
 
     Errors that last for several samples average out less than white ones; the colour of a joint's
     innovations says by how much. A rounding error lasts as long as the joint rests.
     """
-    std *= np.tile(widening(test), 3)
+    joints = q.shape[1]
+    std *= np.tile(widening(test, joints), 3)
     rounding = np.array([quantum(joint) for joint in q.T]) / np.sqrt(12)
-    std[:, :6] = np.hypot(std[:, :6], rounding)
+    std[:, :joints] = np.hypot(std[:, :joints], rounding)
 
 
-def widening(test: InnovationTest) -> Array:
-    """Return the factor (6,) of each joint's bands; test: of innovations, those of joints first."""
-    return np.sqrt(np.maximum(test.colour[:6], test.colour[6:12]))
+def widening(test: InnovationTest, joints: int) -> Array:
+    """Return the factor (n,) of each joint's bands; test: of innovations, those of joints first."""
+    return np.sqrt(np.maximum(test.colour[:joints], test.colour[joints : 2 * joints]))
 
 
 def encoder_system(
     time: Array, segment: Labels, q: Array, qd: Array, noise: EncoderNoise
 ) -> System:
-    """Return the system of six joints, each a part of its own: a motion θ and a vibration δ.
+    """Return the system of n joints, each a part of its own: a motion θ and a vibration δ.
 
     x = [θ, θ̇, θ̈, δ, δ̇, δ̈], each driven by a jerk (`motion_step`); q = θ + δ is measured, and θ̇
     with a lag.
@@ -159,7 +164,7 @@ def encoder_system(
             _unknown(noise, np.flatnonzero(fresh[rows]) + rows.indices(count)[0]),
         )
         # z = [θ + δ, θ̇ − lag θ̈] + v, cov v = diag(R)
-        z = np.stack([q[rows], qd[rows]], axis=2)  # (N, 6, 2)
+        z = np.stack([q[rows], qd[rows]], axis=2)  # (N, n, 2)
         R = np.stack([noise.position[rows], noise.velocity[rows]], axis=2) ** 2
         return LinearSystem(F, Q, np.broadcast_to(H_joint, (*z.shape, STATES)), z, R)
 
@@ -167,7 +172,7 @@ def encoder_system(
 
 
 def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array]]:
-    """Yield F (6, 6, 6) and what two jerks add (6, 6, 2) of all joints, for each length of step."""
+    """Yield F (n, 6, 6) and what two jerks add (n, 6, 2) of all joints, for each length of step."""
     for step in steps:
         joints = zip(noise.frequency, noise.damping, strict=True)
         both = [motion_step(max(step, TICK), *joint) for joint in joints]
@@ -175,12 +180,12 @@ def _each_step(steps: Array, noise: EncoderNoise) -> Iterator[tuple[Array, Array
 
 
 def _unknown(noise: EncoderNoise, fresh: Labels) -> Array:
-    """Return the covariances (N, 6, 6, 6) of the joints' states at the starts of segments.
+    """Return the covariances (N, n, 6, 6) of the joints' states at the starts of segments.
 
     A vibration has the covariance that its jerk sustains, P = F P Fᵀ + Q. It is solved for ω = 1
     and scaled: P of δ's k-th and l-th derivatives is proportional to ω^(k + l − 5).
     """
-    covariance = np.zeros((len(fresh), 6, STATES, STATES))
+    covariance = np.zeros((len(fresh), len(noise.frequency), STATES, STATES))
     covariance[..., :3, :3] = np.diag(UNKNOWN**2)
     for joint, (frequency, damping) in enumerate(zip(noise.frequency, noise.damping, strict=True)):
         F, driven = motion_step(SHORT_STEP, 1.0, damping)

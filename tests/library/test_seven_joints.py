@@ -1,0 +1,192 @@
+"""An arm of seven joints: what counts joints counts those of the arm."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio
+import pytest
+
+from ur5lib.dynamics.flange import flange_kinematics
+from ur5lib.dynamics.link_model import LinkModel, load_regressor
+from ur5lib.errors import InputError
+from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.external_torque import MOVING, STATES
+from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
+from ur5lib.identification.base_parameters import (
+    base_parameters,
+    identify,
+    prior_width,
+    stack,
+)
+from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.identified_model import identified_model
+from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
+from ur5lib.robots.inertia import rigid_bodies
+from ur5lib.robots.statics import gravity_torque
+from ur5lib.robots.urdf import urdf
+from ur5lib.signals.smoothing import smooth_encoders
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.lowpass import zero_phase_lowpass
+
+JOINTS, PERIOD = 7, 0.008
+ALPHA = (-90, 90, 90, -90, -90, 90, 0)  # degrees; the geometry is a KUKA LBR iiwa 7's
+OFFSET = (0.34, 0, 0.4, 0, 0.4, 0, 0.126)  # m
+
+
+@cache
+def arm() -> Robot:
+    """Links of 4 kg and less, each with an inertia tensor without symmetry, and rotors."""
+    random, masses = np.random.default_rng(0), np.linspace(4.0, 0.5, JOINTS)
+    inertias = [m * np.array([0.02, 0.018, 0.012, 0.001, -0.002, 0.0015]) for m in masses]
+    return Robot.model_validate(
+        {
+            "name": "seven",
+            "gravity": [0.3, -0.2, -9.8],
+            "denavit_hartenberg": [
+                {"a": 0.0, "d": d, "alpha": np.deg2rad(alpha)}
+                for d, alpha in zip(OFFSET, ALPHA, strict=True)
+            ],
+            "joints": ["one"] * JOINTS,
+            "motors": {"one": {"position_max": 3.0, "velocity_max": 2.0, "torque_max": 100.0}},
+            "masses": masses.tolist(),
+            "models": {
+                "made up": {
+                    "description": "",
+                    "centers_of_mass": random.uniform(-0.1, 0.1, (JOINTS, 3)).tolist(),
+                    "inertias": [own.tolist() for own in inertias],
+                    "rotor_inertias": random.uniform(0.05, 0.5, JOINTS).tolist(),
+                }
+            },
+            "chosen_model": "made up",
+        }
+    )
+
+
+def sines(seconds: float) -> list[Array]:
+    """Motion q, q̇, q̈ (N, 7) of three sines on each joint."""
+    random = np.random.default_rng(1)
+    w = 2 * np.pi * random.uniform(0.05, 0.5, (JOINTS, 3))
+    size, start = random.uniform(0.2, 0.5, w.shape), random.uniform(0, 6, w.shape)
+    phase = w * np.arange(0, seconds, PERIOD)[:, None, None] + start
+    waves = size * np.sin(phase), size * w * np.cos(phase), -size * w**2 * np.sin(phase)
+    return [wave.sum(axis=2) for wave in waves]
+
+
+def test_dynamics_and_kinematics_are_pinocchio_s() -> None:
+    robot, motion = arm(), sines(4)
+    model = LinkModel(robot, "made up")
+    engine = pinocchio.buildModelFromXML(urdf(robot, rigid_bodies(robot, "made up")))
+    engine.gravity.linear = np.array(robot.gravity)
+    engine.armature = rigid_bodies(robot, "made up").rotor_inertia
+    data, frame = engine.createData(), engine.getFrameId("frame_7")
+    torque = np.array([pinocchio.rnea(engine, data, *row) for row in zip(*motion, strict=True)])
+    np.testing.assert_allclose(model.inverse_dynamics(*motion), torque, atol=1e-9)
+    np.testing.assert_allclose(model.regressor(*motion) @ model.parameters, torque, atol=1e-9)
+    at_rest = np.array([pinocchio.computeGeneralizedGravity(engine, data, q) for q in motion[0]])
+    np.testing.assert_allclose(gravity_torque(robot, "made up", motion[0]), at_rest, atol=1e-9)
+    rotation, origin, jacobian = flange_kinematics(robot, motion[0])
+    for q, R, o, J in zip(
+        motion[0][::50], rotation[::50], origin[::50], jacobian[::50], strict=True
+    ):
+        theirs = pinocchio.computeFrameJacobian(
+            engine, data, q, frame, pinocchio.LOCAL_WORLD_ALIGNED
+        )
+        pinocchio.framesForwardKinematics(engine, data, q)
+        np.testing.assert_allclose(jacobian[k], theirs, atol=1e-9)
+        np.testing.assert_allclose(origin[k], data.oMf[frame].translation, atol=1e-9)
+        np.testing.assert_allclose(rotation[k], data.oMf[frame].rotation, atol=1e-9)
+
+
+def test_a_payload_weighs_on_all_joints() -> None:
+    robot, q = arm(), sines(2)[0]
+    loaded = robot.carrying(Payload(mass=2.0, center_of_mass=(0.1, 0.0, 0.2)))
+    added = gravity_torque(loaded, "made up", q) - gravity_torque(robot, "made up", q)
+    per_load = load_regressor(robot, "made up", q, 0 * q, 0 * q)
+    np.testing.assert_allclose(per_load @ [2.0, 0.2, 0.0, 0.4], added, atol=1e-9)
+
+
+def test_accelerations_are_smoothed() -> None:
+    """Less than half the error of differences: encoders of 0.1 mrad, velocities of 2 mrad/s."""
+    random, (q, qd, qdd) = np.random.default_rng(2), sines(20)
+    time, segment = PERIOD * np.arange(len(q)), np.zeros(len(q), np.int64)
+    noisy = q + 1e-4 * random.normal(size=q.shape), qd + 2e-3 * random.normal(size=q.shape)
+    smoothed = smooth_encoders(time, segment, *noisy)
+    inner = slice(50, -50)
+    error = (smoothed.qdd - qdd)[inner]
+    assert smoothed.state.shape == (len(q), 3 * JOINTS)
+    differences = np.gradient(noisy[1], PERIOD, axis=0) - qdd
+    assert (error.std(axis=0) < 0.5 * differences[inner].std(axis=0)).all()
+    inside = np.abs(error) < 1.96 * smoothed.std[inner, 2 * JOINTS :]
+    assert 0.9 < inside.mean() < 1.0
+
+
+def test_links_are_identified() -> None:
+    """The base parameters, with standard errors that hold the truth, and bodies that may exist."""
+    robot, random = arm(), np.random.default_rng(3)
+    model, motion = LinkModel(robot, "made up"), sines(60)
+    rows, truth = model.regressor(*motion), model.parameters
+    torque = rows @ truth + random.normal(0, 0.02, (len(rows), JOINTS))
+    prior = truth * random.uniform(0.8, 1.2, truth.shape)
+    parts = [slice(start, start + 125) for start in range(0, len(rows), 125)]
+    data = stack((rows[part], torque[part]) for part in parts)
+    estimate = identify(data, prior, prior_width(len(truth)))
+    base = base_parameters(model.regressor(*random.uniform(-3, 3, (3, 300, JOINTS))))
+    known = estimate.determined(base.groups)
+    error = np.abs(base.groups @ (estimate.parameters - truth))
+    inside = error < 1.96 * estimate.standard_errors(base.groups)
+    assert known.mean() > 0.9
+    assert inside[known].mean() > 0.85
+    parameters = consistent(estimate)
+    assert len(smallest_eigenvalues(parameters)) == JOINTS
+    assert smallest_eigenvalues(parameters).min() > 0
+    identified = robot.with_model("identified", identified_model(robot, parameters, ""))
+    off = LinkModel(identified, "identified").inverse_dynamics(*motion) - rows @ truth
+    assert np.abs(off).max() < 0.05
+
+
+def test_a_wrench_is_estimated() -> None:
+    """A push of 3 s with 30 N along y, felt by seven joints with an error of 0.3 Nm."""
+    robot, random = arm(), np.random.default_rng(4)
+    q = sines(20)[0]
+    wrench, pushed = np.zeros((len(q), 6)), slice(1000, 1375)
+    wrench[pushed, 1] = 30.0
+    jacobian = flange_kinematics(robot, q)[2]
+    slow = 0.2 * np.cumsum(random.normal(0, np.sqrt(PERIOD / 10), q.shape), axis=0)
+    torque = (jacobian.mT @ wrench[..., None])[..., 0] + slow
+    torque = zero_phase_lowpass(torque, 1 / PERIOD, 2, 2.0)
+    model = ResidualModel(
+        spread=np.full((STATES, JOINTS), 0.3),
+        change=np.full((STATES, JOINTS), 0.1),
+        rate=np.full(STATES, 0.1),
+        correlation=np.eye(JOINTS),
+        independent=0.25,
+        breakaway=np.ones(JOINTS),
+    )
+    segment = np.zeros(len(q), np.int64)
+    used = jacobian[used_rows(segment, PERIOD)]
+    states = np.full(q.shape, MOVING, np.int8)
+    found = estimate_wrench(torque, used, states, segment, PERIOD, model, ContactPrior())
+    inner = slice(pushed.start + 50, pushed.stop - 50)
+    error = np.abs(found.wrench - wrench)
+    assert found.background.shape == q.shape
+    assert (found.log_odds[inner] > 0).all()
+    assert (found.log_odds[:800] < 0).all()
+    assert error[inner, :3].mean() < 5.0
+    assert np.mean(error[inner, :3] < 1.96 * found.std[inner, :3]) > 0.9
+
+
+def test_recordings_of_such_an_arm_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "seven.yaml"
+    file.write_text(robot_yaml(arm()))
+    with pytest.raises(InputError, match=r"seven.yaml describes 7 joints"):
+        load_robot(file)
+
+
+@pytest.mark.parametrize("field", ["masses", "denavit_hartenberg"])
+def test_a_joint_that_is_not_described_is_refused(field: str) -> None:
+    described = arm().model_dump()
+    described[field] = described[field][:-1]
+    with pytest.raises(ValueError, match=rf"`{field}` has 6 entries, `joints` has 7"):
+        Robot.model_validate(described)
