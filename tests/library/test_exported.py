@@ -17,13 +17,14 @@ from ur5lib.errors import InputError
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.isaac import JOINTS, isaac
+from ur5lib.robots.isaac import isaac
 from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.robots.sdf import sdf
 from ur5lib.robots.urdf import urdf
 from ur5lib.timeseries.arrays import Array
 
+JOINTS = [f"joint_{k}" for k in range(1, 7)]
 RANDOM = np.random.default_rng(3)
 STATES = RANDOM.uniform(-1.5, 1.5, (3, 40, 6))
 FRICTION = JointFriction(np.arange(1.0, 7.0), np.linspace(0.5, 3, 6))

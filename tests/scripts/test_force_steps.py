@@ -12,7 +12,7 @@ from tests.equal_records import same
 from tests.library.current_study import CONSTANT, make_record, prior, smooth, with_noise
 from tests.library.made_up_torques import MODEL, Free, between, free_run
 from tests.scripts.conftest import script
-from ur5lib.dynamics.link_model import LINK_6, LinkModel
+from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import remark
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
@@ -467,7 +467,7 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
 def detect(recording: Recording, run: Free, ur5: Robot) -> list[dict[str, Any]]:
     """What detect_contacts raises of F̂ᵐᵃᵖ."""
     qdd = np.gradient(run.qd, run.time, axis=0)
-    per_load = LinkModel(ur5, "C").regressor(run.q, run.qd, qdd)[:, :, LINK_6]
+    per_load = LinkModel(ur5, "C").regressor(run.q, run.qd, qdd)[:, :, 50:54]  # of link 6
     forces = recording.write(run, BARE).estimate()
     regressor = LoadRegressor(time=run.time, segment=forces.segment, load_regressor=per_load)
     regressor.write(recording.regressor)
