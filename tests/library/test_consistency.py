@@ -25,7 +25,7 @@ def test_the_pseudo_inertia_of_points_is_their_second_moment() -> None:
     link = [mass.sum(), *(mass @ r), *inertia[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]]
     points = np.column_stack([r / LENGTH, np.ones(20)])
     expected = (points * mass[:, None]).T @ points
-    found = pseudo_inertias(np.tile(link, 6))
+    found = pseudo_inertias(np.append(np.tile(link, 6), np.zeros(6)))  # no rotors
     np.testing.assert_allclose(found, np.tile(expected, (6, 1, 1)), rtol=1e-12, atol=1e-14)
 
 
