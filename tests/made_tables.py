@@ -5,12 +5,12 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.report.reference import Printed
-from ur5lib.report.tables.making import declarations, made
+from ur5lib.report.tables.making import declarations, make_table
 
 
 def table(name: str, printed: Printed | None = None, **summaries: Any) -> pd.DataFrame:
     """A table from summaries by recording or arm, for each kind of result."""
-    return made(name, summaries, printed)
+    return make_table(name, summaries, printed)
 
 
 def empty(name: str) -> pd.DataFrame:

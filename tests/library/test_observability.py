@@ -13,7 +13,7 @@ from ur5lib.force.trial_pushes import LEAST, MOST, Trials, felt_push, try_each_p
 from ur5lib.identification.predictability import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
 from ur5lib.report.observability_figure import observability_figure
-from ur5lib.report.tables.making import made
+from ur5lib.report.tables.making import make_table
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -105,7 +105,7 @@ def test_the_table_has_each_joint_and_push() -> None:
     inside = np.ones_like(speed)
     inside[speed[:, 2] < 0.2, 2] = 0.0
     summary = observability([trials], [Judged(speed, inside)])
-    table = made("observability", {"observability": {"ur5": summary}})
+    table = make_table("observability", {"observability": {"ur5": summary}})
     least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
     assert least.to_dict() == {1: 0.0, 2: 0.0, 3: 0.2, 4: 0.0, 5: 0.0, 6: 0.0}
     assert (table["quantity"] == "friction_in_band").sum() == 6 * 9

@@ -14,7 +14,7 @@ from ur5lib.report.tables.models import FITS
 SCRIPTS = {path.stem: path for path in (PROJECT / "workflow" / "scripts").glob("*.py")}
 DEVICES = ("force", "imu")
 TABLES = PROJECT / "ur5lib" / "report" / "tables"
-KINDS_READ = re.compile(r'\bown(?:\.others)?[\[(]"(\w+)"[\])]')
+KINDS_READ = re.compile(r'\bsource(?:\.others)?[\[(]"(\w+)"[\])]')
 EVERYTHING = """\
 study: everything
 title: A study whose rules declare all that they can
@@ -96,7 +96,7 @@ def test_the_tables_read_what_their_rule_declares(declared: dict[str, Declared])
     tables = declarations().tables()
     names = declared["make_tables"].names
     assert names["input"] - {"reference", "columns", "sentences"} == kinds | {*FITS}
-    assert {one.of for _, one in tables.values()} <= kinds | {*FITS}
+    assert {table.kind for _, table in tables.values()} <= kinds | {*FITS}
     assert names["output"] == tables.keys()
 
 

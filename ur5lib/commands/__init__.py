@@ -1,1 +1,1 @@
-"""What the commands of `ur5` do: one module for each, and what several of them need."""
+"""The commands of `ur5`: one module for each, and modules that several of them share."""

@@ -17,7 +17,7 @@ HEAVIEST = 35.0  # kg: more than the maker's largest arm carries
 
 
 def audit_answers(study: Path) -> Iterator[str]:
-    """Yield what is wrong with the wrist sensors of a study's recordings, line by line.
+    """Yield the verdicts on the wrist sensors of a study's recordings, line by line.
 
     Raises InputError where the study was not run, or has no wrist sensor.
     """
@@ -33,21 +33,21 @@ def audit_answers(study: Path) -> Iterator[str]:
 
 
 def payload_answers(study: Path) -> Iterator[str]:
-    """Yield what each recording's arm carries, line by line.
+    """Yield the payload of each recording, line by line.
 
     Raises InputError where the study was not run.
     """
     results = _finished(study)
     loads, sensed = results.table("payload"), results.table("audit")
     for recording in read_study(study).recordings:
-        own = [table[table["recording"] == recording.name] for table in (loads, sensed)]
-        yield f"{recording.name}: {'; '.join(_carried(*own))}"
+        rows = [table[table["recording"] == recording.name] for table in (loads, sensed)]
+        yield f"{recording.name}: {'; '.join(_carried(*rows))}"
 
 
 def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
     """Yield the mass on the flange by currents and by sensor, from rows of their tables."""
     if loads.empty:
-        yield "the currents tell nothing (no motion, or no contact-free recording of this arm)"
+        yield "undetermined by currents (no motion, or no contact-free recording of this arm)"
     for row in loads.itertuples():
         mass, low, high = (row.configured + part for part in (row.mass, row.low, row.high))
         yield f"{_mass(mass, low, high)}, configured {row.configured:.2f} kg{_place(row)}"
@@ -56,9 +56,9 @@ def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
 
 
 def _mass(mass: float, low: float, high: float) -> str:
-    """Return a mass and its 95 % interval [kg] in words; no mass is negative.
+    """Return a mass and its 95 % interval [kg] in words.
 
-    Where the interval reaches below zero, its farther end bounds a load that would not show.
+    If the interval reaches below zero, its end farther from zero bounds an undetectable load.
     """
     most = max(high, -low)
     if most > HEAVIEST:
@@ -69,7 +69,7 @@ def _mass(mass: float, low: float, high: float) -> str:
 
 
 def _place(row: Any) -> str:
-    """Return where the undeclared part of a load is, empty where it is uncertain."""
+    """Return the centre of mass of the undeclared part of a load, empty where it is uncertain."""
     if np.isnan(row.center_of_mass_x):
         return ""
     center, error = (

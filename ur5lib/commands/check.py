@@ -20,7 +20,7 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.finding_sentences import worded
 from ur5lib.report.findings import group_findings
-from ur5lib.report.tables.making import made
+from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock
 from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
@@ -73,10 +73,10 @@ def print_tables(
 ) -> int:
     """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
     kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
-    quality = made("quality", kinds)
+    quality = make_table("quality", kinds)
     console.print(_findings(quality, list(qualities)))
     if any(clocks.values()):
-        console.print(_clocks(made("clocks", kinds)))
+        console.print(_clocks(make_table("clocks", kinds)))
     return int(quality["severity"].isin(SEVERE).sum())
 
 

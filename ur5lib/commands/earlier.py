@@ -1,4 +1,4 @@
-"""What the recordings of a study already told about an arm, for the design of the next one."""
+"""Information about an arm in the recordings of a study, for the design of the next one."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -24,11 +24,13 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
 KEPT = ("torque_constant", "offset", "coulomb", "viscous", "load")  # of a fit's coefficients
-ROUNDS = 4  # in which predicted standard errors come within 3 % of those of the study
+ROUNDS = 4  # iterations, after which predicted standard errors are within 3 % of the study's
 
 
 class Recorded(NamedTuple):
-    """States of a recording every INDEPENDENT: the arm's model as it was then, Y (N, 6, 66), q̇."""
+    """Independent states of a recording: link model with its payload and mounting, regressor Y
+    (N, 6, 66), velocities (N, 6) [rad/s].
+    """
 
     model: LinkModel
     Y: Array
@@ -40,9 +42,9 @@ def problem_after(
 ) -> tuple[Problem, Array]:
     """Return the problem of an arm that a study identified, and the information (P, P) so far.
 
-    arm: as identified; has_payload: whether a load is sought. Of the currents, the noise is such
-    that predicted standard errors are those of the study, which knows how its residuals are
-    correlated and how recordings differ. Raises InputError where a file is missing.
+    arm: as identified; has_payload: whether a load is estimated. The noise of the currents is
+    scaled to the study's standard errors, which include correlated residuals and differences
+    between recordings. Raises InputError where a file is missing.
     """
     friction, base = (study.fitted(arm.name, name) for name in ("friction", "identification"))
     problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
@@ -53,7 +55,7 @@ def problem_after(
 
 
 def _maps(arm: Robot, friction: Any, base: Any) -> Maps:
-    """Return the maps to currents that a study fitted, with its noise; nominal without a fit."""
+    """Return the fitted maps from torque and motion to currents, with noise; else nominal ones."""
     nominal = nominal_maps(arm)
     torque = np.array(base.get("noise") or nominal.noise.torque)
     if not friction["from"]:
@@ -65,13 +67,13 @@ def _maps(arm: Robot, friction: Any, base: Any) -> Maps:
 
 
 def _kept(joint: JointFit) -> list[float]:
-    """Return a joint's coefficients of KEPT; zero for a term that the fit has not."""
-    known = dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
-    return [known.get(name, 0.0) for name in KEPT]
+    """Return a joint's coefficients of KEPT; zero for a term that the fit does not have."""
+    fitted = dict(zip(joint.names(), joint.estimate.coefficients.tolist(), strict=True))
+    return [fitted.get(name, 0.0) for name in KEPT]
 
 
 def _observed(friction: Any) -> Array:
-    """Return the standard errors (6, 5) of KEPT that a study states, NaN for a missing term."""
+    """Return a study's standard errors (6, 5) of KEPT, NaN for a missing term."""
     errors = {(row["joint"], row["name"]): row["std_error"] for row in friction["parameters"]}
     return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
 
@@ -79,9 +81,9 @@ def _observed(friction: Any) -> Array:
 def _recorded(arm: Robot, study: FinishedStudy, names: Sequence[str]) -> Iterator[Recorded]:
     """Yield the states of recordings."""
     for name in names:
-        as_then = arm.carrying(study.payload(name))
-        as_then = as_then.mounted(study.recording(name).known_gravity())
-        model = LinkModel(as_then, as_then.fullest_model())
+        robot = arm.carrying(study.payload(name))
+        robot = robot.mounted(study.recording(name).known_gravity())
+        model = LinkModel(robot, robot.fullest_model())
         motion = study.record(Motion, name)
         every = max(1, round(INDEPENDENT / float(np.median(np.diff(motion.time)))))
         states = np.stack([motion.q, motion.qd, motion.qdd])[:, ::every]
@@ -90,9 +92,9 @@ def _recorded(arm: Robot, study: FinishedStudy, names: Sequence[str]) -> Iterato
 
 
 def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Array) -> Problem:
-    """Return the problem with noise of currents at which its standard errors are those observed.
+    """Return the problem with the noise of currents scaled to the observed standard errors (6, 5).
 
-    A factor for each joint: what the median of its five parameters asks for, at least 1.
+    One factor for each joint: the median over its five parameters, at least 1.
     """
     noise, factor = problem.noise, np.ones(6)
     for _ in range(ROUNDS):
@@ -105,7 +107,7 @@ def _as_observed(problem: Problem, recordings: Sequence[Recorded], observed: Arr
 
 def _information(problem: Problem, recordings: Sequence[Recorded]) -> Array:
     """Return the information (P, P) of the prior and of recordings."""
-    known = problem.prior.copy()
+    information = problem.prior.copy()
     for model, Y, qd in recordings:
-        known += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
-    return known
+        information += problem.of_model(model.parameters).information(Y, qd, INDEPENDENT)
+    return information

@@ -1,4 +1,4 @@
-"""An emulated laboratory, in place of devices that a study names."""
+"""An emulated laboratory that replaces the devices of a study."""
 
 import csv
 from collections.abc import Iterator
@@ -31,15 +31,14 @@ PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]
 def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     """Yield the devices of an emulated laboratory, which answer on this computer alone.
 
-    An arm, which a hand pushes 8 s after it is switched on if `is_pushed`, an ATI Net F/T between
-    flange and hand, and an Xsens MTi. If a recording lies in `folder` at the end, the truth about
-    it is left beside its files.
+    An arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm is pushed 8 s
+    after it is switched on. folder: of the recording; the truth is written beside its files.
     """
     plan = SimulatedRecording.model_validate(PLAN | {"contacts": [PUSH] if is_pushed else []})
     with ExitStack() as devices:
         arm = EmulatedController(robot, plan=plan, drift_ppm=ARM_DRIFT)
         truth = devices.enter_context(arm).truth
-        kept = devices.enter_context(KeptTruth(arm))
+        collected = devices.enter_context(KeptTruth(arm))
         force = ForceReading(truth, plan.force_sensor or ForceSensor())
         box = devices.enter_context(NetFTBox(force, FORCE_RATE, Drift(drift_ppm=FORCE_DRIFT)))
         turning = ImuReading(truth, plan.imu or Imu())
@@ -51,21 +50,21 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
         )
         start = _first(folder / "robot.csv", "timestamp")
         if start is not None:
-            counts = {
+            counters = {
                 "force": (box.clock, folder / "force_sensor.csv", "ft_sequence", INTERNAL_RATE),
                 "imu": (imu.clock, folder / "imu.csv", "sample_counter", IMU_RATE),
             }
-            begins = {name: _begin(*count) for name, count in counts.items()}
+            begins = {name: _begin(*counter) for name, counter in counters.items()}
             clocks = {
                 name: {"offset_s": arm.clock.stamp(begin) - start}
                 for name, begin in begins.items()
                 if begin is not None
             }
-            kept.write(start, clocks, folder / TRUTH)
+            collected.write(start, clocks, folder / TRUTH)
 
 
 def _begin(clock: OwnClock, file: Path, counter: str, rate: float) -> float | None:
-    """Return when the first sample in a file was taken [s, host], by the device's own count."""
+    """Return the host's time [s] of the first sample in a file, by the device's counter."""
     count = _first(file, counter)
     return None if count is None else clock.host(count / rate)
 

@@ -1,4 +1,4 @@
-"""`ur5 excite`: a trajectory designed for an arm, its place, a question and what is known."""
+"""`ur5 excite`: a trajectory designed for an arm, its surroundings and a question."""
 
 import math
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ MAX_PRINTED = 6  # parameters whose standard errors are printed
 
 @dataclass(frozen=True)
 class ExciteOptions:
-    """What `ur5 excite` was asked: see its options. No table: nothing below the base is avoided."""
+    """The options of `ur5 excite`; without a table, nothing below the base is avoided."""
 
     robot: str
     seconds: float
@@ -53,17 +53,16 @@ class ExciteOptions:
 
 
 def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iterator[str]:
-    """Design a trajectory, write its files into a folder, and yield what it is worth.
+    """Design a trajectory, write its files into a folder, and yield its predicted errors.
 
-    Raises InputError for a wrong option, for results that are not there, and where a limit leaves
-    no room.
+    Raises InputError for a wrong option, missing results, and limits that allow no motion.
     """
     if options.question not in QUESTIONS:
         raise InputError(f"--question {options.question!r}: give one of {', '.join(QUESTIONS)}")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     task = task_of(options)
-    found = _searched(task, options.seed, effort)
+    found = _design(task, options.seed, effort)
     worth = Worth.along(task, found.path)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
     summary = asked | summary_of(task, found, worth)
@@ -73,16 +72,16 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     save(drawing, drawn)
     command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
     before = [] if options.payload is None else [_mounting(options.payload)]
-    told = excitation_page(asked, [*before, BEFORE], command, found, task.problem, worth, drawn)
-    write_html(told, folder / "excitation.html")
+    page = excitation_page(asked, [*before, BEFORE], command, found, task.problem, worth, drawn)
+    write_html(page, folder / "excitation.html")
     yield from found.margins.lines()
     yield from _worth_lines(task.problem, worth)
     yield from before
     yield f"{folder} written; next: {command}"
 
 
-def _searched(task: Task, seed: int, effort: Effort) -> Design:
-    """Return the designed trajectory, behind a line that says how far the search is."""
+def _design(task: Task, seed: int, effort: Effort) -> Design:
+    """Return the designed trajectory; a progress bar shows the search."""
     with Progress(console=SHOWN, transient=True) as progress:
         line = progress.add_task("searching", total=effort.iterations())
         return design(task, seed, effort, lambda count: progress.advance(line, count))
@@ -98,7 +97,7 @@ def _mounting(load: Payload) -> str:
 
 
 def task_of(options: ExciteOptions) -> Task:
-    """Return what is to be designed."""
+    """Return the task of the design: limits, problem, question, information so far, duration."""
     study = None if options.results is None else FinishedStudy(options.results)
     arm = described(options.robot) if study is None else study.arm(options.robot)
     cell = Cell.around(arm.carrying(options.payload), surroundings(options.table, options.boxes))
@@ -117,7 +116,7 @@ def task_of(options: ExciteOptions) -> Task:
 def known_load(mass: float, *center: float) -> Payload:
     """Return a load on the flange [kg], with its centre of mass in frame 6 [m].
 
-    Raises InputError for what cannot be one.
+    Raises InputError for impossible values.
     """
     try:
         return Payload.model_validate({"mass": mass, "center_of_mass": center})
@@ -147,7 +146,7 @@ def surroundings(table: float | None, boxes: Path | None) -> Surroundings:
 
 
 def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
-    """Yield what a trajectory is worth, and what becomes of the least determined parameters."""
+    """Yield the information of a trajectory, and the least determined parameters' errors."""
     yield (
         f"log det of the information: {worth.log_det:.1f}, {worth.gain:.1f} more than before; "
         f"condition number of the regressor {worth.regressor_condition:.0f}, of the whole problem "
@@ -159,4 +158,4 @@ def _worth_lines(problem: Problem, worth: Worth) -> Iterator[str]:
         yield f"  {names[k]:<34} {worth.before[k]:>9.2g} {worth.after[k]:>9.2g} {units[k]}"
     worst = worth.least_determined()[0]
     if worth.hardly_lowered()[worst]:
-        yield f"this motion would hardly lower the first of them: {LOAD}"
+        yield f"this motion would hardly lower the first of these errors: {LOAD}"

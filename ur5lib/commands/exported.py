@@ -1,4 +1,4 @@
-"""An arm as other programs read it, as described or as a study identified it."""
+"""`ur5 export`: an arm, as described or as identified, in the formats of other programs."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -30,14 +30,14 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "isaac": isaac,
 }
 FORMATS = (*WRITERS, "json")
-FEWEST = 100  # samples in motion that tell a joint's friction
+FEWEST = 100  # samples in motion, from which a joint's friction is determined
 
 
 def exported(robot: str, model: str | None, to: str, results: Path | None, as_in: str) -> str:
     """Return an arm with one of its link models, by default the chosen or the identified one.
 
-    results: of a study that identified it; as_in: a recording of the study, whose payload the arm
-    carries and as in which it is mounted, empty for none. Raises InputError for what is not there.
+    results: of a study that identified it; as_in: recording of the study whose payload and mounting
+    the arm has, empty for none. Raises InputError for unknown names and missing results.
     """
     if to not in FORMATS:
         raise InputError(f"unknown format {to!r}; available: {', '.join(FORMATS)}")
@@ -54,24 +54,24 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     friction = None if study is None else simulator_friction(robot, model, study)
     if to in WRITERS:
         return WRITERS[to](arm, model, friction)
-    known = described_arm(arm, model)
+    parameters = described_arm(arm, model)
     if study is not None:
-        known |= identified_parameters(study, robot, friction)
-        fitted = known["fitted_on"].values()
-        known["files"] = provenance(study, sorted({name for names in fitted for name in names}))
-    return json_text(known)
+        parameters |= identified_parameters(study, robot, friction)
+        fitted = {name for names in parameters["fitted_on"].values() for name in names}
+        parameters["files"] = provenance(study, sorted(fitted))
+    return json_text(parameters)
 
 
 def described(robot: str) -> Robot:
-    """Return an arm as described. Raises InputError where it is not."""
+    """Return an arm by its description. Raises InputError where it has none."""
     if robot not in robot_names():
         raise InputError(f"no description of `{robot}`; docs/robots.md shows how to add one")
     return load_robot(robot_path(robot))
 
 
 def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFriction | None:
-    """Return the Coulomb and viscous friction nearest to the identified friction, which has more
-    terms, on the recordings that it was fitted to. None where none was fitted.
+    """Return the Coulomb and viscous friction that is closest to the identified friction, which has
+    more terms, on the recordings of its fit; None without a fit.
     """
     friction = study.fitted(robot, "friction")
     if not friction["from"]:
@@ -79,8 +79,8 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     fit = as_record(CurrentFit, friction["fit"])
     qd = np.concatenate([study.record(Motion, name).qd for name in friction["from"]])
     torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction["from"]])
-    found = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]
-    return JointFriction(*np.array(found).T)
+    fitted = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]
+    return JointFriction(*np.array(fitted).T)
 
 
 def friction_torque(fit: CurrentFit, study: FinishedStudy, recording: str, model: str) -> Array:
@@ -99,7 +99,7 @@ def motor_torque(fit: CurrentFit, current: Array) -> Array:
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
-    """Return Coulomb and viscous friction (2,) by least squares, in motion, not negative.
+    """Return Coulomb and viscous friction (2,) [Nm, Nm s/rad] by non-negative least squares.
 
     NaN for a joint with too few samples in motion.
     """

@@ -1,4 +1,4 @@
-"""All that a study found out about an arm, with its errors, as plain data."""
+"""All parameters of an arm that a study identified, with their errors, as plain data."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -33,10 +33,10 @@ def described_arm(arm: Robot, model: str) -> dict[str, Any]:
 def identified_parameters(
     study: FinishedStudy, robot: str, friction: JointFriction | None
 ) -> dict[str, Any]:
-    """Return what a study identified of an arm, with standard errors and intervals.
+    """Return the identified parameters of an arm with standard errors and intervals.
 
-    friction: as simulators know it. Empty where nothing could be fitted. Raises InputError where a
-    summary is missing.
+    friction: in the form of simulators. Lists are empty where nothing could be fitted. Raises
+    InputError where a summary is missing.
     """
     rotors, model, currents = (
         study.fitted(robot, name) for name in ("rotor_inertia", "identification", "friction")
@@ -66,13 +66,13 @@ def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:
 
 def _base_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
     """Return a base parameter with its interval, without its weights."""
-    known = {key: row[key] for key in ("parameter", "value", "std_error", "determined")}
-    return known | _interval(row["value"], row["std_error"])
+    shown = {key: row[key] for key in ("parameter", "value", "std_error", "determined")}
+    return shown | _interval(row["value"], row["std_error"])
 
 
 def _current_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
-    known = {key: value for key, value in row.items() if key != "interval"}
-    return known | dict(zip(("low", "high"), row["interval"], strict=True))
+    shown = {key: value for key, value in row.items() if key != "interval"}
+    return shown | dict(zip(("low", "high"), row["interval"], strict=True))
 
 
 def _rotor_rows(rotors: Mapping[str, Any]) -> Iterator[dict[str, Any]]:

@@ -1,6 +1,4 @@
-"""The devices, the arm and the names that a study gives to `ur5 record`, read before it has
-recordings.
-"""
+"""Devices, arm and names from a study that may not have recordings yet, for `ur5 record`."""
 
 from pathlib import Path
 from typing import Any
@@ -16,18 +14,18 @@ EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 
 def lab_of(plain: dict[str, Any], path: Path) -> Lab:
-    """Return the devices that a study names. Raises InputError with all that is wrong."""
+    """Return the devices that a study names. Raises InputError with all mistakes."""
     if "devices" not in plain:
         raise InputError(f"{path} has no `devices`; add, for example, {EXAMPLE}")
     try:
         return Lab.model_validate(plain["devices"])
     except ValidationError as error:
-        wrong = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
-        raise InputError("\n".join(f"{path}: devices: {one}" for one in wrong)) from error
+        mistakes = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
+        raise InputError("\n".join(f"{path}: devices: {text}" for text in mistakes)) from error
 
 
 def arm_of(plain: dict[str, Any], path: Path) -> Arm:
-    """Return the arm of a study. Raises InputError where it names none that is described."""
+    """Return the arm of a study. Raises InputError where it names no described arm."""
     try:
         robot = TypeAdapter[Any](NamedArm).validate_python(plain.get("robot"))
     except ValidationError as error:
@@ -38,7 +36,7 @@ def arm_of(plain: dict[str, Any], path: Path) -> Arm:
 
 
 def checked_name(name: str) -> str:
-    """Return the name of a recording. Raises InputError where no study may have it."""
+    """Return the name of a recording. Raises InputError where it is not allowed."""
     try:
         return str(TypeAdapter[str](Name).validate_python(name))
     except ValidationError as error:

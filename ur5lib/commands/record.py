@@ -30,18 +30,18 @@ from ur5lib.robots.description import Robot
 from ur5lib.study.reading import read_plain
 from ur5lib.timeseries.arrays import Array
 
-LOOK = 0.25  # s between looks at the devices
-BRAKING = 10.0  # s; an arm that does not answer for so long stops by its own watchdog
+POLL = 0.25  # s between queries of the devices' state
+BRAKING = 10.0  # s to wait for the arm to stop; without an answer, its watchdog stops it
 
 
 @dataclass(frozen=True)
 class RecordOptions:
-    """What is to be recorded.
+    """The options of `ur5 record`.
 
-    name: of the recording; seconds: for how long, None until the motion ends or Ctrl-C; without:
-    sensors of the study that are not there today; move: file of a motion, None for none; wait:
-    least time [s] between the commands of such a file; by_hand: whether the arm is led by hand;
-    yes: whether motions are confirmed beforehand.
+    name: of the recording; seconds: duration, None until the motion ends or Ctrl-C; without:
+    sensors of the study that are not used; move: file of a motion, None for none; speed: factor of
+    its speed; wait: least time [s] between the commands of such a file; by_hand: whether the arm is
+    led by hand; yes: whether motions are confirmed beforehand.
     """
 
     name: str
@@ -61,7 +61,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     """Record with the devices of a study; returns how many stop signs and errors the files have.
 
     path: the study, which need not have recordings yet. Raises InputError when something is missing
-    or forbidden; nothing moves and no file is left then.
+    or forbidden, before anything moves or is written.
     """
     plain = read_plain(path)
     robot = arm_of(plain, path).description()
@@ -81,7 +81,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
             motion = _prepare(options.move, robot, address, lab.table_m, options, console)
         elif options.by_hand:
             _expect_ready(address)
-            _confirm("the arm gives way to your hand; hold it. Type yes: ", options, console)
+            _confirm("the arm will be in freedrive; hold it. Type yes: ", options, console)
         mover = Mover(address, motion) if motion or options.by_hand else None
         with Session(devices, folder) as session:
             session.identities()["robot"].update(_identity(lab))
@@ -89,7 +89,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
             write_manifest(folder, session.identities(), None, moved)
             _watch(session, mover, options.seconds, console)
         write_manifest(folder, session.identities(), session.statuses(), moved)
-    _say_what_is_left(session.statuses(), options.role, mover, console)
+    _print_summary(session.statuses(), options.role, mover, console)
     entry = {"name": options.name, "role": options.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
     entry |= {"truth": TRUTH} if options.emulate else {}
@@ -97,7 +97,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
 
 
 def _identity(lab: Lab) -> dict[str, str]:
-    """Return what the arm's dashboard tells of it, nothing where it cannot be asked."""
+    """Return the arm's identity by its dashboard, empty where that does not answer."""
     try:
         return identify(lab.robot.address)
     except InputError:
@@ -112,9 +112,9 @@ def _prepare(
     options: RecordOptions,
     console: Console,
 ) -> CommandedMotion:
-    """Read and check a motion, ask, and move to its start.
+    """Read and check a motion, ask for confirmation, and move to its start.
 
-    Raises InputError where it must not be made.
+    Raises InputError for a forbidden motion.
     """
     state = _expect_ready(address)
     motion = _planned(path, robot, state.q, options)
@@ -144,7 +144,7 @@ def _planned(path: Path, robot: Robot, present: Array, options: RecordOptions) -
 
 
 def _expect_ready(address: str) -> ArmState:
-    """Return the state of an arm that could move. Raises InputError for any other."""
+    """Return the arm's state. Raises InputError if it cannot move."""
     state = read_state(address)
     if not state.ready:
         raise InputError(
@@ -155,7 +155,7 @@ def _expect_ready(address: str) -> ArmState:
 
 
 def _confirm(question: str, options: RecordOptions, console: Console) -> None:
-    """Ask, unless the answer was given beforehand. Raises InputError without a yes."""
+    """Ask for confirmation, unless given by an option. Raises InputError without a yes."""
     if not options.yes and console.input(question).strip() != "yes":
         raise InputError("not confirmed; the arm was not moved")
 
@@ -165,17 +165,17 @@ def _angles(q: Any) -> str:
 
 
 def _watch(session: Session, mover: Mover | None, seconds: float | None, console: Console) -> None:
-    """Show the devices until the time is over, the motion ends, all are gone, or Ctrl-C."""
-    begin, said = time.monotonic(), set[str]()
+    """Show the devices until the time is over, the motion or all streams have ended, or Ctrl-C."""
+    begin, printed = time.monotonic(), set[str]()
     with _moving(mover), _shown(console) as show:
         try:
             while not _is_over(session.statuses(), mover, begin, seconds):
-                time.sleep(LOOK)
+                time.sleep(POLL)
                 statuses = session.statuses()
                 show(statuses)
                 for warning in live.warnings(statuses, session.identities()):
-                    if warning not in said:
-                        said.add(warning)
+                    if warning not in printed:
+                        printed.add(warning)
                         console.print(f"warning: {warning}")
                 if mover and any(status.ended for status in statuses.values()):
                     mover.stop()
@@ -185,7 +185,7 @@ def _watch(session: Session, mover: Mover | None, seconds: float | None, console
 
 @contextmanager
 def _moving(mover: Mover | None) -> Iterator[None]:
-    """Move the arm in the context; it rests when the context ends, however that ends."""
+    """Move the arm within the context; stop it at the end, also after an error."""
     if mover is None:
         yield
         return
@@ -200,7 +200,7 @@ def _moving(mover: Mover | None) -> Iterator[None]:
 
 @contextmanager
 def _shown(console: Console) -> Iterator[Any]:
-    """Yield what shows the devices, in place on a terminal, not at all elsewhere."""
+    """Yield a function that shows the devices' state: in place on a terminal, else not at all."""
     if not console.is_terminal:
         yield lambda _: None
         return
@@ -216,7 +216,7 @@ def _is_over(
     return passed or done or all(status.ended for status in statuses.values())
 
 
-def _say_what_is_left(
+def _print_summary(
     statuses: dict[str, Status], role: str, mover: Mover | None, console: Console
 ) -> None:
     console.print(live.table(statuses))

@@ -1,4 +1,4 @@
-"""The study's entry of what `ur5 record` left, checked and appended."""
+"""The entry of a new recording, checked and appended to its study."""
 
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from ur5lib.tables import write_text
 
 
 def entry_of(lab: Lab, statuses: dict[str, Status]) -> dict[str, Any]:
-    """Return the keys of an entry that locate the files of all devices that gave samples."""
+    """Return the keys of an entry with the files of all devices that sent samples."""
     keys = lab.robot.entry("robot.csv")
     for name, device in lab.devices().items():
         if name != "robot" and name in statuses and statuses[name].samples:
@@ -38,7 +38,7 @@ def enter(
 
 
 def _append(text: str, entry: dict[str, Any], path: Path, plain: dict[str, Any]) -> bool:
-    """Append an entry to the recordings of a study; return whether its file allows it as text."""
+    """Append an entry as text to the study's file; return False where its layout prevents that."""
     lines = path.read_text(encoding="utf-8").rstrip() + "\n"
     lines += "" if "recordings" in plain else "recordings:\n"
     for indent in ("", "  "):

@@ -1,4 +1,4 @@
-"""A model file of another program, replayed along a recording."""
+"""`ur5 replay`: the torques of a model file along a recording, compared with its currents."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -24,12 +24,11 @@ ORDER, CUTOFF = 4, 2.0  # Hz; above, measured currents are mostly noise
 
 
 def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
-    """Yield lines of a table: the error of a model file's torque against a recording's currents,
-    beside those of the maker's model and of the study's prediction.
+    """Yield lines of a table: root mean square errors [Nm] of low-passed torques in motion against
+    the torque of the currents, by a model file, the maker's model and the study's prediction.
 
     file: MJCF or URDF of six joints, as MuJoCo reads them, with the recording's payload; results:
-    results/<study>. Root mean square [Nm] of the low-passed torque in motion. Raises InputError for
-    what is not there.
+    results/<study>; name: of the recording. Raises InputError for missing results.
     """
     study = FinishedStudy(results)
     recording = study.recording(name)
@@ -38,7 +37,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted_current is None or signals.actual_current is None:
-        raise InputError(f"no current was predicted on {name}; the report of {results} says why")
+        raise InputError(f"no current was predicted on {name}; see the report of {results}")
     fit = fit_for(name, friction)
     measured = motor_torque(fit, signals.actual_current)
     maker, gravity = arm.chosen_model, arm.mounted(recording.known_gravity()).gravity
@@ -60,11 +59,10 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
 
 
 def inverse_dynamics(file: Path, motion: Motion, gravity: Array) -> Array:
-    """Return the torques (N, 6) [Nm] that a model needs for a motion, by MuJoCo.
+    """Return the inverse dynamics (N, 6) [Nm] of a model file along a motion, by MuJoCo.
 
-    gravity: (3,) [m/s²], base frame.
-
-    Raises InputError where MuJoCo cannot read the file, or it has not six joints.
+    gravity: (3,) [m/s²], base frame. Raises InputError where MuJoCo cannot read the file, or the
+    model does not have six joints.
     """
     try:
         model = mujoco.MjModel.from_xml_path(str(file))

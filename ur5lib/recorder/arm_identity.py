@@ -1,10 +1,10 @@
-"""What the dashboard of a controller tells of the arm: model, serial number, software."""
+"""The arm's identity by its controller's dashboard: model, serial number, software."""
 
 from ur5lib.errors import InputError
 
 
 def identify(address: str) -> dict[str, str]:
-    """Return `model`, `serial_number` and `firmware` of the arm at an address, if they are known.
+    """Return `model`, `serial_number` and `firmware` of the arm at an address.
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """
@@ -29,7 +29,7 @@ def identify(address: str) -> dict[str, str]:
 
 
 def _serial_number(dashboard: object) -> str:
-    """Return the serial number, nothing for controllers that do not tell it."""
+    """Return the serial number, empty for controllers without this command."""
     try:
         return str(dashboard.getSerialNumber())  # type: ignore[attr-defined]
     except RuntimeError:

@@ -1,6 +1,6 @@
 """Motion of an arm by ur_rtde's control interface: way-points, a streamed trajectory, by hand.
 
-Nothing here checks whether a motion is safe; whoever calls it has done so.
+Nothing here checks whether a motion is safe: the caller must.
 """
 
 import threading
@@ -13,12 +13,12 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.timeseries.arrays import Array
 
-WATCHDOG = 4.0  # Hz; the controller stops the arm when this program is silent for longer
+WATCHDOG = 4.0  # Hz; the controller stops the arm when this program writes less often
 STARTING = 5.0  # s, within which the control program starts
-POLL = 0.01  # s, between looks at a motion
+POLL = 0.01  # s, between queries of a motion's state
 STOPPING = 5.0  # rad/s², deceleration of `stop`
 LOOKAHEAD, GAIN = 0.1, 300.0  # of servoj [s, 1], as URScript's defaults
-CATCH_UP = 3 * LOOKAHEAD  # s, until the arm has reached the last point of a stream
+CATCH_UP = 3 * LOOKAHEAD  # s, in which the arm reaches the last point of a stream
 
 
 class MotionError(Exception):
@@ -45,7 +45,7 @@ class ArmMotion:
 
         Raises InputError when ur_rtde is not installed or the controller does not answer.
         """
-        read_state(self._address)  # says in one sentence what ur_rtde says in many or never
+        read_state(self._address)  # fails fast and clearly, where ur_rtde would block
         try:
             import rtde_control
         except ImportError as error:
@@ -79,9 +79,9 @@ class ArmMotion:
         return all(self._move_to(point, speed, acceleration) for point in way_points)
 
     def stream(self, q: Array, rate: float) -> bool:
-        """Follow joint angles (N, 6) [rad] at `rate` [Hz] by servoj, from where the arm is.
+        """Follow joint angles (N, 6) [rad] at `rate` [Hz] by servoj, from the present posture.
 
-        Points that are due while this program waits are left out, so that time is kept. Raises
+        Points that this program is too late for are left out, which keeps the timing. Raises
         MotionError.
         """
         self._prepare()
@@ -123,7 +123,7 @@ class ArmMotion:
         """Load the control program anew where it has ended, and start the watchdog."""
         if not self._control.isProgramRunning():
             if not read_state(self._address).ready:
-                raise MotionError(self._why("a motion"))
+                raise MotionError(self._explain("a motion"))
             self._command("reuploadScript")
             until = time.monotonic() + STARTING
             while not self._control.isProgramRunning() and time.monotonic() < until:
@@ -142,14 +142,14 @@ class ArmMotion:
         except RuntimeError as error:
             raise MotionError(f"the connection to {self._address} is lost: {error}") from error
         if not done:
-            raise MotionError(self._why(name))
+            raise MotionError(self._explain(name))
 
     def _is_connected(self) -> bool:
-        """Return whether the controller is there; without it, ur_rtde repeats its last state."""
+        """Return whether the controller is connected; otherwise, ur_rtde repeats the last state."""
         return self._control is not None and self._control.isConnected()
 
     def _wait(self, done: Callable[[], bool]) -> None:
-        """Wait until a motion is done or stopped; the watchdog is fed."""
+        """Wait until a motion is done or stopped, and feed the watchdog."""
         while not self._stopped.is_set() and not done():
             self._command("kickWatchdog")
             time.sleep(POLL)
@@ -159,7 +159,8 @@ class ArmMotion:
         progress = self._control.getAsyncOperationProgressEx()
         return progress.operationId() != last and not progress.isAsyncOperationRunning()
 
-    def _why(self, name: str) -> str:
+    def _explain(self, name: str) -> str:
+        """Return a sentence on why the arm does not execute a command."""
         try:
             state = read_state(self._address)
         except InputError as error:

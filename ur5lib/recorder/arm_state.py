@@ -1,4 +1,4 @@
-"""The present state of an arm, read once."""
+"""The present state of an arm."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Bytes that have arrived at a TCP connection, and when."""
+"""Bytes from a TCP connection, with their time of arrival."""
 
 import socket
 import time
@@ -9,7 +9,7 @@ CHUNK = 1 << 16  # bytes read at a time
 
 
 def receive(connection: socket.socket, address: str) -> tuple[float, bytes]:
-    """Return the host's time.monotonic [s] and the bytes that a connection has ready, at least one.
+    """Return the host's time.monotonic [s] and the available bytes of a connection, at least one.
 
     address: of the device, for messages. Raises DeviceLost when the connection fails or is closed.
     """

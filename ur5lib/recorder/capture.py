@@ -50,7 +50,7 @@ def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Ev
     zero: as in Growing.write. Sends through `line`: first the device's entry for the manifest, or
     why it cannot be recorded; then its Status repeatedly, and once at the end.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the recorder's to handle
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the recorder handles Ctrl-C
     device = plan.device()
     try:
         line.send(device.open())
@@ -79,14 +79,14 @@ def _record(
     status: Status,
     parent: int,
 ) -> None:
-    """Write samples until `stop`, or until the recorder itself is gone."""
+    """Write samples until `stop`, or until the recorder's process has ended."""
     file = growing_file(path, device.columns)
-    came: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    received: queue.SimpleQueue[Any] = queue.SimpleQueue()
     over = threading.Event()
     reports: queue.SimpleQueue[Status | None] = queue.SimpleQueue()
-    # A disk may block for seconds, a device's buffer be full after less: a thread of its own reads.
-    reader = threading.Thread(target=_read, args=(device, came, over), daemon=True)
-    # Who does not ask for reports must not hold up the recording: another thread sends them.
+    # A disk may block for seconds, and a device's buffer overflows sooner: a thread reads it.
+    reader = threading.Thread(target=_read, args=(device, received, over), daemon=True)
+    # A recorder that does not fetch reports must not block the recording: a thread sends them.
     reporter = threading.Thread(target=_report, args=(line, reports), daemon=True)
     reader.start()
     reporter.start()
@@ -94,7 +94,7 @@ def _record(
     reported = 0.0
     try:
         while not stop.is_set() and os.getppid() == parent:
-            samples = came.get()
+            samples = received.get()
             if isinstance(samples, Exception):
                 raise samples
             file.write(samples, zero)
@@ -112,21 +112,21 @@ def _record(
         reporter.join(REPORT if os.getppid() != parent else None)
 
 
-def _read(device: Any, came: queue.SimpleQueue[Any], over: threading.Event) -> None:
-    """Pass on what a device sends until `over`, or what ended it: nobody else would hear of it."""
+def _read(device: Any, received: queue.SimpleQueue[Any], over: threading.Event) -> None:
+    """Pass on a device's samples until `over`; also an exception, which a thread would swallow."""
     try:
         while not over.is_set():
-            came.put(device.read())
+            received.put(device.read())
     except Exception as error:
-        came.put(error)
+        received.put(error)
 
 
 def _report(line: Connection, reports: queue.SimpleQueue[Status | None]) -> None:
-    """Send reports until there is none, or until the recorder was killed."""
+    """Send reports until None, or until the recorder was killed."""
     try:
         while (status := reports.get()) is not None:
             line.send(status)
-    except BrokenPipeError:  # what came is in the file
+    except BrokenPipeError:  # the samples are in the file
         return
 
 
@@ -134,7 +134,7 @@ def _count(status: Status, device: Device, samples: Any, first: float) -> None:
     status.samples += getattr(samples, "messages", len(samples.received))
     status.lost += samples.lost
     status.seconds = float(samples.received[-1] - first)
-    if not hasattr(samples, "values"):  # packets, which nobody has read yet
+    if not hasattr(samples, "values"):  # packets, not decoded yet
         return
     low, high = samples.values.min(axis=0).tolist(), samples.values.max(axis=0).tolist()
     for name, least, most in zip(device.columns, low, high, strict=True):

@@ -1,4 +1,4 @@
-"""The motion that a recording commands, read from a file, and what forbids it."""
+"""A commanded motion, read from a file, and the reasons to refuse it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ DENSE = 0.02  # rad, between the samples of a path that are checked
 FEWEST = 2
 WANTED = "give six joint angles [rad], or a time [s] and six angles, in every line"
 SPEED, ACCELERATION = 1.0, 2.0  # rad/s, rad/s²; of movej, at the full speed
-AT_START = 0.01  # rad; an arm that is nearer need not move to the start
-DOUBLING = 4 * np.pi  # rad; no joint turns further
+AT_START = 0.01  # rad; a closer arm need not move to the start
+FARTHEST = 4 * np.pi  # rad; limit of joints without a published one
 
 
 @dataclass(frozen=True)
@@ -26,8 +26,8 @@ class CommandedMotion:
     """A motion of all joints: way-points, or a trajectory if it has times.
 
     q: (N, 6) [rad]; time: (N,) [s] of a trajectory, which the arm follows by servoj; None for
-    way-points, at each of which it stops after a movej; speed: share of the full speed, or of the
-    trajectory's, above 0 and at most 1.
+    way-points, to each of which it moves by movej and stops; speed: factor of the full speed or of
+    the trajectory's speed, above 0 and at most 1.
     """
 
     q: Array
@@ -35,7 +35,7 @@ class CommandedMotion:
     speed: float
 
     def duration(self) -> float | None:
-        """Return how long a trajectory takes [s], None for way-points."""
+        """Return the duration of a trajectory [s], None for way-points."""
         return None if self.time is None else float(self.time[-1] - self.time[0]) / self.speed
 
     def at_rate(self, rate: float) -> Array:
@@ -68,7 +68,7 @@ def read_motion(path: Path, speed: float) -> CommandedMotion:
 def refusals(
     motion: CommandedMotion, robot: Robot, start: Array, table: float | None
 ) -> Iterator[str]:
-    """Yield what forbids a motion, one sentence each; nothing if it may be executed.
+    """Yield the reasons to refuse a motion, one sentence each; nothing if it may be executed.
 
     start: the arm's present posture (6,) [rad]; table: height of the table in the base frame [m],
     None if there is none.
@@ -92,7 +92,7 @@ def dense_path(q: Array) -> Array:
 
 
 def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
-    limits = np.nan_to_num(robot.position_limits(), nan=DOUBLING, posinf=DOUBLING)
+    limits = np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
     furthest = np.abs(path).max(axis=0)
     for joint in np.flatnonzero(furthest > limits):
         yield (

@@ -1,14 +1,13 @@
-"""The counter by which a device numbers its samples: what is lost, late or repeated."""
+"""The counter by which a device numbers its samples: it shows lost, late and repeated ones."""
 
-LONGEST_GAP = 10.0  # s; a counter that jumps further is damaged, or the device was restarted
+LONGEST_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
 
 
 class Counter:
     """Checks the numbers of consecutive samples.
 
-    Numbers wrap around at 2^bits. A number that is repeated, late, or further ahead than
-    LONGEST_GAP at `rate_hz` is not accepted, so that accepted ones always increase. `total` counts
-    on where they wrap around.
+    bits: numbers wrap around at 2^bits; rate_hz: of the samples. Numbers that are repeated, late,
+    or more than LONGEST_GAP ahead are not accepted. total: the number without wrap-around.
     """
 
     def __init__(self, bits: int, rate_hz: float) -> None:
@@ -18,7 +17,7 @@ class Counter:
         self.total = 0
 
     def lost_before(self, number: int) -> int | None:
-        """Return how many samples are missing before this one; None if it is not accepted."""
+        """Return the count of samples missing before this one; None if it is not accepted."""
         step = 1 if self._last is None else (number - self._last) % self._period
         if not 1 <= step <= self._furthest:
             return None

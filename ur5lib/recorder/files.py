@@ -1,4 +1,4 @@
-"""Files that grow while a device is recorded: valid up to the last line at any time."""
+"""Files written while a device is recorded, at any time valid up to the last line."""
 
 from pathlib import Path
 from typing import Any, Protocol
@@ -21,9 +21,9 @@ class Growing(Protocol):
 
 
 class RowFile:
-    """A CSV with a header and one row per sample, whose numbers are read back exactly.
+    """A CSV with a header and one row per sample, with all digits of its numbers.
 
-    The host's time comes first, or last where the device's own clock, `timestamp`, comes first.
+    The host's time is the first column, or the last one where the device has its own `timestamp`.
     """
 
     def __init__(self, path: Path, columns: tuple[str, ...]) -> None:

@@ -98,9 +98,9 @@ class Lab(Strict):
     )
 
     def devices(self) -> dict[str, AnyDevice]:
-        """Return the devices that there are, by name."""
-        found = {"robot": self.robot, "force_sensor": self.force_sensor, "imu": self.imu}
-        return {name: device for name, device in found.items() if device is not None}
+        """Return the devices of this laboratory by name."""
+        devices = {"robot": self.robot, "force_sensor": self.force_sensor, "imu": self.imu}
+        return {name: device for name, device in devices.items() if device is not None}
 
 
 def _stamped(file: str, columns: Columns) -> dict[str, object]:

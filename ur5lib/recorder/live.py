@@ -1,4 +1,4 @@
-"""What is shown during a recording, and warnings as soon as something is wrong."""
+"""The display during a recording, and its warnings."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -10,14 +10,14 @@ from ur5lib.recorder import rdt
 from ur5lib.recorder.capture import Status
 
 FEW = 0.001  # share of samples that may be lost
-SLOW = 0.9  # share of a device's own rate that is expected of it
+SLOW = 0.9  # least share of a device's nominal rate
 SETTLED = 2.0  # s, after which a rate can be judged
-MOVED = 0.5  # rad; a joint that turns less tells little of its friction
+MOVED = 0.5  # rad; the friction of a joint that turns less cannot be identified
 NORMAL, REDUCED = 1, 2  # RTDE's `safety_mode`
 
 
 def table(statuses: Mapping[str, Status]) -> Table:
-    """Return one line per device: samples, rate, losses, what it reads."""
+    """Return one line per device: samples, rate, losses, reading."""
     lines = Table("device", "samples", "rate [Hz]", "lost", "reads")
     for name, status in statuses.items():
         state = status.ended or reading(status.latest)
@@ -41,15 +41,15 @@ def reading(latest: Mapping[str, float]) -> str:
 def warnings(
     statuses: Mapping[str, Status], identities: Mapping[str, Mapping[str, Any]]
 ) -> Iterator[str]:
-    """Yield warnings, one sentence each; a sentence stays the same while its cause lasts."""
+    """Yield warnings, one sentence each, which stays the same while its cause lasts."""
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"
         elif status.lost > FEW * (status.samples + status.lost):
             yield f"{name} loses samples: check the network and what else the computer does"
-        own = identities[name].get("rate_hz")
-        if own and status.seconds > SETTLED and status.rate() < SLOW * own:
-            yield f"{name} sends fewer than its {own:g} samples a second: check its cable"
+        nominal = identities[name].get("rate_hz")
+        if nominal and status.seconds > SETTLED and status.rate() < SLOW * nominal:
+            yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
         if int(status.latest.get("status", 0)) & rdt.SATURATED:
             yield f"{name} is saturated: its force is beyond its range"
         if int(status.latest.get("safety_mode", NORMAL)) not in (NORMAL, REDUCED):

@@ -1,4 +1,4 @@
-"""The manifest of a recording: what recorded it, with what losses, and its files' checksums."""
+"""The manifest of a recording: its devices, their losses, and the files' checksums."""
 
 import platform
 from collections.abc import Mapping
@@ -20,7 +20,10 @@ def write_manifest(
     statuses: Mapping[str, Status] | None,
     moved: str | None,
 ) -> None:
-    """Write the manifest. statuses: at the end, None while the recording goes on."""
+    """Write the manifest.
+
+    identities: of the devices; statuses: at the end, None before; moved: the commanded motion.
+    """
     entries = {name: dict(identity) for name, identity in identities.items()}
     for name, status in (statuses or {}).items():
         file = folder / f"{name}.csv"

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.commanded_motion import DOUBLING, FEWEST, CommandedMotion
+from ur5lib.recorder.commanded_motion import FARTHEST, FEWEST, CommandedMotion
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE, geometric_jacobian, solutions
 from ur5lib.robots.statics import link_frames
@@ -28,8 +28,8 @@ ARGUMENTS: dict[str, dict[str, Any]] = {  # with URScript's defaults
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
 }
-NO_WAY = 1e-9  # rad, m; what is shorter takes no time
-SAME = 1e-3  # rad, within which a straight line must end at the angles that it was given
+NO_WAY = 1e-9  # rad, m; shorter moves take no time
+SAME = 1e-3  # rad, within which a straight line must end at its commanded angles
 WANTED = (
     "write movej([six angles]), movej(p[pose]), movel(p[pose]), movel([six angles]) or sleep(t)"
 )
@@ -40,9 +40,9 @@ class Move:
     """A command to move.
 
     place: file and line; goal: angles (6,) [rad], or the pose of frame 6; straight: whether frame 6
-    moves along a straight line (movel); acceleration, speed: [rad/s², rad/s] of the longest way, or
-    [m/s², m/s]; seconds: how long it takes instead, 0 for as long as it needs; blend: radius [m]
-    about the goal in which the next move begins; rest: how long the arm rests after it [s].
+    moves along a straight line (movel); acceleration, speed: of the joint with the longest way
+    [rad/s², rad/s], or of frame 6 [m/s², m/s]; seconds: duration that replaces both, 0 for none;
+    blend: radius [m] about the goal in which the next move begins; rest: pause after it [s].
     """
 
     place: str
@@ -82,12 +82,12 @@ def read_program(path: Path) -> list[Move]:
 def plan(
     moves: Sequence[Move], robot: Robot, present: Array, speed: float, wait: float
 ) -> CommandedMotion:
-    """Return the trajectory of a file's moves, from the first one's goal on.
+    """Return the trajectory of a file's moves, from the goal of the first one on.
 
-    present: posture (6,) [rad]: the first goal, if it is a pose, is reached with the angles nearest
-    to it; speed: share of the commanded speeds; wait: least time [s] between the beginnings of two
-    moves, the thesis's waiting time. Waiting and resting are not slowed. Raises InputError where a
-    pose is out of reach or a straight line passes a singularity.
+    present: posture (6,) [rad], which selects the solution nearest to it if the first goal is a
+    pose; speed: factor of the commanded speeds, not of pauses; wait: least time [s] between the
+    beginnings of two moves, the thesis's waiting time. Raises InputError where a pose is out of
+    reach or a straight line passes a singularity.
     """
     corners = [_goal_angles(moves[0], robot, present)]
     legs = [corners[0][None]]
@@ -101,7 +101,7 @@ def plan(
         starts.append(starts[-1] + max(len(leg) - 1 + rest - early, waited))
     q = np.tile(corners[0], (starts[-1] + len(legs[-1]), 1))
     for start, leg in zip(starts, legs, strict=True):
-        # each move adds its way; two of them at once round a corner
+        # Each move adds its displacement; where two overlap, they round the corner.
         q[start : start + len(leg)] += leg - leg[0]
         q[start + len(leg) :] += leg[-1] - leg[0]
     time: Array = PERIOD * np.arange(len(q), dtype=np.float64)
@@ -131,7 +131,7 @@ def _not_negative(value: float) -> float:
 
 
 def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
-    """Return the angles (6,) of a goal: of a pose, those nearest to a posture (6,) [rad]."""
+    """Return the angles (6,) of a goal; of a pose, the solution nearest to a posture (6,) [rad]."""
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
@@ -149,7 +149,7 @@ def _pose(goal: ToolPose) -> tuple[Array, Array]:
 
 def _nearest_turn(q: Array, near: Array, robot: Robot) -> Array:
     """Return angles (M, 6), turned towards `near` (6,) as far as the joints' limits allow."""
-    limit = np.nan_to_num(robot.position_limits(), nan=DOUBLING, posinf=DOUBLING)
+    limit = np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
     q = near + (q - near + np.pi) % (2 * np.pi) - np.pi
     return q - 2 * np.pi * np.sign(q) * (np.abs(q) > limit)
 
@@ -179,11 +179,11 @@ def _leg(move: Move, robot: Robot, origin: Array) -> Array:
 
 
 def _progress(move: Move, longest: float) -> Array:
-    """Return how much of a move is done (M,) at each PERIOD, from 0 to 1; longest: [rad] or [m]."""
+    """Return a move's progress (M,) from 0 to 1 at each PERIOD; longest: its way [rad] or [m]."""
     if longest < NO_WAY:
         return np.zeros(1)
     speed, acceleration = move.speed, move.acceleration
-    if move.seconds:  # the duration wins over speed and acceleration; half of it accelerates
+    if move.seconds:  # overrides speed and acceleration; the arm accelerates for half of it
         speed, acceleration = 2 * longest / move.seconds, 4 * longest / move.seconds**2
     way = np.array([longest])
     end = duration(way, speed, acceleration)[2]
@@ -222,8 +222,8 @@ def _expect_regular(move: Move, robot: Robot, q: Array) -> None:
 
 
 def _overlap(robot: Robot, leg: Array, following: Array, blend: float) -> int:
-    """Return how many samples the next move begins early: while frame 6 is within the blend's
-    radius [m] on both, and for at most half of either.
+    """Return by how many samples two moves overlap: while frame 6 is within the blend radius [m] on
+    both, and for at most half of either.
     """
     ahead, behind = (link_frames(robot, part)[1][:, 6] for part in (leg[::-1], following))
     outside = [

@@ -8,12 +8,12 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.arm_motion import ArmMotion, MotionError
 from ur5lib.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
 
-REST = 1.0  # s at rest before and after a motion: the bias of a force sensor is seen there
-RATE = 125.0  # Hz, of servoj; every controller keeps up with it
+REST = 1.0  # s at rest before and after a motion, from which a force sensor's bias is estimated
+RATE = 125.0  # Hz, of servoj, which every controller supports
 
 
 class Mover(threading.Thread):
-    """Executes a motion, or lets the arm be led by hand; `failure` says why it ended early."""
+    """Executes a motion, or lets the arm be led by hand; failure: why it ended early, if it did."""
 
     def __init__(self, address: str, motion: CommandedMotion | None) -> None:
         """motion: None to lead by hand until `stop`."""

@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 MTDATA, MTDATA2 = 0x32, 0x36  # identifiers of the messages
 COUNTER_BITS = 16
 
-# Data identifiers of MTData2; the last four bits say precision and axes.
+# Data identifiers of MTData2; the last four bits are precision and axes.
 PACKET_COUNTER, SAMPLE_TIME_FINE = 0x1020, 0x1060
 ACCELERATION, RATE_OF_TURN, MAGNETIC_FIELD = 0x4020, 0x8020, 0xC020
 VECTORS: Final = (ACCELERATION, RATE_OF_TURN, MAGNETIC_FIELD)
@@ -32,7 +32,7 @@ NOTHING: Final = (math.nan, math.nan, math.nan)
 
 
 class Measurement(NamedTuple):
-    """One sample; what a message does not hold is NaN.
+    """One sample; quantities that a message does not contain are NaN.
 
     time_fine: the device's own time [ticks of 0.1 ms]; acceleration [m/s²], rate_of_turn [rad/s],
     magnetic_field [arbitrary units]: (3,) each, axes of the tracker.

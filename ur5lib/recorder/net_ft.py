@@ -1,4 +1,4 @@
-"""ATI Net F/T: a force and torque sensor with its box in the network, as a device to record."""
+"""ATI Net F/T: a force and torque sensor with a box in the network, as a device to record."""
 
 import contextlib
 import math
@@ -38,7 +38,7 @@ PATIENCE = 3.0  # s, for the box to answer
 ATTEMPTS = 4  # to request the stream: UDP may lose a request
 LONGEST_PAGE = 1 << 20  # bytes
 GATHER = 0.05  # s, for which one call collects samples
-BUFFER = 1 << 22  # bytes of datagrams that wait while the process does not run; Linux may give less
+BUFFER = 1 << 22  # bytes of datagrams that the socket may queue; Linux may allow fewer
 
 
 class NetFT:
@@ -87,7 +87,7 @@ class NetFT:
         }
 
     def read(self) -> NewSamples:
-        """Return the samples that come within 0.05 s, and those that had come before.
+        """Return the samples that have arrived, after waiting 0.05 s for more.
 
         Raises DeviceLost when the last one is 1 s ago.
         """
@@ -118,7 +118,7 @@ class NetFT:
         url = f"http://{self._address}:{self._http_port}/netftapi2.xml"
         try:
             with requests.Session() as session:
-                session.trust_env = False  # no proxy knows of the box
+                session.trust_env = False  # the box is in the local network, behind no proxy
                 reply = session.get(url, timeout=PATIENCE, stream=True, allow_redirects=False)
                 reply.raise_for_status()
                 page = next(reply.iter_content(LONGEST_PAGE), b"")
@@ -128,7 +128,7 @@ class NetFT:
                 "address in the study"
             ) from error
         try:
-            # ElementTree loads no external entities, and its expat limits how far others grow.
+            # ElementTree loads no external entities, and expat limits the expansion of others.
             root = ElementTree.fromstring(page)
         except ElementTree.ParseError as error:
             raise InputError(
@@ -137,14 +137,14 @@ class NetFT:
         return {element.tag: (element.text or "").strip() for element in root}
 
     def _connect(self) -> None:
-        """Start the stream and wait for its first record, which stays to be read."""
+        """Start the stream and wait for its first record, without consuming it."""
         self.close()
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
         self._socket.settimeout(PATIENCE / ATTEMPTS)
         for _ in range(ATTEMPTS):
             try:
-                self._socket.connect((self._address, self._port))  # nobody else is listened to
+                self._socket.connect((self._address, self._port))  # ignores other senders
                 if self._bias:
                     self._socket.send(rdt.request(rdt.SET_BIAS))
                 self._socket.send(rdt.request(rdt.STREAM))
@@ -159,7 +159,7 @@ class NetFT:
         )
 
     def _receive(self, until: float) -> bytes | None:
-        """Return the next datagram; None if none comes until then [s, monotonic]."""
+        """Return the next datagram; None if none arrives before `until` [s, monotonic]."""
         if self._socket is None:
             raise DeviceLost(f"the Net F/T box at {self._address} is not open")
         left = until - time.monotonic()
@@ -175,7 +175,7 @@ class NetFT:
 
 
 def _number(settings: dict[str, str], name: str) -> float | None:
-    """Return a setting that is a positive number; None if it is absent or anything else."""
+    """Return a setting that is a positive number; None otherwise."""
     try:
         number = float(settings[name])
     except (KeyError, ValueError):

@@ -13,7 +13,7 @@ HIGHEST_RATE = 8000.0  # Hz; Net F/T boxes send up to 7000 records a second, Axi
 SEQUENCE_BITS = 32
 HEADER = 0x1234
 STOP, STREAM, SET_BIAS = 0x0000, 0x0002, 0x0042  # commands; STREAM: one record per datagram
-SATURATED, ERROR = 1 << 17, 1 << 31  # bits of the status: gauges saturated; anything is wrong
+SATURATED, ERROR = 1 << 17, 1 << 31  # bits of the status: gauges saturated; any error
 
 FIELDS: Final = ("rdt_sequence", "ft_sequence", "status")  # before the six counts
 REQUEST = struct.Struct(">HHI")

@@ -39,9 +39,9 @@ class Packets:
 
 
 class RealtimeArm:
-    """The arm at an address: every byte that its controller sends.
+    """The arm at an address, recorded byte by byte.
 
-    Unlike other devices it returns packets of bytes, which format `realtime-stream` stores.
+    Unlike other devices it returns packets of bytes, as in the format `realtime-stream`.
     """
 
     name = "robot"
@@ -99,10 +99,10 @@ class RealtimeArm:
             self._socket = None
 
     def _peek(self, connection: socket.socket) -> tuple[int, float, float]:
-        """Return the size of the messages [bytes] and the first two timestamps [s], unconsumed."""
+        """Return the messages' size [bytes] and the first two timestamps [s], not consuming any."""
         (size, _) = HEAD.unpack(self._ahead(connection, HEAD.size))
         if size not in SOFTWARE:
-            raise ConnectionError(f"its messages of {size} bytes are of no known layout")
+            raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
         both = self._ahead(connection, size + HEAD.size)
         first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
         if not 0 < second - first < LONGEST:
@@ -119,11 +119,11 @@ class RealtimeArm:
         return data
 
     def _count(self, data: bytes) -> tuple[int, int]:
-        """Return how many messages have ended, and how many are missing before or among them."""
+        """Return the counts of complete messages, and of those missing before or among them."""
         stream, at, messages, lost = self._rest + data, 0, 0, 0
         while len(stream) - at >= self._size:
             size, stamp = HEAD.unpack_from(stream, at)
-            if size != self._size:  # the reader of the recording finds what is damaged
+            if size != self._size:  # damaged; the reader of the recording repairs it
                 at = len(stream)
                 break
             lost += max(round((stamp - self._last) / self._cycle) - 1, 0)

@@ -40,11 +40,10 @@ WAIT = 0.1  # s, for which one call waits for samples
 
 
 class RtdeArm:
-    """The arm at an address: every RTDE package that its controller sends.
+    """The arm at an address, recorded package by package through RTDE.
 
-    Its samples hold the outputs in OUTPUTS that the controller has; `columns` lists them once it is
-    open. `timestamp` is the controller's clock [s], by which lost packages are counted. `rate`:
-    [Hz], None for the controller's own.
+    rate: [Hz], None for the controller's default. columns: those of OUTPUTS that the controller
+    has, known once it is open; lost packages are counted by `timestamp`, the controller's clock.
     """
 
     name = "robot"
@@ -97,7 +96,7 @@ class RtdeArm:
             self._client = None
 
     def _count_lost(self, stamps: np.ndarray) -> int:
-        """Return how many cycles are missing before or among timestamps (n,) [s]."""
+        """Return the count of cycles missing before or among timestamps (n,) [s]."""
         if not len(stamps):
             return 0
         steps = np.diff(stamps, prepend=stamps[0] if np.isnan(self._last) else self._last)

@@ -1,8 +1,8 @@
 """A client of the controller's Real-Time Data Exchange (RTDE) that misses no package.
 
-ur_rtde's receive interface is made for control: it keeps the newest package only and skips the rest
-whenever it comes late, and its constructor blocks all threads until a controller answers. A
-recorder wants every package, with the time at which it arrived.
+ur_rtde's receive interface is made for control: it keeps the newest package only, and its
+constructor blocks all threads until a controller answers. A recorder needs every package with its
+time of arrival.
 
 Source: Universal Robots' guide to RTDE, protocol version 2. A package is its size (uint16), its
 kind (uint8) and its content, big-endian; texts list variables separated by commas.
@@ -44,7 +44,7 @@ class RtdeClient:
         self.software = int(major), int(minor), int(bugfix), int(build)
 
     def start(self, names: Sequence[str], rate: float) -> list[str]:
-        """Start data packages and return the outputs in them: those that this controller has.
+        """Start data packages and return their outputs: those of `names` that the controller has.
 
         rate: [Hz]. Raises InputError when the controller refuses.
         """
@@ -58,9 +58,9 @@ class RtdeClient:
         return names
 
     def receive(self, patience: float) -> list[tuple[float, tuple[float, ...]]]:
-        """Return the packages that have come, after waiting at most `patience` [s].
+        """Return the packages that have arrived, after waiting at most `patience` [s].
 
-        Each is the host's time.monotonic [s] at its arrival, and the values of its outputs. Raises
+        Each is the host's time.monotonic [s] at arrival, and the values of the outputs. Raises
         DeviceLost when the connection fails or the controller closes it.
         """
         if not select.select([self._socket], [], [], patience)[0]:
@@ -76,12 +76,12 @@ class RtdeClient:
         self._socket.close()
 
     def _packages(self) -> list[tuple[float, ...]]:
-        """Remove complete packages from the buffer, and return the numbers in those with data."""
+        """Remove complete packages from the buffer, and return the numbers of data packages."""
         found, at = [], 0
         while len(self._buffer) - at >= HEADER.size:
             size, kind = HEADER.unpack_from(self._buffer, at)
             if size < HEADER.size:
-                raise DeviceLost(f"{self._address} sends what is not RTDE")
+                raise DeviceLost(f"{self._address} does not send RTDE packages")
             if len(self._buffer) - at < size:
                 break
             if kind == DATA and size == HEADER.size + 1 + self._layout.size:
@@ -91,7 +91,7 @@ class RtdeClient:
         return found
 
     def _set_up(self, names: Sequence[str], rate: float) -> tuple[list[str], list[str]]:
-        """Request outputs; where the controller lacks some, request the others once more."""
+        """Request outputs; if the controller lacks some, request the others only."""
         for _ in range(2):
             content = struct.pack(">d", rate) + ",".join(names).encode()
             kinds = self._ask(SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
@@ -99,7 +99,7 @@ class RtdeClient:
             if len(known) == len(names):
                 return list(names), kinds
             names = known
-        raise ConnectionError("it does not have the outputs of its own list")
+        raise ConnectionError("it refuses outputs that it offered")
 
     def _ask(self, kind: int, content: bytes = b"") -> bytes:
         """Send a request and return the content of the answer to it."""
@@ -107,7 +107,7 @@ class RtdeClient:
         while True:
             size, answered = HEADER.unpack(self._exactly(HEADER.size))
             answer = self._exactly(size - HEADER.size)
-            if answered == kind:  # text messages may come in between
+            if answered == kind:  # text messages may arrive first
                 return answer
 
     def _exactly(self, count: int) -> bytes:

@@ -1,4 +1,4 @@
-"""A session: all devices recorded together, each by a process of its own."""
+"""A session: all devices recorded together, each by its own process."""
 
 import multiprocessing
 import time
@@ -15,11 +15,11 @@ from ur5lib.recorder.lab import AnyDevice
 
 PATIENCE = 30.0  # s, for a device to answer and its process to start
 CLOSING = 10.0  # s, for all processes to write their last samples
-POLL = 0.05  # s between looks at their reports meanwhile
+POLL = 0.05  # s between queries of their reports meanwhile
 
 
 @dataclass
-class _Line:
+class _Worker:
     process: Any
     connection: Connection
     identity: dict[str, Any]
@@ -36,7 +36,7 @@ class Session:
         self._devices, self._folder = devices, folder
         self._context = multiprocessing.get_context("spawn")
         self._stop = self._context.Event()
-        self._lines: dict[str, _Line] = {}
+        self._workers: dict[str, _Worker] = {}
         self.zero = time.time() - time.monotonic()  # of the host's clock, for all devices
 
     def __enter__(self) -> Self:
@@ -44,9 +44,9 @@ class Session:
         self._folder.mkdir(parents=True)
         try:
             for name, plan in self._devices.items():
-                self._lines[name] = self._start(name, plan)
-            for name, line in self._lines.items():
-                line.identity = self._answer(name, line)
+                self._workers[name] = self._start(name, plan)
+            for name, worker in self._workers.items():
+                worker.identity = self._answer(name, worker)
         except BaseException:
             self.close()
             raise
@@ -64,58 +64,58 @@ class Session:
 
     def identities(self) -> dict[str, dict[str, Any]]:
         """Return each device's entry in the manifest, by name."""
-        return {name: line.identity for name, line in self._lines.items()}
+        return {name: worker.identity for name, worker in self._workers.items()}
 
     def statuses(self) -> dict[str, Status]:
         """Return the progress of each device so far, by name."""
-        for name, line in self._lines.items():
-            self._listen(name, line)
-        return {name: line.status for name, line in self._lines.items()}
+        for name, worker in self._workers.items():
+            self._listen(name, worker)
+        return {name: worker.status for name, worker in self._workers.items()}
 
     def close(self) -> None:
         """Stop all devices; returns when their files are closed."""
         self._stop.set()
         end = time.monotonic() + CLOSING
-        for name, line in self._lines.items():
-            while line.process.is_alive() and time.monotonic() < end:
-                self._listen(name, line)
-                line.process.join(POLL)
-            self._listen(name, line)
-            late = line.process.is_alive()
+        for name, worker in self._workers.items():
+            while worker.process.is_alive() and time.monotonic() < end:
+                self._listen(name, worker)
+                worker.process.join(POLL)
+            self._listen(name, worker)
+            late = worker.process.is_alive()
             if late:
-                line.process.kill()
-            if line.status.ended is None and not line.status.final:
+                worker.process.kill()
+            if worker.status.ended is None and not worker.status.final:
                 why = f"did not end within {CLOSING:g} s" if late else "was killed"
-                line.status.ended = (
+                worker.status.ended = (
                     f"the process that records {name} {why}; its file may have samples that are "
                     "not counted here"
                 )
 
-    def _start(self, name: str, plan: AnyDevice) -> _Line:
+    def _start(self, name: str, plan: AnyDevice) -> _Worker:
         here, there = self._context.Pipe()
         process = self._context.Process(
             target=capture, args=(plan, self.file(name), self.zero, there, self._stop), daemon=True
         )
         process.start()
         there.close()
-        return _Line(process, here, {}, Status())
+        return _Worker(process, here, {}, Status())
 
-    def _answer(self, name: str, line: _Line) -> dict[str, Any]:
+    def _answer(self, name: str, worker: _Worker) -> dict[str, Any]:
         try:
-            answer = line.connection.recv() if line.connection.poll(PATIENCE) else None
+            answer = worker.connection.recv() if worker.connection.poll(PATIENCE) else None
         except EOFError:
             answer = None
         if isinstance(answer, dict):
             return answer
         raise InputError(answer or f"{name} does not answer; check its cable and its address")
 
-    def _listen(self, name: str, line: _Line) -> None:
+    def _listen(self, name: str, worker: _Worker) -> None:
         """Take the last report of a device; a process that died without one has ended."""
         try:
-            while line.connection.poll():
-                report = line.connection.recv()
+            while worker.connection.poll():
+                report = worker.connection.recv()
                 if isinstance(report, Status):  # else an answer that nobody waited for
-                    line.status = report
+                    worker.status = report
         except (EOFError, OSError):
-            if line.status.ended is None and not self._stop.is_set():
-                line.status.ended = f"the process that records {name} was killed"
+            if worker.status.ended is None and not self._stop.is_set():
+                worker.status.ended = f"the process that records {name} was killed"

@@ -1,4 +1,4 @@
-"""How long a device may be silent before it counts as lost."""
+"""Detection of a device that has stopped sending."""
 
 import time
 
@@ -11,13 +11,13 @@ class Silence:
     """Detects that a device has stopped sending; name: of the device, for messages."""
 
     def __init__(self, name: str) -> None:
-        """Begin now, as if a sample had just come."""
-        self._name, self._heard = name, time.monotonic()
+        """Start the timer."""
+        self._name, self._last = name, time.monotonic()
 
     def check(self, samples: int) -> None:
-        """Note how many samples have just come; raise DeviceLost if the last came over 1 s ago."""
+        """Restart the timer if there are samples; raise DeviceLost after 1 s without any."""
         now = time.monotonic()
         if samples:
-            self._heard = now
-        elif now - self._heard > LONGEST:
+            self._last = now
+        elif now - self._last > LONGEST:
             raise DeviceLost(f"{self._name} has sent nothing for {LONGEST:g} s")

@@ -30,8 +30,8 @@ def encode(identifier: int, data: bytes = b"") -> bytes:
 class Decoder:
     """Finds the messages in bytes that arrive piece by piece.
 
-    Where a checksum is wrong or a length impossible, the search goes on at the next FA FF, so that
-    damage costs the messages it touches and nothing else.
+    After a wrong checksum or an impossible length, the search goes on at the next FA FF, so that
+    only damaged messages are lost.
     """
 
     def __init__(self) -> None:
@@ -54,7 +54,7 @@ class Decoder:
 
 
 def _start(stream: bytes, at: int) -> int:
-    """Return where FA FF, or an FA at the very end, is next; the stream's length if nowhere."""
+    """Return the offset of the next FA FF, or of an FA at the end; else the stream's length."""
     found = stream.find(START, at)
     if found >= 0:
         return found
@@ -62,9 +62,9 @@ def _start(stream: bytes, at: int) -> int:
 
 
 def _end(stream: bytes, at: int) -> int:
-    """Return where the message that starts at an offset ends; at the offset if it cannot be one.
+    """Return the end of the message that starts at an offset; the offset if it is no message.
 
-    Beyond the stream's length while the message, or its length, is incomplete.
+    The end is beyond the stream's length while the message is incomplete.
     """
     if len(stream) < at + 4:
         return len(stream) + 1

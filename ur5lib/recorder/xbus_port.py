@@ -18,7 +18,7 @@ ATTEMPTS = 4  # requests that arrive while the device starts are lost
 
 
 class RefusedError(Exception):
-    """The device knows no such request, or does not accept its data."""
+    """The device does not know a request, or does not accept its data."""
 
 
 class XbusPort:
@@ -57,14 +57,14 @@ class XbusPort:
             "baudrate in the study"
         )
 
-    def tell(self, request: int) -> None:
-        """Send a request without waiting for an answer, or for a device that has gone."""
+    def send(self, request: int) -> None:
+        """Send a request without waiting for its answer; does nothing when the device has gone."""
         with contextlib.suppress(OSError):
             self._port.write(xbus.encode(request))
             self._port.flush()
 
     def receive(self) -> list[xbus.Message]:
-        """Return the messages that have come, after waiting at most 0.02 s for the first byte.
+        """Return the messages that have arrived, after waiting at most 0.02 s for the first byte.
 
         Raises DeviceLost when the port has gone.
         """
@@ -81,7 +81,7 @@ class XbusPort:
         self._port.close()
 
     def _answer(self, request: int) -> bytes | None:
-        """Return the acknowledgement's data if it comes in time; data messages are passed over."""
+        """Return the acknowledgement's data, None if it is late; skip data messages before it."""
         until = time.monotonic() + ANSWER
         while time.monotonic() < until:
             messages = self.receive()

@@ -33,21 +33,21 @@ UNITS = {"a": "m/s²", "g": "rad/s", "m": "a.u."}
 
 
 class Xsens:
-    """The motion tracker at a serial port, which it sets to a rate.
+    """The motion tracker at a serial port, set to a rate.
 
-    Its samples: sample_counter (which goes on where the device's wraps around), sample_time_fine
-    (its own time in ticks of 0.1 ms; NaN from an MTi of the first generation), specific force
-    [m/s²], angular rate [rad/s] and magnetic field [arbitrary units, about 1 in the Earth's field],
-    calibrated, in the tracker's axes.
+    Columns: sample_counter (without the wrap-around of the device's), sample_time_fine (device time
+    in ticks of 0.1 ms; NaN from an MTi of the first generation), specific force [m/s²], angular
+    rate [rad/s] and magnetic field [arbitrary units, about 1 in the Earth's field], calibrated, in
+    the tracker's axes.
     """
 
     name = "imu"
     columns = ("sample_counter", "sample_time_fine", *CHANNELS)
 
     def __init__(self, port: str, rate_hz: float = 100.0, baudrate: int = 115_200) -> None:
-        """Set up; port: `/dev/ttyUSB0` or another terminal; baudrate: as the device is set.
+        """port: `/dev/ttyUSB0` or another terminal; baudrate: as configured on the device.
 
-        A sample takes 62 bytes: on an RS-232 line, 256 Hz need 230,400 baud; on USB, any will do.
+        A sample takes 62 bytes: on an RS-232 line, 256 Hz need 230,400 baud; USB ignores the rate.
         """
         self._path, self._rate_hz, self._baudrate = port, rate_hz, baudrate
         self._port: XbusPort | None = None
@@ -76,9 +76,9 @@ class Xsens:
         return entry
 
     def read(self) -> NewSamples:
-        """Return the samples that come within 0.05 s, and those that had come before.
+        """Return the samples that have arrived, after waiting 0.05 s for more.
 
-        Samples that come in one piece share their time of arrival. Raises DeviceLost when the last
+        Samples that arrive together share their time of arrival. Raises DeviceLost when the last
         one is 1 s ago or the port has gone.
         """
         if self._port is None:
@@ -101,12 +101,12 @@ class Xsens:
         """Stop the device and close the port."""
         if self._port is None:
             return
-        self._port.tell(GO_TO_CONFIG)
+        self._port.send(GO_TO_CONFIG)
         self._port.close()
         self._port = None
 
     def _identity(self, port: XbusPort) -> dict[str, Any]:
-        """Return what the device says of itself."""
+        """Return model, serial number, firmware and units of the device."""
         firmware = port.ask(REQUEST_FIRMWARE)[:3]
         return {
             "model": port.ask(REQUEST_PRODUCT_CODE).decode("ascii", "replace").strip(" \0"),
@@ -117,9 +117,9 @@ class Xsens:
         }
 
     def _configure(self, port: XbusPort) -> dict[str, Any]:
-        """Set what is sent, and return message and rate [Hz].
+        """Configure the outputs, and return message and rate [Hz].
 
-        The first generation of the MTi refuses the configuration of MTData2 and gets its own.
+        The first generation of the MTi, which refuses MTData2, is configured for MTData.
         """
         try:
             self._identifier = mtdata.MTDATA2
@@ -134,7 +134,7 @@ class Xsens:
             return {"message": "MTData", "rate_hz": PERIOD_CLOCK / period}
 
     def _configure_mtdata2(self, port: XbusPort) -> float:
-        """Return the rate [Hz] that the device chose, the nearest that it offers."""
+        """Configure MTData2; return the rate [Hz] that the device chose, its nearest one."""
         rate = round(self._rate_hz)
         wanted = [(mtdata.PACKET_COUNTER, WITH_EACH_SAMPLE)]
         wanted += [(mtdata.SAMPLE_TIME_FINE, WITH_EACH_SAMPLE)]

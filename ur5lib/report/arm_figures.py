@@ -30,8 +30,8 @@ PLACE, PARAMETERS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]
 
 
 class MassModel(NamedTuple):
-    """masses (6,) [kg] and centres of mass (6, 3) [m] of the links, base axes; outlines: of each
-    link, of its bodies as they are seen along x, (K, 2) [m] in y and z.
+    """A link model in base axes: masses (6,) [kg] and centres of mass (6, 3) [m] of the links;
+    outlines: by link, the outline of each body seen along x, (K, 2) [m] in y and z.
     """
 
     masses: Array
@@ -49,7 +49,7 @@ def placed(robot: Robot, name: str, rotation: Array, origin: Array) -> MassModel
     cylinders = robot.models[name].cylinders
     if cylinders is not None:
         links = zip(cylinders, centers, turns, strict=True)
-        outlines = [[cylinder_outline(part, at, turn) for part in own] for own, at, turn in links]
+        outlines = [[cylinder_outline(part, at, turn) for part in link] for link, at, turn in links]
     else:
         inertias = turns @ bodies.inertia @ turns.transpose(0, 2, 1)
         tensors = zip(bodies.mass, inertias, centers, strict=True)
@@ -154,8 +154,8 @@ def frame_panels(
     axes = [f"{axis} axis, {part}" for axis in "xyz" for part in "xyz"]
     turned = rotation.transpose(0, 2, 1).reshape(-1, 9)
     values = pd.DataFrame(np.column_stack([origin, turned]).round(9), columns=[*PLACE, *axes])
-    own = pd.DataFrame([[one.a, one.d, one.alpha] for one in parameters], range(1, 7), PARAMETERS)
-    return Drawing(figure, values.rename_axis("frame").join(own).reset_index())
+    links = pd.DataFrame([[p.a, p.d, p.alpha] for p in parameters], range(1, 7), PARAMETERS)
+    return Drawing(figure, values.rename_axis("frame").join(links).reset_index())
 
 
 def _draw_frames(axis: Axes, rotation: Array, origin: Array, frames: Sequence[int]) -> None:
@@ -180,10 +180,10 @@ def _draw_links(
     """Draw the links between some frames, each with its parameters other than zero beside it."""
     axis.plot(*(OBLIQUE @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3)
     for k in frames[1:]:
-        own = parameters[k - 1]
-        lengths = {f"d_{k}": own.d, f"a_{k}": own.a}
+        link = parameters[k - 1]
+        lengths = {f"d_{k}": link.d, f"a_{k}": link.a}
         parts = [f"${name}$ = {1000 * value:g} mm" for name, value in lengths.items() if value]
-        parts += [rf"$\alpha_{k}$ = {np.degrees(own.alpha):.4g}°"] if own.alpha else []
+        parts += [rf"$\alpha_{k}$ = {np.degrees(link.alpha):.4g}°"] if link.alpha else []
         start, end = OBLIQUE @ origin[k - 1], OBLIQUE @ origin[k]
         level = abs(end - start)[0] > abs(end - start)[1]
         aside, side = ((0, 24), "center") if level else ((20, 3), "left")

@@ -16,7 +16,7 @@ from ur5lib.report.traces import BAND_EDGES, column_name
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
 
-LEVELS = 511  # that a line's values are rounded to: two for each dot of a panel on the screen
+LEVELS = 511  # to which a line's values are rounded: two for each dot of a panel on the screen
 COLUMN = re.compile(r"(.*), (.*) \[(.*)\]")
 
 

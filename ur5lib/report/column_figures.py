@@ -18,9 +18,9 @@ LONGEST = 16  # letters of an axis's label in one row
 
 
 def fit_column(figure: Figure) -> None:
-    """Give a figure the width of a column, its letters a size that can be read, and thin lines.
+    """Set a figure to the width of a column, with legible letters and thin lines.
 
-    Nothing in it becomes an image.
+    All parts stay vector graphics.
     """
     wide, high = figure.get_size_inches()
     figure.set_size_inches(WIDTH, TALLER * high * WIDTH / wide)

@@ -77,16 +77,18 @@ SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
 class Draft(NamedTuple):
-    """A text, sentence by sentence; beside: label of the table or figure that it requires."""
+    """A text, sentence by sentence; beside: label of the table or figure without which it is
+    omitted, if any.
+    """
 
     sentences: list[list[str | Reference]]
     beside: str
 
 
 def compose(contents: Contents, results: Results) -> Document:
-    """Compose the report of a study; sections without data are omitted, the first says why.
+    """Compose the report of a study; the first section gives the reasons of omitted ones.
 
-    What the first section shows is not shown again in its own section.
+    Tables and figures of the first section are not repeated in later ones.
     """
     first, *others = contents.sections
     above = _labels(_drafts(first, results))
@@ -109,7 +111,7 @@ def compose(contents: Contents, results: Results) -> Document:
 
 
 def view(name: str) -> Callable[..., Any]:
-    """Return the view of a name, `module.function`; a name alone is that of a table, as it is.
+    """Return the view `module.function`; a name without a point shows the table of this name.
 
     Raises KeyError or AttributeError where there is none.
     """
@@ -121,7 +123,7 @@ def view(name: str) -> Callable[..., Any]:
 
 
 def _analysed(results: Results) -> str:
-    """Return what was analysed, in a line."""
+    """Return the report's subtitle: study, arms, and counts of recordings by role."""
     roles = [*results.roles().values()]
     counts = ", ".join(f"{roles.count(role)} {role}" for role in dict.fromkeys(roles))
     minutes = results.tables["recordings"]["duration_s"].sum() / 60
@@ -139,15 +141,15 @@ def _labels(blocks: Iterable[Block | Draft]) -> set[str]:
 def _blocks(part: Part, results: Results, above: Set[str] = frozenset()) -> list[Block]:
     """Return the blocks of a section, without sentences about missing tables and figures.
 
-    above: labels of what an earlier section shows.
+    above: labels of the tables and figures in an earlier section.
     """
     drafts = [draft for draft in _drafts(part, results) if not _labels([draft]) & above]
     shown = above | _labels(drafts)
-    blocks = [_said(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
+    blocks = [_paragraph(draft, shown) if isinstance(draft, Draft) else draft for draft in drafts]
     return [block for block in blocks if block]
 
 
-def _said(draft: Draft, shown: Set[str]) -> Paragraph | None:
+def _paragraph(draft: Draft, shown: Set[str]) -> Paragraph | None:
     """Return the sentences of a text that mention only tables and figures that are shown."""
     kept = [
         sentence
@@ -167,82 +169,85 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
         if not isinstance(wanted, Repeated):
             yield from _single(wanted, results)
             continue
-        for of in view(wanted.each)(results):
-            drafts = [draft for block in wanted.blocks for draft in _single(block, results, of)]
+        for name in view(wanted.each)(results):
+            drafts = [draft for block in wanted.blocks for draft in _single(block, results, name)]
             if wanted.heading and any(map(_is_evidence, drafts)):
-                yield Heading(wanted.heading.format(of=of))
+                yield Heading(wanted.heading.format(of=name))
             yield from drafts
 
 
-def _single(wanted: Block, results: Results, of: str = "") -> Iterator[Block | Draft]:
-    """Yield a block of the contents as filled from results, nothing where they have none for it."""
-    given = (results, of) if of else (results,)
+def _single(wanted: Block, results: Results, name: str = "") -> Iterator[Block | Draft]:
+    """Yield a block of the contents, filled from results; nothing where they have no data for it.
+
+    name: the recording, arm or study that a repeated block is about.
+    """
+    arguments = (results, name) if name else (results,)
     match wanted:
-        case Paragraph(sentences=name) if name:
-            yield from (Paragraph([text]) for text in view(name)(*given))
+        case Paragraph(sentences=sentences) if sentences:
+            yield from (Paragraph([text]) for text in view(sentences)(*arguments))
         case Paragraph():
-            yield _draft(wanted, results, of)
+            yield _draft(wanted, results, name)
         case Items():
-            items = [*view(wanted.entries)(*given)]
+            items = [*view(wanted.entries)(*arguments)]
             if items:
                 yield replace(wanted, items=items)
         case Table():
-            body = view(wanted.table)(*given)
+            body = view(wanted.table)(*arguments)
             if body.rows:
-                yield _table(wanted, body, results, of)
+                yield _table(wanted, body, results, name)
         case Picture():
-            path = results.figures / of / f"{wanted.figure}.svg"
-            if _shows_something(path):
-                yield _picture(wanted, results, path, of)
+            path = results.figures / name / f"{wanted.figure}.svg"
+            if _has_numbers(path):
+                yield _picture(wanted, results, path, name)
         case Verdicts():
-            yield replace(wanted, verdicts=view(wanted.judged)(*given))
+            yield replace(wanted, verdicts=view(wanted.judged)(*arguments))
         case Code():
-            yield replace(wanted, text=view(wanted.listing)(*given))
+            yield replace(wanted, text=view(wanted.listing)(*arguments))
         case _:
             yield wanted
 
 
-def _label(name: str, of: str) -> str:
-    return f"{name}-{of}" if of else name
+def _label(block: str, name: str) -> str:
+    return f"{block}-{name}" if name else block
 
 
-def _draft(wanted: Paragraph, results: Results, of: str) -> Draft:
-    """Return a text sentence by sentence, with its mentions."""
-    text = _filled(wanted.text, results, of).strip()
-    sentences = [
-        [Reference(_label(span, of)) if i % 2 else span for i, span in enumerate(spans)]
+def _draft(wanted: Paragraph, results: Results, name: str) -> Draft:
+    """Return a text sentence by sentence, with its mentions of tables and figures."""
+    text = _filled(wanted.text, results, name).strip()
+    sentences = [  # of the split parts, every second one is a mention
+        [Reference(_label(span, name)) if i % 2 else span for i, span in enumerate(spans)]
         for spans in map(MENTION.split, SENTENCE_END.split(text))
     ]
-    return Draft(sentences, wanted.beside and _label(wanted.beside, of))
+    return Draft(sentences, wanted.beside and _label(wanted.beside, name))
 
 
-def _filled(text: str, results: Results, of: str) -> str:
-    """Return a text of the contents with its recording or arm, and remarks of the thesis if due."""
-    due = results.of_thesis
-    return THESIS.sub(lambda remark: remark[1] if due else "", text).replace("{of}", of)
+def _filled(text: str, results: Results, name: str) -> str:
+    """Return a text with the name of its recording or arm; in the thesis's study, with remarks."""
+    remarked = results.of_thesis
+    return THESIS.sub(lambda remark: remark[1] if remarked else "", text).replace("{of}", name)
 
 
-def _table(wanted: Table, body: Body, results: Results, of: str) -> Table:
-    caption, rows = _filled(wanted.caption, results, of), body.rows
+def _table(wanted: Table, body: Body, results: Results, name: str) -> Table:
+    caption, rows = _filled(wanted.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
-    label = _label(wanted.table, of)
+    label = _label(wanted.table, name)
     return replace(wanted, caption=caption, header=body.header, rows=rows[:MOST_ROWS], label=label)
 
 
-def _picture(wanted: Picture, results: Results, path: Path, of: str) -> Picture:
+def _picture(wanted: Picture, results: Results, path: Path, name: str) -> Picture:
     return replace(
         wanted,
-        caption=_filled(wanted.caption, results, of),
+        caption=_filled(wanted.caption, results, name),
         path=path,
-        alternative=_filled(wanted.alternative, results, of),
-        label=_label(wanted.figure, of),
+        alternative=_filled(wanted.alternative, results, name),
+        label=_label(wanted.figure, name),
         source=str(path.with_suffix(".csv").relative_to(results.figures.parent)),
-        of=of,
+        of=name,
     )
 
 
-def _shows_something(path: Path) -> bool:
+def _has_numbers(path: Path) -> bool:
     """Whether a figure was drawn and has numbers: its CSV has more than a header."""
     numbers = path.with_suffix(".csv")
     if not numbers.is_file():
@@ -252,13 +257,17 @@ def _shows_something(path: Path) -> bool:
 
 
 def _is_evidence(block: Block | Draft) -> bool:
-    """Whether a block is more than words that stand in every report."""
+    """Whether a block comes from results, unlike the texts that are the same in every report."""
     return not isinstance(block, Paragraph | Heading | Draft)
 
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
     """Return a notice of simulated recordings, if any."""
-    simulated = [one["name"] for one in recordings if one.get("simulate") or one.get("truth")]
+    simulated = [
+        recording["name"]
+        for recording in recordings
+        if recording.get("simulate") or recording.get("truth")
+    ]
     if not simulated:
         return ""
     some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)

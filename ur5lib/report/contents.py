@@ -10,7 +10,7 @@ MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
 
 
 class Repeated(Strict):
-    """Blocks for each recording or arm that a view names."""
+    """Blocks repeated for each recording or arm; each: the view that lists them."""
 
     each: str
     heading: str = ""
@@ -18,7 +18,7 @@ class Repeated(Strict):
 
 
 class Part(Strict):
-    """A section; `absent`: the reason that is given if the study has no data for it."""
+    """A section; absent: the reason that the report states if the study has no data for it."""
 
     title: str
     absent: str = ""

@@ -10,11 +10,11 @@ POINTS = 1400  # about two for each dot across a printed page
 
 
 def decimate(time: Array, values: Array, points: int = POINTS) -> tuple[Array, Array]:
-    """Return about `points` rows, at most, of time (N,) and values (N, M) with the same envelope.
+    """Return time (N,) and values (N, M) with the same envelope in about `points` rows, at most.
 
-    Rows are taken together in buckets; of each stay the lowest and the highest value of every
-    column, in the order they came, at the times of the bucket's first and middle row. Rows with
-    time NaN part stretches; no bucket reaches across one, and each is kept.
+    Rows are grouped in buckets. Each bucket keeps the lowest and the highest value of every column,
+    in their order, at the times of its first and middle row. Rows with time NaN mark gaps; they are
+    kept, and no bucket reaches across them.
     """
     size = int(np.ceil(2 * len(time) / points))
     if size <= 2:

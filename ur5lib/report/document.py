@@ -1,8 +1,8 @@
 """A report as data: sections of paragraphs, tables, figures and lists, numbered throughout.
 
-HTML, PDF and the summary are made from the same object, so all say the same in the same order.
-The same blocks, not yet filled, are the report's contents (`contents.yaml`): they name views, as
-`module.function`, that fill them from a study's results.
+HTML, PDF and the summary are made from the same object, so that they agree. The report's contents
+(`contents.yaml`) are the same blocks, not yet filled: they name views, `module.function`, that fill
+them from a study's results.
 """
 
 import re
@@ -20,7 +20,7 @@ UNDETERMINED = "undetermined"  # replaces a number that the data do not determin
 
 @dataclass(frozen=True)
 class Cell:
-    """A table's cell; `mark`: whether it is the smallest or the largest error of its row."""
+    """A table's cell; mark: set for the smallest and the largest error of a row."""
 
     text: str
     mark: Mark | None = None
@@ -39,7 +39,7 @@ class Reference:
 
 
 class FromContents:
-    """A block as `contents.yaml` may declare it: a key that it does not have is an error."""
+    """A block that `contents.yaml` may declare; unknown keys are errors."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
 
@@ -48,9 +48,9 @@ class FromContents:
 class Paragraph(FromContents):
     """Running text, with mentions of tables and figures.
 
-    text: in the contents, with mentions as @name, and {of} for the recording or arm of a repeated
-    part; its sentences that mention what is not shown are left out. beside: the text is shown only
-    where the table or figure of this name is. sentences: the view that writes paragraphs.
+    text: as in the contents, with mentions as @name, and {of} for the recording or arm of repeated
+    blocks; sentences that mention a table or figure that is not shown are left out. beside: the
+    text is shown only where this table or figure is. sentences: the view that returns paragraphs.
     """
 
     spans: list[str | Reference] = field(default_factory=list)
@@ -62,7 +62,7 @@ class Paragraph(FromContents):
 
 @dataclass(frozen=True)
 class Heading(FromContents):
-    """Opens a part of a section."""
+    """A heading within a section."""
 
     heading: str
     kind: str = "heading"
@@ -70,7 +70,7 @@ class Heading(FromContents):
 
 @dataclass(frozen=True)
 class Items(FromContents):
-    """A list; `numbered` when others refer to its numbers; `entries`: the view that writes it."""
+    """A list, numbered or not; entries: the view that returns its items."""
 
     items: list[str] = field(default_factory=list)
     numbered: bool = False
@@ -102,11 +102,11 @@ class Table(FromContents):
 
 @dataclass(frozen=True)
 class Picture(FromContents):
-    """A figure: an SVG file, its caption, and what it shows in words for who cannot see it.
+    """A figure: an SVG file, its caption, and the alternative text for readers who cannot see it.
 
-    figure: its name, figures/<of>/<figure>.svg; omitted if it is empty. source: its numbers,
-    relative to the study's results; rule: what made it; of: the recording or arm that it is of, if
-    it is of one.
+    figure: its name, figures/<of>/<figure>.svg; omitted if it has no data. source: CSV file of its
+    numbers, relative to the study's results; rule: the rule that draws it; of: the recording or arm
+    that it shows, empty for figures of the whole study.
     """
 
     caption: str
@@ -125,8 +125,8 @@ class Picture(FromContents):
 class Number:
     """A number that the summary states.
 
-    place: recording, joint or component that it is of; low, high: ends of its interval, which
-    `interval` names; baseline: the same number of what `baseline_of` names.
+    place: recording, joint or component; low, high: ends of the interval that `interval` names;
+    baseline: the same quantity for the estimate that `baseline_of` names.
     """
 
     name: str
@@ -142,11 +142,10 @@ class Number:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the results say about one topic, at a glance.
+    """The verdict on one topic: a state, and a sentence that gives the reason.
 
     evidence: the number behind the sentence, with its interval and its baseline; drawing: an SVG,
-    empty if there is nothing to draw; caption: what the drawing shows; numbers: those of sentence
-    and evidence.
+    empty if there is nothing to draw; caption: of the drawing; numbers: of sentence and evidence.
     """
 
     topic: str
@@ -160,7 +159,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Verdicts(FromContents):
-    """Verdicts side by side; `judged`: the view that makes them."""
+    """Verdicts side by side; judged: the view that returns them."""
 
     verdicts: list[Verdict] = field(default_factory=list)
     judged: str = ""
@@ -169,7 +168,7 @@ class Verdicts(FromContents):
 
 @dataclass(frozen=True)
 class Equation(FromContents):
-    """An equation in typst's notation, and in words for who cannot see it."""
+    """An equation in typst's notation, and in words for readers who cannot see it."""
 
     equation: str
     alternative: str
@@ -178,7 +177,7 @@ class Equation(FromContents):
 
 @dataclass(frozen=True)
 class Code(FromContents):
-    """Text shown as typed; `listing`: the view that writes it."""
+    """Text shown as typed; listing: the view that returns it."""
 
     text: str = ""
     listing: str = ""

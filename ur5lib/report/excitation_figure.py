@@ -1,4 +1,4 @@
-"""The figure of a designed trajectory: its path, margins, sweep, and what it would tell."""
+"""The figure of a designed trajectory: path, spectrum, margins, standard errors and sweep."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The page of a designed trajectory: what it would tell, how the arm moves, how to record it."""
+"""The page of a designed trajectory: predicted errors, the motion, and how to record it."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -35,8 +35,9 @@ def excitation_page(
 ) -> Document:
     """Return the page of a trajectory.
 
-    asked: robot, question and seed; before: what to do before it is recorded, sentence by
-    sentence; command: what records it; drawing: the figure.
+    asked: robot, question and seed; before: the steps before recording, one sentence each;
+    command: the command that records it; found: the trajectory; worth: predicted standard errors;
+    drawing: the figure.
     """
     motion = Picture(
         "Angles, amplitudes of their harmonics, largest shares of the limits, standard errors "
@@ -48,7 +49,7 @@ def excitation_page(
     )
     sections = [
         Section(
-            "What it would tell",
+            "What it would determine",
             [Paragraph([_worst(problem, worth), Reference("parameters"), " lists all."])],
         ),
         Section("The motion", [motion, Items(found.margins.lines()[len(found.margins.used) :])]),
@@ -64,18 +65,18 @@ def excitation_page(
 
 
 def _worst(problem: Problem, worth: Worth) -> str:
-    """Return what becomes of the parameter that is least determined."""
+    """Return how much the recording would lower the error of the least determined parameter."""
     names, order = problem.names(), worth.least_determined()
     worst, lowered = order[0], order[~worth.hardly_lowered()[order]]
-    told = f"Least determined so far is the {names[worst]}"
+    least = f"Least determined so far is the {names[worst]}"
     if worst in lowered:
         return (
-            f"{told}: of its standard error, {_short(worth.before[worst])} "
-            f"{problem.units()[worst]}, this recording would leave {_left(worth, worst)}. "
+            f"{least}: this recording would lower its standard error, "
+            f"{_short(worth.before[worst])} {problem.units()[worst]}, to {_left(worth, worst)}. "
         )
-    return f"{told}, which this recording would hardly lower: {LOAD}. " + (
-        f"Of those that it would lower, the least determined is the {names[lowered[0]]}: "
-        f"{_left(worth, lowered[0])} of its standard error would be left. "
+    return f"{least}, whose error this recording would hardly lower: {LOAD}. " + (
+        f"The least determined parameter whose error it would lower is the {names[lowered[0]]}: "
+        f"to {_left(worth, lowered[0])}. "
         if len(lowered)
         else ""
     )
@@ -102,7 +103,7 @@ def _parameters(problem: Problem, worth: Worth) -> Table:
     header = ["parameter", "unit", "before", "after", "before, of prior", "after, of prior"]
     caption = (
         "Predicted standard errors before and after the recording, least determined first. 100 % "
-        "of the prior means that no recording tells the parameter."
+        "of the prior means that no recording determines the parameter."
     )
     return Table(caption, header, rows, "parameters", DATA)
 

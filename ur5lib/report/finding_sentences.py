@@ -35,7 +35,7 @@ def templates() -> dict[str, str]:
 
 
 def sentence(code: str, values: Mapping[str, Any]) -> str:
-    """Return the sentence of a code, as it may be printed: its values quote files."""
+    """Return the sentence of a code, made printable: its values quote hostile files."""
     return printable(Words().vformat(templates()[code], (), values))
 
 
@@ -45,6 +45,6 @@ def in_words(remark: Mapping[str, Any]) -> str:
 
 
 def worded(finding: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of quality.json with its sentence as `detail`, in the place of its code."""
+    """Return a row of quality.json whose code and values are replaced by the sentence `detail`."""
     row = {name: value for name, value in finding.items() if name not in ("code", "values")}
     return row | {"detail": sentence(finding["code"] or finding["finding"], finding["values"])}

@@ -21,13 +21,13 @@ def count_findings(quality: pd.DataFrame) -> Sentence:
 
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
-    """Group findings of one kind in one row: counts summed, repeated meanings said once."""
+    """Group findings of one kind in one row: counts summed, each meaning stated once."""
     kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
-    grouped = kinds.agg({"count": "sum", "detail": lambda details: _said_once(list(details))})
+    grouped = kinds.agg({"count": "sum", "detail": lambda details: _stated_once(list(details))})
     return grouped.reset_index()
 
 
-def _said_once(details: list[str]) -> str:
+def _stated_once(details: list[str]) -> str:
     """Join details, "place: meaning" or a meaning alone, with the places of each meaning."""
     places: dict[str, list[str]] = {}
     for detail in dict.fromkeys(details):

@@ -48,8 +48,8 @@ class MovingSamples:
     @classmethod
     def joined(cls, parts: Sequence[Self]) -> Self:
         """Return the samples of all parts, after a row of NaN: panels may be empty."""
-        nothing = np.full((1, 6), np.nan)
-        arrays = ([nothing, *(getattr(part, own.name) for part in parts)] for own in fields(cls))
+        nothing, names = np.full((1, 6), np.nan), [field.name for field in fields(cls)]
+        arrays = ([nothing, *(getattr(part, name) for part in parts)] for name in names)
         return cls(*map(np.concatenate, arrays))
 
 

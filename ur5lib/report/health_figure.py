@@ -78,10 +78,10 @@ def _mark(axis: Axes, change: Any) -> None:
     style = SHADE if change["kind"] == "jump" else PALE
     axis.axvspan(_place(change["first"]), _place(change["last"]), **style)
     size = change["size"] / change["before"]
-    told = f"{100 * size:+.0f} %" if change["quantity"] != "offset" else f"{change['size']:+.2g}"
+    text = f"{100 * size:+.0f} %" if change["quantity"] != "offset" else f"{change['size']:+.2g}"
     rises = change["size"] > 0  # then the corner above the first dates is free
     place: Any = {"x": 0.05 if rises else 0.95, "ha": "left" if rises else "right"}
-    axis.text(y=0.97, s=told.replace("-", "−"), va="top", transform=axis.transAxes, **place)
+    axis.text(y=0.97, s=text.replace("-", "−"), va="top", transform=axis.transAxes, **place)
 
 
 def _label(figure: Figure, count: int) -> None:

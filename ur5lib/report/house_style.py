@@ -55,10 +55,10 @@ MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller
 
 
 class Ticks(ScalarFormatter):
-    """Tick labels as plain text, which takes a tenth of a formula's time; their power is one."""
+    """Tick labels as plain text, ten times faster than formulas; only the power is a formula."""
 
     def get_offset(self) -> str:
-        """Return what the labels are multiplied by, such as ×10⁻³."""
+        """Return the factor of the labels, such as ×10⁻³."""
         self.set_useMathText(True)
         power: str = super().get_offset()
         self.set_useMathText(False)
@@ -86,9 +86,9 @@ def nothing_to_draw() -> Drawing:
 def save(drawing: Drawing, path: str | Path) -> None:
     """Write a figure and its numbers, byte for byte the same for the same data.
 
-    As SVG, lines stay lines while they are few; many become an image inside it, which is smaller.
-    Styles of lines become keywords, and the numbers a CSV file beside it. As PDF, the figure fits a
-    column of a paper, without images, with its fonts.
+    SVG: many vertices become an image inside the file, which is smaller; styles of lines become
+    keywords; the numbers lie beside it as CSV. PDF: as wide as a column of a paper, vector graphics
+    with embedded fonts.
     """
     path = Path(path)
     if path.suffix == ".pdf":
@@ -107,9 +107,9 @@ def save(drawing: Drawing, path: str | Path) -> None:
 
 
 def _place_labels(figure: Figure) -> None:
-    """Align the labels of all y-axes where the widest tick labels end.
+    """Align the labels of all y-axes at a fixed distance, which the widest tick labels leave free.
 
-    Looking for where they end, as matplotlib does for each label, takes a quarter of the drawing.
+    Matplotlib's own search for that distance takes a quarter of the drawing time.
     """
     for axes in figure.axes:
         left = ScaledTranslation(-LABELS, 0, figure.dpi_scale_trans)

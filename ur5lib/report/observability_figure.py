@@ -31,7 +31,7 @@ def observability_figure(
         _pushes(left, felt, most)
         _shares(right, held, wanted)
     parts = [felt.assign(quantity="smallest_push_95"), held.assign(quantity="friction_in_band")]
-    return Drawing(figure, pd.concat([own for own in parts if len(own)], ignore_index=True))
+    return Drawing(figure, pd.concat([part for part in parts if len(part)], ignore_index=True))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
@@ -73,5 +73,5 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
 
 
 def _end(rows: pd.DataFrame) -> pd.Series:
-    """Return the upper end of each range, of an open one as far as it is drawn."""
+    """Return the upper end of each range; an open one is drawn up to twice its lower end."""
     return rows["speed_high"].astype(float).fillna(2 * rows["speed_low"])

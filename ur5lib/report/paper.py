@@ -1,4 +1,4 @@
-"""What a paper takes over from a report: tables, methods and references as LaTeX."""
+"""Parts of a report for a paper: tables, methods and references as LaTeX."""
 
 import os
 from pathlib import Path
@@ -69,8 +69,8 @@ def _tables(document: Document) -> list[Table]:
 
 def _column(picture: Picture, results: Results) -> str:
     """Return the path of a figure of a paper, from its folder."""
-    of = os.path.relpath(picture.path, results.figures)
-    return str(Path("figures", of).with_suffix(".pdf"))
+    inside = os.path.relpath(picture.path, results.figures)
+    return str(Path("figures", inside).with_suffix(".pdf"))
 
 
 def _as_tex(value: Any) -> str:

@@ -27,7 +27,7 @@ EQUAL, UNEXPLAINED = "equal", "unexplained"
 
 
 class Explained(NamedTuple):
-    """The numbers (6,) of a row of a published table, as an erratum says that they arose."""
+    """The numbers (6,) of a published row, computed with the error that an erratum describes."""
 
     erratum: int
     printed: str
@@ -38,10 +38,7 @@ class Explained(NamedTuple):
 def compared(
     reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
 ) -> Iterator[dict[str, Any]]:
-    """Yield a row for each published number of the recordings that the tables have.
-
-    tables: of results, by name.
-    """
+    """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.tables().items():
         for row, printed in published(table, table.recording).items():
             ways = [way for way in explained if (way.printed, way.row) == (name, row)]
@@ -56,19 +53,19 @@ def compared(
 
 
 def judged(
-    printed: float, rebuilt: float, as_said: Mapping[int, float], tolerance: float
+    printed: float, rebuilt: float, by_erratum: Mapping[int, float], tolerance: float
 ) -> dict[str, Any]:
-    """Return a number's status, and what it follows from: an erratum counts if its number fits.
+    """Return a number's status with the numbers behind it.
 
-    as_said: the number by erratum; the nearest to the print is shown. tolerance: largest
-    difference that counts as equal.
+    by_erratum: the number with each erratum's error; the nearest to the print is shown, and
+    explains it if equal. tolerance: largest difference that counts as equal.
     """
-    gaps = {abs(number - printed): erratum for erratum, number in as_said.items()}
+    gaps = {abs(number - printed): erratum for erratum, number in by_erratum.items()}
     shown: dict[str, Any] = {}
     status = UNEXPLAINED
     if gaps:
         nearest = gaps[min(gaps)]
-        shown = {"as_erratum_says": as_said[nearest], "erratum": nearest}
+        shown = {"as_erratum_says": by_erratum[nearest], "erratum": nearest}
         if min(gaps) <= tolerance:
             status = f"erratum {nearest}"
     if abs(rebuilt - printed) <= tolerance:  # also false where nothing could be rebuilt
@@ -84,18 +81,19 @@ def _beside(
     printed: Sequence[float],
     ways: Sequence[Explained],
 ) -> Iterator[dict[str, Any]]:
-    """Yield the numbers of one published row; one alone is compared with the largest of six."""
+    """Yield the numbers of one published row; a single one is compared with the largest of six."""
     rebuilt = _found(table.rebuilt, tables, table.recording, row)
     right = _found(table.right, tables, table.recording, row)
-    as_said = {way.erratum: way.numbers for way in ways}
+    by_erratum = {way.erratum: way.numbers for way in ways}
     if len(printed) == 1 and len(rebuilt):
-        rebuilt, right = (pd.Series({"largest": own.max()}) for own in (rebuilt, right))
-        as_said = {erratum: np.array([each.max()]) for erratum, each in as_said.items()}
+        rebuilt, right = (pd.Series({"largest": numbers.max()}) for numbers in (rebuilt, right))
+        by_erratum = {key: np.array([numbers.max()]) for key, numbers in by_erratum.items()}
     digits = _decimals(table)
     for place, (number, value) in enumerate(rebuilt.items()):
-        own = {erratum: float(each[place]) for erratum, each in as_said.items()}
-        told = judged(printed[place], value, own, _tolerance(table, printed[place], digits))
-        yield {"number": number, **told, "right": right.get(number)}
+        candidates = {erratum: float(numbers[place]) for erratum, numbers in by_erratum.items()}
+        tolerance = _tolerance(table, printed[place], digits)
+        status = judged(printed[place], value, candidates, tolerance)
+        yield {"number": number, **status, "right": right.get(number)}
 
 
 def _found(

@@ -49,13 +49,13 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
 
     The measured motion, its target and the closed loop, and the errors of the latter two.
     """
-    looped = getattr(closed_loop, state).get(gains)
-    if looped is None:
+    simulated = getattr(closed_loop, state).get(gains)
+    if simulated is None:
         return nothing_to_draw()
     known = {
         "measured": (getattr(signals, f"actual_{state}"), "measured"),
         "target": (getattr(signals, f"target_{state}"), "first"),
-        f"closed loop, gains {gains}": (looped, "second"),
+        f"closed loop, gains {gains}": (simulated, "second"),
     }
     series = {
         label: (with_breaks(values, signals.segment), style)
@@ -118,13 +118,13 @@ def current_figure(signals: Signals, currents: Currents) -> Drawing:
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
     estimates = {"from the joints": (accelerations.acceleration.get("encoders"), "first")}
-    return _felt_figure(accelerations, accelerations.felt, estimates)
+    return _imu_figure(accelerations, accelerations.felt, estimates)
 
 
 def published_acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 as published."""
     estimates = {THROUGH_ANGLES: (accelerations.published.get("euler"), "second")}
-    return _felt_figure(accelerations, accelerations.published_felt, estimates)
+    return _imu_figure(accelerations, accelerations.published_felt, estimates)
 
 
 def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Drawing:
@@ -133,10 +133,10 @@ def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Dra
     modelled, felt: acceleration through Euler angles and of the IMU, (N, 6) [m/s², rad/s²].
     """
     table = Accelerations(time=signals.time, segment=signals.segment)
-    return _felt_figure(table, felt, {THROUGH_ANGLES: (modelled, "second")})
+    return _imu_figure(table, felt, {THROUGH_ANGLES: (modelled, "second")})
 
 
-def _felt_figure(
+def _imu_figure(
     table: Accelerations, felt: Array | None, estimates: dict[str, tuple[Array | None, str]]
 ) -> Drawing:
     known = {"IMU": (felt, "measured")} | estimates
@@ -166,7 +166,10 @@ def published_force_figure(
 
 
 def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
-    """Return the new estimates, the band of the first, the sensor, and where a force hides (N,)."""
+    """Return the new estimates, the band of the first, and the sensor.
+
+    hidden: (N,), where some force causes no joint torque (shaded).
+    """
     measured = _wrench(sensor, sensor.wrench.get("compensated"))
     series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
     known = {name: label for name, label in NEW.items() if name in forces.wrench}

@@ -16,10 +16,10 @@ OLDER_MODEL = "[21]"  # a link model whose equations the thesis does not print
 class Lookup(Strict):
     """Where the study's tables hold the numbers that belong to a published table.
 
-    table: its name; value: column of the numbers, or that of each published row; row: column that
-    names the published rows, empty where one row of numbers belongs to all; number: column that
-    tells a row's numbers apart; where: what other columns must hold, or must for each published
-    row.
+    table: its name; value: column of the numbers, for all rows or by published row; row: column
+    that names the published rows, empty if all share one row; number: column that identifies a
+    number within its row (joint, component); where: values that other columns must have, for all
+    rows or by published row.
     """
 
     table: str
@@ -29,13 +29,13 @@ class Lookup(Strict):
     where: dict[str, str | dict[str, str]] = Field(default_factory=dict)
 
     def column(self, row: str) -> str:
-        """Return the column of a published row's numbers."""
+        """Return the column that holds the numbers of a published row."""
         return _of_row(self.value, row)
 
     def cells(self, row: str) -> dict[str, str]:
-        """Return what columns hold where a published row's numbers stand."""
-        known = {column: _of_row(value, row) for column, value in self.where.items()}
-        return known | ({self.row: row} if self.row else {})
+        """Return the values of the columns that identify a published row."""
+        values = {column: _of_row(value, row) for column, value in self.where.items()}
+        return values | ({self.row: row} if self.row else {})
 
 
 def _of_row(value: str | dict[str, str], row: str) -> str:
@@ -43,12 +43,11 @@ def _of_row(value: str | dict[str, str], row: str) -> str:
 
 
 class PrintedTable(Strict):
-    """A published table: by model or estimate, six values, joints or components in order.
+    """A published table: for each model or estimate, six values by joint or component.
 
-    One value alone is the largest of six. sources: of the rows that stand elsewhere in print;
-    quantity: what the values are; rebuilt, right: where the same stands rebuilt, and computed
-    without the errata; relative, below_one: differences that count as equal, and, of a value below
-    one, in its unit.
+    A single value is the largest of six. sources: of rows that are printed elsewhere; quantity:
+    name of the values; rebuilt, right: where the study has them, with and without the errata;
+    relative, below_one: differences that count as equal, the latter absolute, for values below 1.
     """
 
     source: str
@@ -125,10 +124,8 @@ class Reference(Strict):
 
     def tables(self) -> list[str]:
         """Return the names of the study's tables that hold rebuilt and right numbers."""
-        tables = self.printed.tables().values()
-        return sorted(
-            {found.table for one in tables for found in (one.rebuilt, one.right) if found}
-        )
+        lookups = ((table.rebuilt, table.right) for table in self.printed.tables().values())
+        return sorted({lookup.table for pair in lookups for lookup in pair if lookup})
 
     def explained(self) -> set[str]:
         """Return the names of the recordings whose published values an erratum explains."""
@@ -137,7 +134,7 @@ class Reference(Strict):
         return {tables[way.printed].recording for way in ways}
 
     def explained_accelerations(self) -> dict[str, AccelerationError]:
-        """Return how an erratum has the acceleration of a recording computed, by recording."""
+        """Return, by recording, the error by which an erratum explains printed accelerations."""
         tables = self.printed.tables()
         ways = (way for erratum in self.errata for way in erratum.explains)
         return {tables[way.printed].recording: way.acceleration for way in ways if way.acceleration}

@@ -45,7 +45,7 @@ def write_pdf(document: Document, path: str | Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         shutil.copy(TEMPLATES / "report.typ", root)
-        verdicts = [one for block in _blocks(data, "verdicts") for one in block["verdicts"]]
+        verdicts = [verdict for block in _blocks(data, "verdicts") for verdict in block["verdicts"]]
         for i, verdict in enumerate(verdicts):
             verdict["path"] = f"verdict_{i}.svg" if verdict["drawing"] else ""
             if verdict["path"]:

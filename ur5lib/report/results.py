@@ -1,4 +1,4 @@
-"""Everything a report is written from."""
+"""The results of a study, as the report's views read them."""
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +18,7 @@ from ur5lib.report.sentences import Sentence
 from ur5lib.report.versions import commit, versions
 from ur5lib.tables import read_csv
 
-MOST_ROWS = 60  # of a table; the file it was made from has all
+MOST_ROWS = 60  # shown of a table; its CSV file has all
 
 
 class Body(NamedTuple):
@@ -35,10 +35,10 @@ Column = str | Callable[[Any], Cell | str]
 def tabulated(rows: Iterable[Any], columns: Mapping[str, Column]) -> Body:
     """Return the table of rows with named fields.
 
-    columns: by their header, the name of a field, or what makes a row's cell.
+    columns: by header, the name of a field, or the function that makes the cell of a row.
     """
-    of = [attrgetter(one) if isinstance(one, str) else one for one in columns.values()]
-    cells = [[cell if isinstance(cell := show(row), Cell) else Cell(str(cell)) for show in of]
+    makers = [attrgetter(one) if isinstance(one, str) else one for one in columns.values()]
+    cells = [[cell if isinstance(cell := make(row), Cell) else Cell(str(cell)) for make in makers]
              for row in rows]  # fmt: skip
     return Body([*columns], cells)
 
@@ -48,8 +48,7 @@ class Results:
     """A study's results.
 
     study: the configuration; tables: by name; figures: the folder of figures; drawn: recordings
-    with figures; left_out: a sentence
-    for each section that the data do not allow.
+    with figures; left_out: for each omitted section, a sentence with the reason.
     """
 
     study: Mapping[str, Any]
@@ -67,7 +66,8 @@ class Results:
     ) -> "Results":
         """Read a study's results.
 
-        study: the configuration as YAML; tables, figures, reference: paths, of published values.
+        study: the configuration as YAML; tables, figures: paths; reference: path of the published
+        values, if any.
         """
         return cls(
             study=yaml.safe_load(study),
@@ -103,21 +103,21 @@ class Results:
 
     @cached_property
     def _moving(self) -> dict[str, set[int]]:
-        """Return the same of all recordings in which a joint moves: asked for row by row."""
-        told = self.tables["recordings"].dropna(subset="moving_joints")
+        """Return the moving joints by recording; cached, as views ask for them row by row."""
+        rows = self.tables["recordings"].dropna(subset="moving_joints")
         return {
             row.recording: {int(float(joint)) for joint in str(row.moving_joints).split()}
-            for row in told.itertuples()
+            for row in rows.itertuples()
         }
 
     def stopped(self) -> bool:
-        """Return whether a stop sign stands, on a recording or an arm."""
+        """Return whether a recording or an arm has a stop sign."""
         signs = self.rows("quality", severity="stop"), self.rows("remarks", step="stop sign")
         return any(map(len, signs))
 
     def file_of(self, recording: str) -> str:
-        """Return the robot's file of a recording, or its name where it is a folder of files."""
-        entries = {one["name"]: one for one in self.study["recordings"]}
+        """Return the robot's file of a recording, or the recording's name if it is a folder."""
+        entries = {entry["name"]: entry for entry in self.study["recordings"]}
         return str(entries[recording].get("file", recording))
 
     def robots(self) -> list[str]:
@@ -126,7 +126,7 @@ class Results:
 
     def arms(self) -> dict[str, str]:
         """Return the arm of each recording, by its name in results."""
-        return {one["name"]: _arm(one["robot"]) for one in self.study["recordings"]}
+        return {entry["name"]: _arm(entry["robot"]) for entry in self.study["recordings"]}
 
     def whole(self, table: str) -> Body:
         """Return all columns and rows of a table, numbers to four digits."""
@@ -150,5 +150,5 @@ class Results:
 
 
 def _arm(robot: str | Mapping[str, Any]) -> str:
-    """Return the name in results of an arm, as a study names or describes it."""
+    """Return an arm's name in results, from its name or description in the study."""
     return robot if isinstance(robot, str) else robot.get("name", robot["arm"])

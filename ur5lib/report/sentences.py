@@ -41,9 +41,9 @@ def sentence(text: str, numbers: Iterable[Stated] = ()) -> Sentence:
 
 def joined(parts: Iterable[str], between: str = " ") -> Sentence:
     """Return texts one after the other, with the numbers of all."""
-    known = [*parts]
-    numbers = [number for part in known for number in getattr(part, "numbers", ())]
-    return sentence(between.join(known), numbers)
+    texts = [*parts]
+    numbers = [number for part in texts for number in getattr(part, "numbers", ())]
+    return sentence(between.join(texts), numbers)
 
 
 def capital(text: str) -> Sentence:
@@ -63,7 +63,7 @@ def say(name: str, /, **values: Any) -> Sentence:
 
 @jinja2.pass_context
 def _noted(context: jinja2.runtime.Context, value: Any) -> Any:
-    """Note the numbers of what a template shows."""
+    """Collect the numbers that a template shows."""
     if isinstance(value, Real) and not isinstance(value, bool):
         value = sentence(f"{value}", [Stated(float(value))])
     context["_numbers"].extend(getattr(value, "numbers", ()))
@@ -117,7 +117,7 @@ def _each(
 ) -> Sentence:
     """Format values one after the other, and their unit after the last.
 
-    bounds: whether those that would be zeros are given as a bound.
+    bounds: whether values that would round to zero are given as a bound (< 0.01).
     """
     parts = [(_rounded if bounds else _fixed)(value, digits) for value in values]
     numbers = [Stated(part.numbers[0].value, None, unit) for part in parts]

@@ -13,7 +13,7 @@ from ur5lib.strict import Strict
 SCHEMA = "results.schema.json"
 
 
-class Said(Strict):
+class StatedSentence(Strict):
     """A sentence, and its numbers in their order."""
 
     text: str
@@ -25,8 +25,8 @@ class Judged(Strict):
 
     topic: str
     state: State
-    sentence: Said
-    evidence: Said
+    sentence: StatedSentence
+    evidence: StatedSentence
     numbers: list[Number]
 
 
@@ -34,7 +34,7 @@ class Listed(Strict):
     """A list under its heading."""
 
     heading: str
-    sentences: list[Said]
+    sentences: list[StatedSentence]
 
 
 class Summary(Strict):
@@ -65,7 +65,7 @@ def summary(document: Document, results: Results) -> dict[str, Any]:
             for verdict in block.verdicts
         ],
         "lists": [
-            Listed(heading=above.heading, sentences=[_said(text) for text in block.items])
+            Listed(heading=above.heading, sentences=[_stated(text) for text in block.items])
             for above, block in pairwise(blocks)
             if isinstance(above, Heading) and isinstance(block, Items)
         ],
@@ -82,11 +82,11 @@ def _judged(verdict: Verdict) -> Judged:
     return Judged(
         topic=verdict.topic,
         state=verdict.state,
-        sentence=_said(verdict.sentence),
-        evidence=_said(verdict.evidence),
+        sentence=_stated(verdict.sentence),
+        evidence=_stated(verdict.evidence),
         numbers=list(verdict.numbers),
     )
 
 
-def _said(text: str) -> Said:
-    return Said(text=str(text), numbers=list(getattr(text, "numbers", ())))
+def _stated(text: str) -> StatedSentence:
+    return StatedSentence(text=str(text), numbers=list(getattr(text, "numbers", ())))

@@ -61,7 +61,7 @@ NO_NUMBER = {"", "–", UNDETERMINED}
 def tex(text: str) -> str:
     """Return text as LaTeX: every sign stands for itself, units in brackets are siunitx's.
 
-    A letter that LaTeX has none for becomes its number: U+4E2D.
+    A letter that LaTeX does not have becomes its code point: U+4E2D.
     """
     parts = re.split(r"(?<=\[)([^\[\]]+)(?=\])", unicodedata.normalize("NFC", text))
     return "".join(_units(part) if i % 2 else _escaped(part) for i, part in enumerate(parts))
@@ -104,7 +104,7 @@ def tex_table(table: Table) -> str:
 
 
 def _units(text: str) -> str:
-    """Return what stands in brackets: units, apart from each other, or other text."""
+    """Return text in brackets as LaTeX: units by siunitx, one by one, or other text."""
     units = text.split(", ")
     if all(unit in UNITS for unit in units):
         return ", ".join(f"\\unit{{{UNITS[unit]}}}" for unit in units)

@@ -215,7 +215,7 @@ def _shade(axis: Axes, starts: Array, ends: Array, style: Any) -> None:
 
 
 def _widen(axis: Axes) -> None:
-    """Keep rounding noise from filling a panel whose values hardly change."""
+    """Widen the axis of a panel whose values change by less than rounding noise."""
     low, high = axis.get_ylim()
     missing = SMALLEST_SPAN - (high - low)
     if missing > 0:

@@ -29,7 +29,7 @@ Files = Mapping[str, str]  # paths of one arm's or one recording's results
 def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
     """Yield rows about parameters fitted to several recordings with a common truth.
 
-    files: described, rotors, identification, calibration and friction of an arm.
+    files: paths of the arm's results: described, rotors, identification, calibration, friction.
     """
     rotors, identification = read_json(files["rotors"]), read_json(files["identification"])
     calibration = read_json(files["calibration"]).get("all", {"from": []})
@@ -47,9 +47,10 @@ def arm_rows(files: Files, truths: Truths) -> Iterator[Row]:
 
 
 def recording_rows(files: Files, truth: Mapping[str, Any], design: Butterworth) -> list[Row]:
-    """Return rows about one recording; design: of the low-pass of accelerations.
+    """Return rows about one recording; design: low-pass of the accelerations.
 
-    files: clocks, motion, fused, accelerations, forces, truth of it; described and fitted arm.
+    files: paths of its clocks, motion, fused, accelerations, forces and truth, and of the described
+    and the fitted arm.
     """
     motion, fused = Motion.read(files["motion"]), FusedMotion.read(files["fused"])
     true = Truth.read(files["truth"]).at(motion.time)

@@ -80,7 +80,7 @@ def shares(quantity: str, index: Sequence[object], stated: float, inside: Array)
 def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
     """Yield offset [s] and drift [ppm] of each device, from clocks.json and the truth.
 
-    Sensors that the host's stamps placed are on the robot's clock: their drift has no truth.
+    Sensors that were aligned by the host's stamps use the robot's clock: their drift has no truth.
     """
     for device, found in clocks.items():
         true = truth["clocks"][device]
@@ -90,8 +90,8 @@ def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[
         ):
             if found[quantity] is not None and key in true:
                 number, std = scale * found[quantity], scale * found[f"{quantity}_std"]
-                told = [true[key]], [number], [std]
-                for row in values(f"clock_{quantity}", [device], unit, *told):
+                numbers = [true[key]], [number], [std]
+                for row in values(f"clock_{quantity}", [device], unit, *numbers):
                     yield row | {"method": found["method"]}
 
 
@@ -172,8 +172,8 @@ def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[
 def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
     """Yield torque constants and friction, from friction.json's "parameters" and truth.json.
 
-    Coverage is that of the reported intervals, which are wider than normal ones for few
-    recordings. Of fitted terms that the stand's friction does not have, there is no truth.
+    within95 uses the reported intervals, which are wider than normal ones for few recordings.
+    Fitted terms that the stand's friction does not have are left out.
     """
     drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}
     known = {
@@ -191,10 +191,10 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
         if row["name"] in known:
             unit, of_joints = known[row["name"]]
             true, (low, high) = of_joints[row["joint"] - 1], row["interval"]
-            told = [true], [row["value"]], [row["std_error"]]
+            numbers = [true], [row["value"]], [row["std_error"]]
             inside = "yes" if low <= true <= high else "no"
-            for each in values(row["name"], [row["joint"]], unit, *told):
-                yield each | {"within95": inside}
+            for compared in values(row["name"], [row["joint"]], unit, *numbers):
+                yield compared | {"within95": inside}
 
 
 def _rms(array: Array) -> Array:

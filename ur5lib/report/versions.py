@@ -1,4 +1,4 @@
-"""Versions of the code and of the packages that numbers depend on."""
+"""Versions of the code and of the packages on which the numbers depend."""
 
 import platform
 import subprocess

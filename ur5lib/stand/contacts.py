@@ -15,13 +15,13 @@ Kind = Push | Hand | Spring | Wall | Load
 GRASP = 0.2  # s, duration of lifting or putting down a load
 
 
-def _swell(contact: Timed, time: float) -> float:
-    """Return how far a contact has built up: 0 at its start and end, 1 halfway."""
+def _profile(contact: Timed, time: float) -> float:
+    """Return the strength of a contact over time: 0 at its start and end, 1 halfway."""
     return float(np.sin(np.pi * (time - contact.start_s) / contact.seconds) ** 2)
 
 
-def _grip(load: Load, time: float) -> float:
-    """Return the share of a load that is held: 0 at its start and end, 1 in between."""
+def _held_share(load: Load, time: float) -> float:
+    """Return the share of a load's weight on the arm: 0 at its start and end, 1 in between."""
     since = min(time - load.start_s, load.start_s + load.seconds - time)
     return float(np.sin(np.pi / 2 * min(since / GRASP, 1.0)) ** 2)
 
@@ -30,8 +30,8 @@ def _grip(load: Load, time: float) -> float:
 class Touch:
     """The state of one contact during the simulation.
 
-    gravity: (3,) [m/s²], base axes; anchor: fixed end of a spring, or place of a hand [m], once it
-    touches; velocity, weight: of a load, in the previous step [m/s, N].
+    gravity: (3,) [m/s²], base axes; anchor: far end of a spring, or place of a hand [m], set at the
+    first touch; velocity, weight: of a load, in the previous step [m/s, N].
     """
 
     plan: Kind
@@ -53,16 +53,16 @@ class Touch:
         if not contact.start_s <= time <= contact.start_s + contact.seconds:
             return np.zeros(3)
         if isinstance(contact, Push):
-            return _swell(contact, time) * np.array(contact.force)
+            return _profile(contact, time) * np.array(contact.force)
         if isinstance(contact, Load):
-            return self._weigh(_grip(contact, time) * contact.mass, velocity, mobility, step)
+            return self._weigh(_held_share(contact, time) * contact.mass, velocity, mobility, step)
         return self._pull(contact, time, point, velocity, step)
 
     def _weigh(self, mass: float, velocity: Array, mobility: Array, step: float) -> Array:
         """Return weight and inertial force of a mass at the point: f = m (g − a), a = a_free + W f.
 
-        a_free, the acceleration without the mass, is from the previous step, so that any mass is
-        stable.
+        a_free, the acceleration without the mass, is taken from the previous step, which keeps the
+        simulation stable for any mass.
         """
         before = velocity if self.velocity is None else self.velocity
         free = (velocity - before) / step - mobility @ self.weight
@@ -79,18 +79,18 @@ class Touch:
         velocity: Array,
         step: float,
     ) -> Array:
-        """Return the force of a spring and damper; the far end moves, and a hand's also follows."""
-        swell = _swell(contact, time)
+        """Return the force of a spring and damper with a moving far end; a hand follows the arm."""
+        strength = _profile(contact, time)
         anchor = point.copy() if self.anchor is None else self.anchor
         follows = np.zeros(3)
         if isinstance(contact, Hand):
             follows = (point - anchor) / contact.lag_s
         self.anchor = anchor + follows * step
-        stretch = anchor + swell * np.array(contact.displacement) - point
+        stretch = anchor + strength * np.array(contact.displacement) - point
         # A hand takes hold and lets go gradually, without a jump of the force.
-        hold = min(1.0, 4 * swell)
+        grip = min(1.0, 4 * strength)
         pull = contact.stiffness_n_m * stretch + contact.damping_ns_m * (follows - velocity)
-        return hold * pull
+        return grip * pull
 
 
 def _wall(wall: Wall, point: Array, velocity: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The channels that the controller sends, frame by frame."""
+"""The channels of the controller, frame by frame."""
 
 import mujoco
 import numpy as np
@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
-from ur5lib.stand.drive import current_noise, stir
+from ur5lib.stand.drive import current_noise, motion_share
 from ur5lib.stand.engine import Experiment, SimulatedMotion
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import STEP
@@ -21,10 +21,10 @@ COUNTS = 2**19  # of an encoder per turn
 # Noise of moving joints, like the real residuals against the targets.
 POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
-WINDOW = 4  # steps; velocity is the mean over them and hence delayed by 2 ms
+WINDOW = 4  # steps over which velocity is averaged, which delays it by 2 ms
 FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
-SINGULAR = 0.02  # damping of that estimate near singularities
-SENSED = 1 / 16  # °C, step of a motor's temperature
+DAMPING = 0.02  # of that estimate near singularities
+TEMPERATURE_STEP = 1 / 16  # °C
 
 Steps = Labels
 
@@ -35,9 +35,8 @@ def frames(
     """Return the controller's frames: `time` [s] and its channels under RTDE names.
 
     cycle: [s]; random: generator of the noise, None for no noise. `actual_TCP_force` is the
-    controller's own estimate, the wrench of the arm on its environment, from the residual of the
-    currents after the torques of the model and of the known friction; zero for an arm with a wrist
-    sensor, whose readings replace it.
+    controller's estimate of the wrench of the arm on its environment: currents less the torques of
+    model and known friction. It is zero for an arm with a wrist sensor, whose readings replace it.
     """
     known, drive, motion = experiment.known, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
@@ -72,13 +71,13 @@ def frames(
 
 
 def _temperatures(plan: SimulatedRecording, time: Array) -> Array:
-    """Return the motors' temperatures (N, 6) [°C] as they are sensed."""
+    """Return the motors' temperatures (N, 6) [°C], rounded to the sensor's step."""
     warming = np.interp(time, time[[0, -1]], plan.temperature_c)
-    return np.repeat(SENSED * np.rint(warming / SENSED)[:, None], 6, axis=1)
+    return np.repeat(TEMPERATURE_STEP * np.rint(warming / TEMPERATURE_STEP)[:, None], 6, axis=1)
 
 
 def _payload(declared: Payload | None, count: int) -> dict[str, Array]:
-    """Return RTDE's channels of the payload declared to the controller, none without one."""
+    """Return RTDE's channels of the payload configured at the controller, none without one."""
     if declared is None:
         return {}
     channels = {"payload_cog": declared.center_of_mass, "payload_inertia": declared.inertia}
@@ -117,19 +116,19 @@ def _encoders(motion: SimulatedMotion, random: np.random.Generator | None) -> tu
     """Return measured positions and velocities (difference over WINDOW) at every step (N, 6)."""
     if random is None:
         return motion.q, motion.qd
-    shake = stir(motion.qd) * random.normal(size=(2, *motion.q.shape))
+    noise = motion_share(motion.qd) * random.normal(size=(2, *motion.q.shape))
     before = np.concatenate([np.repeat(motion.q[:1], WINDOW, axis=0), motion.q[:-WINDOW]])
     qd = (motion.q - before) / (WINDOW * STEP)
     count = 2 * np.pi / COUNTS
-    q = count * np.rint((motion.q + POSITION_NOISE * shake[0]) / count)
-    return q, qd + VELOCITY_NOISE * shake[1]
+    q = count * np.rint((motion.q + POSITION_NOISE * noise[0]) / count)
+    return q, qd + VELOCITY_NOISE * noise[1]
 
 
 def damped_wrench(external: Array, jacobian: Array) -> Array:
     """Return the wrenches (..., 6) [N, Nm] of external torques (..., 6) [Nm] by damped least
     squares; jacobian: (..., 6, 6).
     """
-    square = jacobian @ jacobian.mT + SINGULAR**2 * np.eye(6)
+    square = jacobian @ jacobian.mT + DAMPING**2 * np.eye(6)
     return np.asarray(np.linalg.solve(square, jacobian @ external[..., None])[..., 0])
 
 

@@ -1,4 +1,4 @@
-"""The drives: the control of the joints, and the motor currents it takes."""
+"""The drives: control of the joints, and noise of the motor currents."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ from ur5lib.timeseries.arrays import Array
 
 # rad/s; with these, joints deviate from their targets as much as the real ones do.
 NATURAL_FREQUENCY = np.array([100.0, 130.0, 140.0, 160.0, 200.0, 140.0])
-KNOWN = 0.8  # share of the friction that the controller knows
+KNOWN = 0.8  # share of the friction that the controller compensates
 MOVES = 0.05  # rad/s; speed at which the noise of a moving joint sets in
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
-TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A, for joints that have more
+TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])  # Nm/A, upper limits for all arms
 RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
 PERIODS = np.array([202, 202, 202, 404, 404, 404])  # of the ripple per turn of the joint
 NOISE, NOISE_AT_REST = 0.05, 0.01  # A
@@ -24,11 +24,11 @@ NOISE, NOISE_AT_REST = 0.05, 0.01  # A
 
 @dataclass(frozen=True)
 class Drive:
-    """PD control with feed-forward (Equations 2.69, 2.71); its gains and feed-forward (6,).
+    """PD control with feed-forward (Equations 2.69, 2.71); parameters of six joints, (6,) each.
 
     position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: friction known to the controller
-    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. The feed-forward contains the viscous
-    friction only, like the real target currents.
+    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the real target currents, the
+    feed-forward contains viscous friction only.
     """
 
     position_gain: Array
@@ -44,13 +44,13 @@ class Drive:
         """Return the motor torques (6,) [Nm].
 
         u = D(q) a + C q̇ + g (2.69), a = q̈ᵈ − K0 (q − qᵈ) − K1 (q̇ − q̇ᵈ) (2.71), plus friction.
-        model: as the controller knows the arm; data: with positions and velocities computed;
-        target: q [rad], q̇, q̈.
+        model: the controller's model of the arm; data: with positions and velocities computed;
+        target: q [rad], q̇ [rad/s], q̈ [rad/s²].
         """
         q, qd, qdd = target
-        back = self.position_gain * (q - data.qpos) + self.velocity_gain * (qd - data.qvel)
+        feedback = self.position_gain * (q - data.qpos) + self.velocity_gain * (qd - data.qvel)
         correction = np.empty(6)
-        mujoco.mj_mulM(model, data, correction, back)
+        mujoco.mj_mulM(model, data, correction, feedback)
         motors = link_torques(model, data, qdd) + correction + self.viscous * qd
         return np.clip(motors, -self.torque_max, self.torque_max)
 
@@ -78,13 +78,13 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
     )
 
 
-def stir(qd: Array) -> Array:
-    """Return the share of the moving joints' noise, from 0 at rest to 1; qd: [rad/s]."""
+def motion_share(qd: Array) -> Array:
+    """Return the share of a moving joint's noise, from 0 at rest to 1; qd: [rad/s]."""
     return np.tanh(np.abs(qd) / MOVES)
 
 
 def current_noise(q: Array, qd: Array, random: np.random.Generator) -> Array:
     """Return the ripple and noise of measured currents (N, 6) [A]."""
     ripple = RIPPLE * np.sin(PERIODS * q)
-    noise = random.normal(size=q.shape) * (NOISE_AT_REST + NOISE * stir(qd))
-    return ripple * stir(qd) + noise
+    noise = random.normal(size=q.shape) * (NOISE_AT_REST + NOISE * motion_share(qd))
+    return ripple * motion_share(qd) + noise

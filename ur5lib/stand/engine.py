@@ -42,7 +42,7 @@ class TrueMotion:
 
 @dataclass(frozen=True)
 class SimulatedMotion(TrueMotion):
-    """The true motion and forces, and the targets that the arm was to follow."""
+    """The true motion and forces, and the targets of the arm."""
 
     targets: Targets
 
@@ -51,9 +51,8 @@ class SimulatedMotion(TrueMotion):
 class Experiment:
     """A simulated arm and its motion.
 
-    robot: with all that it carries; model: name of its true link model; plant: that model in
-    MuJoCo; known: the arm as the controller knows it; declared: the payload that the controller was
-    given.
+    robot: with every payload; model: name of its true link model; plant: that model in MuJoCo;
+    known: the controller's model of the arm; declared: the payload configured at the controller.
     """
 
     robot: Robot
@@ -68,14 +67,14 @@ class Experiment:
 
 
 def perform(
-    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, tell: bool = True
+    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, declare: bool = True
 ) -> Experiment:
     """Simulate a plan; random: generator of the initial friction.
 
-    tell: whether the plan's payload is declared to the controller; an undeclared one never is.
+    declare: whether the controller is given the plan's `payload`; never its `undeclared_payload`.
     Raises InputError when the arm cannot execute the plan.
     """
-    rig = build_rig(robot, plan, random, tell)
+    rig = build_rig(robot, plan, random, declare)
     return Experiment(
         robot=rig.robot,
         model=rig.model,
@@ -92,12 +91,12 @@ def perform(
 def _move(rig: Rig, plan: SimulatedRecording) -> SimulatedMotion:
     time: Array = STEP * np.arange(round(plan.seconds / STEP) + 1, dtype=np.float64)
     targets = plan_targets(plan.trajectory, rig.robot, time)
-    kept = np.empty((len(time), sum(PARTS.values())))
+    states = np.empty((len(time), sum(PARTS.values())))
     rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
-    wanted = [*zip(targets.q, targets.qd, targets.qdd, strict=True)]
+    rows = [*zip(targets.q, targets.qd, targets.qdd, strict=True)]
     warmth = np.interp(time, time[[0, -1]], plan.temperature_c) - USUAL
     for step in range(-SETTLE, len(time)):
-        now = max(step, 0)
-        rig.step(wanted[now], warmth[now], kept[now])
-    parts = np.split(kept, np.cumsum(list(PARTS.values()))[:-1], axis=1)
+        now = max(step, 0)  # while the arm settles, the first target holds
+        rig.step(rows[now], warmth[now], states[now])
+    parts = np.split(states, np.cumsum(list(PARTS.values()))[:-1], axis=1)
     return SimulatedMotion(time=time, targets=targets, **dict(zip(PARTS, parts, strict=True)))

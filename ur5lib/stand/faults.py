@@ -15,8 +15,8 @@ MOVES = 1e-3  # rad/s; above it, the arm counts as moving
 
 
 @dataclass(frozen=True)
-class Hit:
-    """The frames (N,) hit by faults: never the first two or the last."""
+class FaultyFrames:
+    """The frames (N,) with each fault: never the first two or the last."""
 
     lost: Mask
     cut: Mask
@@ -24,30 +24,32 @@ class Hit:
     stale_data: Mask
 
 
-def choose_hit(faults: Faults, count: int, random: np.random.Generator) -> Hit:
-    """Draw which of `count` frames are hit, each by at most one fault."""
+def draw_faulty_frames(faults: Faults, count: int, random: np.random.Generator) -> FaultyFrames:
+    """Draw the faulty ones of `count` frames, each with at most one fault."""
     drawn = random.random(count)
     drawn[[0, 1, -1]] = 1.0  # a reader accepts the first frame only if the second is complete
     shares = faults.lost_frames, faults.cut_frames, faults.stale_stamps, faults.stale_frames
     bounds = np.cumsum([0.0, *shares])
-    return Hit(*((start <= drawn) & (drawn < end) for start, end in pairwise(bounds)))
+    return FaultyFrames(*((start <= drawn) & (drawn < end) for start, end in pairwise(bounds)))
 
 
-def spoil(frames: pd.DataFrame, hit: Hit, random: np.random.Generator) -> pd.DataFrame:
-    """Return the frames after the faults: stale timestamps, stale data and lost frames.
+def apply_faults(
+    frames: pd.DataFrame, faulty: FaultyFrames, random: np.random.Generator
+) -> pd.DataFrame:
+    """Return the frames with stale timestamps and stale data, without lost frames.
 
     Adds `sent` [s], the true time of sending, and `kept`, the share of the bytes that arrives.
     """
     before, channels = frames.shift(), frames.columns.drop("time")
-    kept = np.where(hit.cut, random.random(len(frames)), 1.0)
+    kept = np.where(faulty.cut, random.random(len(frames)), 1.0)
     frames = frames.assign(sent=frames["time"], kept=kept)
-    frames.loc[hit.stale_stamp, "time"] = before.loc[hit.stale_stamp, "time"]
-    frames.loc[hit.stale_data, channels] = before.loc[hit.stale_data, channels]
-    return frames[~hit.lost]
+    frames.loc[faulty.stale_stamp, "time"] = before.loc[faulty.stale_stamp, "time"]
+    frames.loc[faulty.stale_data, channels] = before.loc[faulty.stale_data, channels]
+    return frames[~faulty.lost]
 
 
 def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[float, bytes]]:
-    """Return when a capture receives which bytes, with every third packet late (Figure 4.4).
+    """Return time [s] and bytes of each receipt, with every third packet late (Figure 4.4).
 
     sent: times of sending [s] (N,); moving: whether the arm moves (N,). The late packet arrives
     with the first 694 bytes of the next one, the rest of which follows 1 ms later.
@@ -67,7 +69,7 @@ def split_late(messages: list[bytes], sent: Array, moving: Mask) -> list[tuple[f
 
 
 def is_moving(frames: pd.DataFrame) -> Mask:
-    """Return whether the arm is meant to move, frame by frame (N,)."""
+    """Return whether the targets move, frame by frame (N,)."""
     speed = frames.filter(like="target_qd_").abs().max(axis="columns")
     return (speed > MOVES).to_numpy()
 

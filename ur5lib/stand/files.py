@@ -32,7 +32,7 @@ def write_files(files: Mapping[str, str], folder: Path, torn: bool) -> None:
 def thesis_csv(frames: pd.DataFrame, sensors: Sensors, plan: SimulatedRecording) -> Files:
     """Return one CSV per channel, and the start stamps of the devices.
 
-    The tool's acceleration is omitted: the real file holds raw counts that nothing reads.
+    The tool's acceleration is omitted: no reader uses the raw counts of the real file.
     """
     files = {
         f"log_{file}.csv": _rows(frames["time"], channel(frames, name))
@@ -87,13 +87,13 @@ def messages(frames: pd.DataFrame) -> list[bytes]:
 
 
 def _receive(frames: pd.DataFrame, plan: SimulatedRecording) -> list[tuple[float, bytes]]:
-    """Return when a capture receives which bytes; cut messages end early."""
+    """Return time [s] and bytes of each receipt; cut messages end early."""
     lengths = (MESSAGE * frames["kept"]).astype(int)
-    came = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
+    packets = [message[:end] for message, end in zip(messages(frames), lengths, strict=True)]
     time = frames["sent"].to_numpy()
     if plan.faults.late_packets:
-        return split_late(came, time, is_moving(frames))
-    return list(zip(time.tolist(), came, strict=True))
+        return split_late(packets, time, is_moving(frames))
+    return list(zip(time.tolist(), packets, strict=True))
 
 
 def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> Files:
@@ -109,7 +109,7 @@ def _sensor_tables(sensors: Sensors, plan: SimulatedRecording, zero: float) -> F
 
 
 def _stamp(clock: Clock) -> float:
-    """Return the start of a device by its own stamp, relative to the robot's [s]."""
+    """Return a device's start stamp, relative to the robot's start [s]."""
     return clock.offset_s + clock.stamp_error_s
 
 

@@ -21,9 +21,9 @@ COULOMB = np.array(
 VISCOUS = np.array([0.063, 0.060, 0.038, 0.077, 0.077, 0.048])  # the same, per rad/s
 LOAD = np.full(6, 0.05)  # Nm/Nm
 PERIODIC = 0.05  # share of the Coulomb friction
-USUAL = 30.0  # °C, at which friction is as above
-# What friction gains per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the
-# arm is warm, and dry friction changes less.
+USUAL = 30.0  # °C, temperature of the values above
+# Relative change per kelvin: viscous friction of a UR3 and a UR5 is 17 to 20 % lower once the arm
+# is warm, and dry friction changes less.
 COULOMB_WARMING, VISCOUS_WARMING = -0.003, -0.009  # 1/K
 
 
@@ -49,16 +49,16 @@ class FrictionParameters:
     viscous_warming: Array = field(default_factory=lambda: np.full(6, VISCOUS_WARMING))
 
     def dry(self, qd: Array, load: Array, warmth: float = 0.0) -> Array:
-        """Return the dry friction of a sliding joint (..., 6) [Nm].
+        """Return the dry friction of sliding joints (..., 6) [Nm].
 
-        qd [rad/s], load [Nm]; warmth: [K], above the usual temperature.
+        qd [rad/s], load [Nm]: (..., 6); warmth: [K], above the usual temperature.
         """
         stribeck = (self.stiction - 1) * np.exp(-((qd / self.stribeck_velocity) ** 2))
         coulomb = self.coulomb * (1 + self.coulomb_warming * warmth)
         return coulomb * (1 + stribeck) + self.load * np.abs(load)
 
     def changed(self, coulomb: Sequence[float], viscous: Sequence[float]) -> Self:
-        """Return friction as wear changes it; coulomb, viscous: factors (6,)."""
+        """Return worn friction; coulomb, viscous: factors (6,)."""
         return replace(self, coulomb=self.coulomb * coulomb, viscous=self.viscous * viscous)
 
 

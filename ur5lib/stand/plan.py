@@ -10,7 +10,7 @@ from ur5lib.strict import Strict, existing_file
 from ur5lib.timeseries.fourier import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
-RESTING = 1e-6  # rad, of a series' conditions to begin at rest: rounding of written coefficients
+RESTING = 1e-6  # rad, tolerance of the conditions at the start: rounding of written coefficients
 
 Share = Annotated[float, Field(ge=0, le=0.5)]
 NotNegative = Annotated[float, Field(ge=0)]

@@ -38,9 +38,9 @@ Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each 
 class Rig:
     """A simulated arm and its state.
 
-    robot: with all that it carries; model: name of its true link model; plant, data: that model in
-    MuJoCo and its state; known, known_data: the arm as the controller knows it; declared: the
-    payload that the controller was given; friction: parameters of `rubbing`.
+    robot: with every payload; model: name of its true link model; plant, data: that model in MuJoCo
+    and its state; known, known_data: the controller's model of the arm; declared: the payload
+    configured at the controller; friction: parameters of `friction_state`.
     """
 
     robot: Robot
@@ -51,7 +51,7 @@ class Rig:
     known_data: mujoco.MjData
     declared: Payload | None
     friction: FrictionParameters
-    rubbing: Friction
+    friction_state: Friction
     drive: Drive
     contacts: Contacts
 
@@ -64,14 +64,14 @@ class Rig:
         q, qd = self.data.qpos.copy(), self.data.qvel.copy()
         motor = self._motor_torques(q, qd, target)
         contact, wrench = self.contacts.apply(self.plant, self.data, STEP)
-        # what the gears transmit: a contact loads them, too
+        # The gears transmit the torque of a contact, too.
         load = link_torques(self.plant, self.data, target[2]) - contact
-        rubbing = self.rubbing.torque(q, qd, load, STEP, warmth)
-        self.data.qfrc_applied = motor - rubbing
+        friction = self.friction_state.torque(q, qd, load, STEP, warmth)
+        self.data.qfrc_applied = motor - friction
         mujoco.mj_step2(self.plant, self.data)
         flange, held, imu = self.data.body(FLANGE), *np.split(self.data.sensordata, 2)
-        felt = (motor, rubbing, contact, wrench, -held, imu)
-        np.concatenate((q, qd, self.data.qacc, *felt, flange.xpos, flange.xmat), out=row)
+        forces = (motor, friction, contact, wrench, -held, imu)
+        np.concatenate((q, qd, self.data.qacc, *forces, flange.xpos, flange.xmat), out=row)
 
     def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
         """Return the motor torques (6,) [Nm] in the state q [rad], qd [rad/s]."""
@@ -82,11 +82,11 @@ class Rig:
 
 
 def build_rig(
-    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, tell: bool = True
+    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, declare: bool = True
 ) -> Rig:
     """Return the arm of a plan; random: generator of the initial friction.
 
-    tell: whether the plan's payload is declared to the controller; an undeclared one never is.
+    declare: whether the controller is given the plan's `payload`; never its `undeclared_payload`.
     Raises InputError when the arm has no such link model.
     """
     model = plan.model or list(robot.models)[-1]
@@ -95,7 +95,7 @@ def build_rig(
         raise InputError(
             f"{robot.name} has no link model {model!r} to simulate; give one of {names}"
         )
-    declared = plan.payload if tell else None
+    declared = plan.payload if declare else None
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
     plant = build_arm(loaded, model, mounting, STEP)
@@ -111,7 +111,7 @@ def build_rig(
         known_data=mujoco.MjData(known),
         declared=declared,
         friction=friction,
-        rubbing=Friction(friction, random.uniform(-START, START, 6)),
+        friction_state=Friction(friction, random.uniform(-START, START, 6)),
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )

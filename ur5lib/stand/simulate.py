@@ -10,7 +10,7 @@ import pandas as pd
 from ur5lib.robots.description import Robot
 from ur5lib.stand.controller import frames
 from ur5lib.stand.engine import SimulatedMotion, perform
-from ur5lib.stand.faults import choose_hit, spoil
+from ur5lib.stand.faults import apply_faults, draw_faulty_frames
 from ur5lib.stand.files import WRITERS, write_files
 from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
@@ -34,35 +34,35 @@ CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 def simulate(
     robot: Robot, plan: SimulatedRecording, format: Format, folder: Path, truth: Path
 ) -> None:
-    """Write one recording as real devices would, and, elsewhere, the truth about it.
+    """Write one recording as real devices would, and the truth about it as separate files.
 
     folder: of the files that `layout.file_names` lists; truth: path of the truth's table and
-    summary without their suffixes .parquet and .json.
-    The same plan gives the same bytes. Raises InputError when the arm cannot execute the plan.
+    summary without the suffixes .parquet and .json. The same plan gives the same bytes.
+    Raises InputError when the arm cannot execute the plan.
     """
     random = dict(zip(DEVICES, np.random.default_rng(plan.seed).spawn(len(DEVICES)), strict=True))
-    experiment = perform(robot, plan, random["arm"], tell=format in FORMATS_WITH_PAYLOAD)
+    experiment = perform(robot, plan, random["arm"], declare=format in FORMATS_WITH_PAYLOAD)
     cycle = CYCLES[format]
     sent = frames(experiment, cycle, random["controller"] if plan.noise else None)
     if plan.wrist_sensor is not None:
         sent = sent.assign(**wrist_channels(experiment, sent, random["wrist"]))
-    hit = choose_hit(plan.faults, len(sent), random["faults"])
-    sent = spoil(sent, hit, random["faults"])
-    written = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
-    write_files(written, folder, plan.faults.torn_files)
-    frames_hit = {name: np.flatnonzero(flags) for name, flags in asdict(hit).items()}
-    devices = {"clocks": planned_clocks(plan), "frames": frames_hit}
+    faulty = draw_faulty_frames(plan.faults, len(sent), random["faults"])
+    sent = apply_faults(sent, faulty, random["faults"])
+    files = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
+    write_files(files, folder, plan.faults.torn_files)
+    numbers = {name: np.flatnonzero(flags) for name, flags in asdict(faulty).items()}
+    devices = {"clocks": planned_clocks(plan), "frames": numbers}
     write_truth(experiment, plan, experiment.motion, cycle, devices, truth)
 
 
 def _sensors(
     plan: SimulatedRecording, motion: SimulatedMotion, random: dict[str, np.random.Generator]
 ) -> dict[str, pd.DataFrame]:
-    read = {}
+    readings = {}
     if plan.force_sensor is not None:
-        read["force_sensor"] = force_readings(
+        readings["force_sensor"] = force_readings(
             plan.force_sensor, motion, random["force"], plan.noise
         )
     if plan.imu is not None:
-        read["imu"] = imu_readings(plan.imu, motion, random["imu"], plan.noise)
-    return read
+        readings["imu"] = imu_readings(plan.imu, motion, random["imu"], plan.noise)
+    return readings

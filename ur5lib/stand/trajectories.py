@@ -103,8 +103,8 @@ def _standstill(plan: Standstill, time: Array) -> Targets:
 
 
 def _movej(plan: Movej, time: Array) -> Targets:
-    given = plan.way_points
-    points = np.array(read_way_points(given) if isinstance(given, str) else given)
+    listed = plan.way_points
+    points = np.array(read_way_points(listed) if isinstance(listed, str) else listed)
     parts = np.zeros((3, len(time), 6))
     parts[0] = points[0]
     for start, origin, way in _legs(plan, points, float(time[-1])):

@@ -1,4 +1,4 @@
-"""The truth of a simulated recording, read only by the comparison at the end of the pipeline."""
+"""The truth of a simulated recording, read only by the comparison with estimates."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -29,8 +29,8 @@ def write_truth(
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    arm: what was simulated; cycle: the controller's [s]; devices: `clocks`, and `frames`, the
-    numbers of those that faults hit; truth: path of both files without their suffixes.
+    arm: simulated arm; cycle: of the controller [s]; devices: `clocks`, and `frames`, the numbers
+    of faulty frames; truth: path of both files without their suffixes.
     """
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)

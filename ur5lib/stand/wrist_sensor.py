@@ -20,8 +20,8 @@ def wrist_channels(
 ) -> dict[str, Array]:
     """Return RTDE's channels of the wrist sensor at the controller's frames [N, Nm].
 
-    `ft_raw_wrench` is the reading in the sensor's axes; `actual_TCP_force` is that reading without
-    the weight of the payload declared to the controller, zeroed at the start, in base axes.
+    `ft_raw_wrench` is the reading in the sensor's axes; `actual_TCP_force` is the reading less the
+    weight of the payload configured at the controller, zeroed at the start, in base axes.
     """
     motion, plan = experiment.motion, experiment.plan
     sensor = plan.wrist_sensor
@@ -37,10 +37,10 @@ def wrist_channels(
         raw += NOISE * random.normal(size=raw.shape)
     # without the declared payload's weight, zeroed
     rotation = motion.rotation[steps].reshape(-1, 3, 3)
-    freed = raw - _declared_weight(experiment, rotation)
-    freed -= freed[time <= time[0] + ZEROED].mean(axis=0)
-    turned = np.einsum("nij,nkj->nki", rotation, freed.reshape(-1, 2, 3)).reshape(-1, 6)
-    return named(np.round(raw, 6), "ft_raw_wrench") | named(np.round(turned, 6), "actual_TCP_force")
+    force = raw - _declared_weight(experiment, rotation)
+    force -= force[time <= time[0] + ZEROED].mean(axis=0)
+    force = np.einsum("nij,nkj->nki", rotation, force.reshape(-1, 2, 3)).reshape(-1, 6)
+    return named(np.round(raw, 6), "ft_raw_wrench") | named(np.round(force, 6), "actual_TCP_force")
 
 
 def _declared_weight(experiment: Experiment, rotation: Array) -> Array:

@@ -6,19 +6,19 @@ import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.report.finding_sentences import sentence, worded
-from ur5lib.report.tables.own import Own, Row
+from ur5lib.report.tables.source import Row, Source
 
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
-def recordings(own: Own) -> Iterator[Row]:
+def recordings(source: Source) -> Iterator[Row]:
     """Yield how long a recording is, how regular its frames, and which joints move."""
-    quality = own["quality"]
+    quality = source["quality"]
     yield {
         "rows_read": quality["rows"],
         "jitter_s": quality["jitter_s"]["99 %"],
         "devices": " ".join(quality["devices"]),
-        "moving_joints": " ".join(map(str, moving_joints(own["signals"]))),
+        "moving_joints": " ".join(map(str, moving_joints(source["signals"]))),
     } | {name: quality[name] for name in ("duration_s", "frames", "longest_step_s")}
 
 
@@ -28,15 +28,15 @@ def moving_joints(signals: Signals) -> list[int]:
     return [int(joint) + 1 for joint in np.flatnonzero(travel > TRAVEL)]
 
 
-def files(own: Own) -> Iterator[Row]:
+def files(source: Source) -> Iterator[Row]:
     """Yield the files that a recording was read from."""
-    for file, checksum in own["quality"]["read"].items():
+    for file, checksum in source["quality"]["read"].items():
         yield {"file": file, "sha256": checksum}
 
 
-def clocks(own: Own) -> Iterator[Row]:
+def clocks(source: Source) -> Iterator[Row]:
     """Yield how each device's clock runs against the robot's."""
-    for device, clock in own["clocks"].items():
+    for device, clock in source["clocks"].items():
         yield {
             "device": device,
             "offset_s": clock["offset"],
@@ -52,15 +52,15 @@ def _ppm(drift: float | None) -> float | None:
     return None if drift is None else 1e6 * drift
 
 
-def quality(own: Own) -> Iterator[Row]:
+def quality(source: Source) -> Iterator[Row]:
     """Yield the findings about a recording's files, clocks and sensors."""
-    found = own["contradictions"]
+    found = source["contradictions"]
     yield from map(worded, found.get("stop_signs", []))
-    yield from map(worded, own["quality"]["findings"])
+    yield from map(worded, source["quality"]["findings"])
     yield from map(worded, found.get("findings", []))
-    yield from _copies(own)
-    yield from _poor_clocks(own)
-    yield from _doubted_sensor(own)
+    yield from _copies(source)
+    yield from _poor_clocks(source)
+    yield from _doubted_sensor(source)
 
 
 def _finding(device: str, finding: str, values: Row, severity: str = "warning") -> Row:
@@ -68,30 +68,30 @@ def _finding(device: str, finding: str, values: Row, severity: str = "warning") 
     return about | {"severity": severity, "count": 1}
 
 
-def _poor_clocks(own: Own) -> Iterator[Row]:
+def _poor_clocks(source: Source) -> Iterator[Row]:
     """Yield devices whose clock is known from start stamps only."""
-    for device, clock in own["clocks"].items():
+    for device, clock in source["clocks"].items():
         if clock["warning"]:
             yield _finding(device, "clock by stamps alone", clock)
         elif clock["drift"] is None:
             yield _finding(device, "unknown drift", clock)
 
 
-def _doubted_sensor(own: Own) -> Iterator[Row]:
+def _doubted_sensor(source: Source) -> Iterator[Row]:
     """Yield a force sensor that contradicts the motor currents or its tool's weight, or whose bias
     may be a push.
     """
     for doubted in ("mounting", "offset"):
-        if doubt := own["forces"].get(f"{doubted}_doubt"):
+        if doubt := source["forces"].get(f"{doubted}_doubt"):
             yield _finding("force", doubted, {"doubt": doubt})
 
 
-def _copies(own: Own) -> Iterator[Row]:
+def _copies(source: Source) -> Iterator[Row]:
     """Yield device files that are identical to those of another recording."""
-    known = {name: quality["files"] for name, quality in own.others("quality").items()}
-    for device, checksum in own["quality"]["files"].items():
+    known = {name: quality["files"] for name, quality in source.others("quality").items()}
+    for device, checksum in source["quality"]["files"].items():
         others = [name for name, files in known.items() if files.get(device) == checksum]
         if others:
-            used = "used" if device in own["quality"]["devices"] else "not used"
+            used = "used" if device in source["quality"]["devices"] else "not used"
             same = _finding(device, "same file", {"others": others, "used": used}, "note")
             yield same | {"count": len(others)}

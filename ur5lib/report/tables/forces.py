@@ -4,17 +4,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ur5lib.force.contact_link import touched_link
-from ur5lib.report.tables.own import Own, Row, transposed
+from ur5lib.report.tables.source import Row, Source, transposed
 
 LINKS = [f"on_link_{link}" for link in range(1, 7)]
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
 
-def force_mae(own: Own) -> Iterator[Row]:
+def force_mae(source: Source) -> Iterator[Row]:
     """Yield the errors of the force estimates against the sensor."""
-    tables = {figure: own.published(f"force_{figure}") for figure in ("mae", "max")}
-    for kind, estimates in own["forces"]["errors"].items():
+    tables = {figure: source.published(f"force_{figure}") for figure in ("mae", "max")}
+    for kind, estimates in source["forces"]["errors"].items():
         for estimate, periods in estimates.items():
             known = _determined(periods.get("contact"))
             for during, figures in periods.items():
@@ -41,15 +41,15 @@ def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, bool]:
     return {name: (skill or 0) > 0 for name, skill in skills.items()}
 
 
-def contact_errors(own: Own) -> Iterator[Row]:
+def contact_errors(source: Source) -> Iterator[Row]:
     """Yield the errors of each estimate in each contact that the sensor saw."""
-    for estimate, contacts in own["forces"].get("contacts", {}).items():
+    for estimate, contacts in source["forces"].get("contacts", {}).items():
         yield from ({"estimate": estimate} | row for row in contacts)
 
 
-def sensed(own: Own) -> Iterator[Row]:
+def sensed(source: Source) -> Iterator[Row]:
     """Yield what a force sensor reads, whether or not a force was estimated beside it."""
-    if felt := own["forces"].get("felt"):
+    if felt := source["forces"].get("felt"):
         yield {
             "largest_force_n": felt["largest"],
             "at_s": felt["at_s"],
@@ -58,35 +58,35 @@ def sensed(own: Own) -> Iterator[Row]:
         }
 
 
-def ablation(own: Own) -> Iterator[Row]:
+def ablation(source: Source) -> Iterator[Row]:
     """Yield the error in contact with each part of the estimate left out."""
-    for variant, figures in own["ablation"].items():
+    for variant, figures in source["ablation"].items():
         rows = transposed(figures, "component", FORCES)
         yield from ({"variant": variant} | row for row in rows)
 
 
-def detection(own: Own) -> Iterator[Row]:
+def detection(source: Source) -> Iterator[Row]:
     """Yield contacts detected by each estimate, by the force they reach.
 
     Without a force sensor, one row an estimate and no force.
     """
     same = ("threshold", "precision", "time_in_alarm", "free_time_in_alarm", "alarms_per_min")
-    for estimate, found in own["detection"].items():
+    for estimate, found in source["detection"].items():
         pushes = {
-            f"smallest_force_{kind}_{'' if push['speed_low'] else 'rest_'}{push['axis']}": own
+            f"smallest_force_{kind}_{'' if push['speed_low'] else 'rest_'}{push['axis']}": force
             for push in found.get("smallest_force_95", [])
-            for kind, own in (("95", push["force"]), ("std", push["std"]))
+            for kind, force in (("95", push["force"]), ("std", push["std"]))
         }
         classes, causal = found.get("classes", [{}]), found.get("causal", {})
         past = causal.get("classes", [{}] * len(classes))
-        for i, (part, by_then) in enumerate(zip(classes, past, strict=True)):
+        for i, (offline, online) in enumerate(zip(classes, past, strict=True)):
             yield {
                 "estimate": estimate,
-                "force_class_n": part.get("force"),
-                **{name: part.get(name) for name in ("contacts", "found", "recall")},
-                "median_delay_s": part.get("median_delay"),
-                "causal_delay_s": by_then.get("median_delay"),
-                "causal_found": by_then.get("found"),
+                "force_class_n": offline.get("force"),
+                **{name: offline.get(name) for name in ("contacts", "found", "recall")},
+                "median_delay_s": offline.get("median_delay"),
+                "causal_delay_s": online.get("median_delay"),
+                "causal_found": online.get("found"),
                 "causal_false_alarms_per_min": causal.get("false_per_min"),
                 "causal_alarms_per_min": causal.get("alarms_per_min"),
                 **(pushes if i == 0 else {}),
@@ -97,9 +97,9 @@ def detection(own: Own) -> Iterator[Row]:
             }
 
 
-def fixed_threshold(own: Own) -> Iterator[Row]:
+def fixed_threshold(source: Source) -> Iterator[Row]:
     """Yield the pushes found above the thesis's fixed threshold, and the share of time above it."""
-    for estimate, found in own["detection"].items():
+    for estimate, found in source["detection"].items():
         for axis, figures in found["axes"].items():
             yield {
                 "estimate": estimate,
@@ -109,10 +109,10 @@ def fixed_threshold(own: Own) -> Iterator[Row]:
             }
 
 
-def contacts(own: Own) -> Iterator[Row]:
+def contacts(source: Source) -> Iterator[Row]:
     """Yield each alarm: when, the largest force in it, a load's mass, and where it may be."""
-    for estimate, found in own["detection"].items():
-        known = {one["start"]: one["links"] for one in own["links"].get(estimate, [])}
+    for estimate, found in source["detection"].items():
+        known = {one["start"]: one["links"] for one in source["links"].get(estimate, [])}
         for alarm in found["raised"]:
             yield {
                 "estimate": estimate,
@@ -126,21 +126,21 @@ def contacts(own: Own) -> Iterator[Row]:
 
 
 def _place(probabilities: Sequence[float] | None) -> Row:
-    """Return the probability of each link, and the link, None where the torques cannot tell."""
+    """Return the probability of each link, and the link, None where the torques leave it open."""
     if probabilities is None:
         return {}
     link = touched_link(dict(enumerate(probabilities, start=1)))
     return {"link": link, **dict(zip(LINKS, probabilities, strict=True))}
 
 
-def observability(own: Own) -> Iterator[Row]:
-    """Yield what an arm's recordings let one observe; an empty speed_high: any faster one.
+def observability(source: Source) -> Iterator[Row]:
+    """Yield what can be observed on an arm, by range of speed; no speed_high: no upper end.
 
-    smallest_push_95: by speed of the flange, and along one axis; friction_in_band: share of the
-    samples, by speed of the joint; least_velocity: from which on, up to speed_high, that share
-    suffices.
+    smallest_push_95: by speed of the flange, and by axis; friction_in_band: share of the samples
+    within the band, by speed of the joint; least_velocity: lower end of the speeds at which this
+    share suffices.
     """
-    found, names = own["observability"], ("joint", "speed_low", "speed_high", "samples")
+    found, names = source["observability"], ("joint", "speed_low", "speed_high", "samples")
     for push in [*found["pushes"], *found["axes"]]:
         along = f"_{push['axis']}" if "axis" in push else ""
         about = {"quantity": f"smallest_push_95{along}", "speed_unit": "m/s", "unit": "N"}
@@ -154,8 +154,8 @@ def observability(own: Own) -> Iterator[Row]:
         yield about | least | {"value": least["speed_low"]}
 
 
-def audit(own: Own) -> Iterator[Row]:
+def audit(source: Source) -> Iterator[Row]:
     """Yield what is wrong with a wrist's force sensor; one row where little time is free."""
-    if summary := own["audit"]:
+    if summary := source["audit"]:
         yield {"quantity": "free_time", "value": summary["free_s"], "unit": "s"}
         yield from summary["rows"]

@@ -4,16 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ur5lib.identification.friction import KARNOPP, PRESLIDING
-from ur5lib.report.tables.own import Own, Row, by_joint
+from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.robots.description import Robot
 
 AS_PRINTED = "torque_on_current"
 
 
-def friction(own: Own) -> Iterator[Row]:
+def friction(source: Source) -> Iterator[Row]:
     """Yield torque constants, offsets and friction, beside the thesis's."""
-    published = _published(own["arm"])
-    for row in own["friction"].get("parameters", []):
+    published = _published(source["arm"])
+    for row in source["friction"].get("parameters", []):
         name, joint = row["name"], row["joint"]
         low, high = row["interval"]
         yield {
@@ -25,12 +25,12 @@ def friction(own: Own) -> Iterator[Row]:
                 column: row[column]
                 for column in ("joint", "value", "std_error", "prior_share", "determined")
             },
-            **_known(own["friction"], row),
+            **_known(source["friction"], row),
         }
 
 
 def _known(friction: Mapping[str, Any], row: Mapping[str, Any]) -> Row:
-    """Return what was known of a torque constant, and a fitted one that contradicted this."""
+    """Return the prior torque constant, and the fitted one where that contradicts it."""
     if row["name"] != "torque_constant":
         return {}
     joint, known = row["joint"] - 1, friction["known_constants"]
@@ -51,9 +51,9 @@ def _published(arm: Robot) -> dict[str, Sequence[float]]:
     return values
 
 
-def friction_reversal(own: Own) -> Iterator[Row]:
+def friction_reversal(source: Source) -> Iterator[Row]:
     """Yield the cross-validated error [A] of Dahl's and Karnopp's friction at reversals."""
-    joints = own["friction"].get("fit", {}).get("joints", [])
+    joints = source["friction"].get("fit", {}).get("joints", [])
     for number, joint in enumerate(joints, start=1):
         errors = joint["reversal_errors"]
         for distance, error in zip((*PRESLIDING, KARNOPP), errors, strict=bool(errors)):
@@ -66,27 +66,27 @@ def friction_reversal(own: Own) -> Iterator[Row]:
             }
 
 
-def cross_validation(own: Own) -> Iterator[Row]:
+def cross_validation(source: Source) -> Iterator[Row]:
     """Yield the RMSE of a fit to one recording, tested on another."""
-    names, tested = own["friction"]["from"], own["friction"].get("cross_validation", [])
+    names, tested = source["friction"]["from"], source["friction"].get("cross_validation", [])
     for fitted_on, errors in zip(names, tested, strict=True):
         for tested_on, rmse in zip(names, errors, strict=True):
             about = {"fitted_on": fitted_on, "tested_on": tested_on}
             yield from (about | row for row in by_joint({"rmse_2hz": rmse}))
 
 
-def current_rmse(own: Own) -> Iterator[Row]:
+def current_rmse(source: Source) -> Iterator[Row]:
     """Yield the errors of each model's prediction of a recording's currents."""
-    for model, scores in own["currents"]["scores"].items():
+    for model, scores in source["currents"]["scores"].items():
         columns = {name: scores[name] for name in ("rmse", "mae", "r2")}
         columns |= {"rmse_2hz": scores["rmse_lowpassed"], "coverage95": scores["coverage"]}
-        about = {"model": model, "fitted": own["currents"]["fitted"]}
+        about = {"model": model, "fitted": source["currents"]["fitted"]}
         yield from (about | row for row in by_joint(columns))
 
 
-def payload(own: Own) -> Iterator[Row]:
+def payload(source: Source) -> Iterator[Row]:
     """Yield the undeclared payload on the flange; none at rest."""
-    if load := own["currents"].get("load"):
+    if load := source["currents"].get("load"):
         low, high = load["interval"]
         yield (
             {
@@ -102,12 +102,12 @@ def payload(own: Own) -> Iterator[Row]:
         )
 
 
-def torque_constants(own: Own) -> Iterator[Row]:
-    """Yield torque constants and offsets by the thesis's regression and by its reverse, of the
-    joints that move, beside the print; none without published constants.
+def torque_constants(source: Source) -> Iterator[Row]:
+    """Yield torque constants and offsets of moving joints by the thesis's regression and by its
+    reverse, and the printed ones; none without published constants.
     """
-    compared = own.printed.current_torque is not None
-    constants, printed = own["constants"], own.published("current_torque")
+    compared = source.printed.current_torque is not None
+    constants, printed = source["constants"], source.published("current_torque")
     for regression, line in constants.get("lines", {}).items() if compared else ():
         columns = {name: line[name] for name in ("torque_constant", "offset")}
         columns |= {f"{name}_std_error": line[f"{name}_std"] for name in columns}
@@ -122,12 +122,12 @@ def torque_constants(own: Own) -> Iterator[Row]:
                 yield {"regression": regression} | row
 
 
-def health(own: Own) -> Iterator[Row]:
+def health(source: Source) -> Iterator[Row]:
     """Yield each joint's condition on each date; `lost_frames` is of all joints."""
-    yield from own["health"]["dates"]
+    yield from source["health"]["dates"]
 
 
-def health_changes(own: Own) -> Iterator[Row]:
+def health_changes(source: Source) -> Iterator[Row]:
     """Yield drifts and jumps of each joint's condition between dates."""
-    for change in own["health"]["changes"]:
+    for change in source["health"]["changes"]:
         yield change | {"by_temperature": change["explained"]}

@@ -15,7 +15,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
-from ur5lib.report.tables.own import Own
+from ur5lib.report.tables.source import Source
 from ur5lib.robots.description import load_robot
 from ur5lib.strict import Strict, read_yaml
 from ur5lib.tables import read_json
@@ -37,9 +37,9 @@ WORDS = {True: "yes", False: "no"}
 
 
 class Declared(Strict):
-    """A table: its columns, and the kind of result whose recordings or arms it has rows of."""
+    """A table: its columns; `kind`: only recordings or arms with this kind of result have rows."""
 
-    of: str
+    kind: str
     columns: list[str]
 
 
@@ -61,8 +61,8 @@ class Declarations(Strict):
         }
 
 
-class OfAll(Mapping[str, Any]):
-    """The results of a kind by recording or arm, read when asked for; JSON is kept, being small.
+class LazyResults(Mapping[str, Any]):
+    """The results of a kind by recording or arm, read on access; JSON, which is small, is cached.
 
     paths: each lies in the folder of its recording or arm.
     """
@@ -88,7 +88,7 @@ def declarations() -> Declarations:
     return Declarations.model_validate(read_yaml(path))
 
 
-def made(
+def make_table(
     name: str, kinds: Mapping[str, Mapping[str, Any]], printed: Printed | None = None
 ) -> pd.DataFrame:
     """Return a table, with True and False as yes and no.
@@ -98,9 +98,9 @@ def made(
     module, declared = declarations().tables()[name]
     first = "recording" if "recording" in declared.columns else "robot"
     rows = [
-        {first: one} | {column: _in_words(value) for column, value in row.items()}
-        for one in kinds[declared.of]
-        for row in getattr(module, name)(Own(one, kinds, printed or Printed()))
+        {first: owner} | {column: _in_words(value) for column, value in row.items()}
+        for owner in kinds[declared.kind]
+        for row in getattr(module, name)(Source(owner, kinds, printed or Printed()))
     ]
     return pd.DataFrame(rows, columns=declared.columns)
 

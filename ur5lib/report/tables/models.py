@@ -6,27 +6,27 @@ from typing import Any
 import numpy as np
 
 from ur5lib.report.finding_sentences import in_words
-from ur5lib.report.tables.own import Own, Row, by_joint
+from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
-STOP = "stop sign"  # a step of its own: no forces are stated
+STOP = "stop sign"  # in the place of a step: no forces are stated for the arm
 FITS = {"identification": "identification", "friction": "friction", "residuals": "contact forces"}
 
 
-def torque_mae(own: Own) -> Iterator[Row]:
-    """Yield the MAE of each motion's and link model's torque against `target_moment`, beside print
-    and zero; interpolated frames are left out.
+def torque_mae(source: Source) -> Iterator[Row]:
+    """Yield the MAE of torques by motion and link model against `target_moment`, the printed MAE
+    and that of zero torque; interpolated frames are left out.
     """
-    signals, torques = own["signals"], own["torques"]
+    signals, torques = source["signals"], source["torques"]
     if signals.target_moment is None:
         return
     received = ~signals.interpolated
     moment = signals.target_moment[received]
     zero = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
-    printed = own.published("torque_mae")
+    printed = source.published("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
-    motions |= {"closed_loop": own["closed_loop"].torque}
+    motions |= {"closed_loop": source["closed_loop"].torque}
     for model in torques.measured:
         for motion, known in motions.items():
             if model in known:
@@ -40,9 +40,9 @@ def torque_mae(own: Own) -> Iterator[Row]:
         yield from (about | row for row in by_joint(zero | {"printed": printed[model]}))
 
 
-def rotor_inertia(own: Own) -> Iterator[Row]:
+def rotor_inertia(source: Source) -> Iterator[Row]:
     """Yield rotor inertias, and the terms beside them that should be zero."""
-    rotors = own["rotors"]
+    rotors = source["rotors"]
     if rotors["from"]:
         value, std = rotors["value"], rotors["std_error"]
         columns = {"value": value["inertia"], "std_error": std["inertia"]}
@@ -51,14 +51,14 @@ def rotor_inertia(own: Own) -> Iterator[Row]:
         yield from by_joint(columns)
 
 
-def parameters(own: Own) -> Iterator[Row]:
+def parameters(source: Source) -> Iterator[Row]:
     """Yield the base parameters of the identified model."""
-    yield from own["identification"].get("parameters", [])
+    yield from source["identification"].get("parameters", [])
 
 
-def excitation(own: Own) -> Iterator[Row]:
+def excitation(source: Source) -> Iterator[Row]:
     """Yield how well the recordings excite an arm."""
-    if found := own["identification"].get("excitation"):
+    if found := source["identification"].get("excitation"):
         advice = found["advice"]
         yield {
             "combinations": found["combinations"],
@@ -69,10 +69,10 @@ def excitation(own: Own) -> Iterator[Row]:
         }
 
 
-def remarks(own: Own) -> Iterator[Row]:
+def remarks(source: Source) -> Iterator[Row]:
     """Yield remarks of the fits by joint, and reasons of fits that failed."""
     for kind, step in FITS.items():
-        summary = own[kind]
+        summary = source[kind]
         for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
             yield _remark(step, remark)
         if "stopped" in summary:

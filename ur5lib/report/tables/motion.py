@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.report.tables.own import Own, Row, by_joint
+from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95, largest_error, mean_absolute_error
 
@@ -15,16 +15,16 @@ CHANNELS = [f"q_{joint}" for joint in range(1, 7)] + [f"qd_{joint}" for joint in
 CHANNELS += [f"imu_{sensor}{axis}" for sensor in "ag" for axis in "xyz"]
 
 
-def closed_loop_mae(own: Own) -> Iterator[Row]:
+def closed_loop_mae(source: Source) -> Iterator[Row]:
     """Yield errors of positions and velocities in closed loop under each set of gains, and of the
     targets themselves; interpolated frames are left out.
     """
-    signals, loop = own["signals"], own["closed_loop"]
+    signals, loop = source["signals"], source["closed_loop"]
     if not loop.qd:
         return
     received = ~signals.interpolated
     for quantity in ("q", "qd"):
-        printed = own.published(f"closed_loop_{quantity}")
+        printed = source.published(f"closed_loop_{quantity}")
         actual = getattr(signals, f"actual_{quantity}")[received]
         target = {"target": getattr(signals, f"target_{quantity}")}
         for model, states in (getattr(loop, quantity) | target).items():
@@ -36,12 +36,12 @@ def closed_loop_mae(own: Own) -> Iterator[Row]:
             yield from (about | row for row in by_joint(columns))
 
 
-def gains(own: Own) -> Iterator[Row]:
+def gains(source: Source) -> Iterator[Row]:
     """Yield the gains of the closed loop: a value only if the recording determines it.
 
     low and high: of the range that fits equally well, empty where it reaches a search bound.
     """
-    for joint, found in enumerate(own["gains"].get("joints", []), start=1):
+    for joint, found in enumerate(source["gains"].get("joints", []), start=1):
         for name, unit in (("position", "1/s2"), ("velocity", "1/s")):
             gain = found[name]
             known = gain["determined"]
@@ -56,11 +56,11 @@ def gains(own: Own) -> Iterator[Row]:
             } | {end: None if gain[end] in bounds else gain[end] for end in ("low", "high")}
 
 
-def published_gains(own: Own) -> Iterator[Row]:
+def published_gains(source: Source) -> Iterator[Row]:
     """Yield whether published gains fit as well as the best ones, of joints whose target moves."""
-    for model, costs in own["gains"].get("published", {}).items():
+    for model, costs in source["gains"].get("published", {}).items():
         for joint, (cost, found) in enumerate(
-            zip(costs, own["gains"]["joints"], strict=True), start=1
+            zip(costs, source["gains"]["joints"], strict=True), start=1
         ):
             if found["excited"]:
                 yield {
@@ -73,10 +73,10 @@ def published_gains(own: Own) -> Iterator[Row]:
                 }
 
 
-def acceleration_mae(own: Own) -> Iterator[Row]:
+def acceleration_mae(source: Source) -> Iterator[Row]:
     """Yield the MAE of the end effector's acceleration against the IMU."""
-    printed = own.published("acceleration_mae")
-    for estimate, errors in own["accelerations"]["errors"].items():
+    printed = source.published("acceleration_mae")
+    for estimate, errors in source["accelerations"]["errors"].items():
         for index, (component, mae) in enumerate(errors["mae"].items()):
             yield {
                 "estimate": estimate,
@@ -87,20 +87,19 @@ def acceleration_mae(own: Own) -> Iterator[Row]:
             }
 
 
-def acceleration_bands(own: Own) -> Iterator[Row]:
-    """Yield differences from the IMU, the share within the band that the other recordings show for
-    the same range of frequency, in motion or at rest, and the differences of filterpy's plain
-    filter.
+def acceleration_bands(source: Source) -> Iterator[Row]:
+    """Yield RMS differences from the IMU by range of frequency, in motion and at rest, the share
+    within the band, and the RMS differences of filterpy's plain filter.
 
-    The band counts all errors of both: noise of encoders and IMU, its calibration, and links that
-    bend between them. No rows without another recording.
+    The band comes from the other recordings and contains all errors: noise of encoders and IMU,
+    calibration, bending links. No rows without another recording.
     """
-    summary, others = own["accelerations"], own.others("accelerations")
-    known = [others[name] for name in summary.get("calibrated_on", ()) if name in others]
-    beside = [other["ranges"] for other in known if "ranges" in other]
+    summary, others = source["accelerations"], source.others("accelerations")
+    calibrating = [others[name] for name in summary.get("calibrated_on", ()) if name in others]
+    ranges = [other["ranges"] for other in calibrating if "ranges" in other]
     for name, states in summary.get("ranges", {}).items():
         for state, found in states.items():
-            squares = [part["square"] for one in beside if (part := one.get(name, {}).get(state))]
+            squares = [part["square"] for one in ranges if (part := one.get(name, {}).get(state))]
             if squares:
                 std = np.sqrt(np.mean(squares, axis=0))
                 rows = _band(found, std, summary["plain_ranges"][name][state]["square"])
@@ -128,13 +127,13 @@ def _held(quantiles: Array, limits: Array) -> Array:
     )
 
 
-def imu_calibration(own: Own) -> Iterator[Row]:
+def imu_calibration(source: Source) -> Iterator[Row]:
     """Yield the calibration of an arm's IMU from all `fit` recordings.
 
-    `described` is the place in the arm's description; `held_out` the error on recordings left out
-    with the estimated place by that with the described one: below 1, the estimated place is used.
+    described: place by the arm's description; held_out: error on recordings left out with the
+    estimated place, divided by that with the described one; below 1, the estimate is used.
     """
-    found = own["calibration"].get("all", {})
+    found = source["calibration"].get("all", {})
     for quantity, unit in CALIBRATED.items() if found else ():
         values, errors = found[quantity], found[f"{quantity}_std"]
         for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
@@ -145,17 +144,17 @@ def imu_calibration(own: Own) -> Iterator[Row]:
             yield row
 
 
-def innovations(own: Own) -> Iterator[Row]:
+def innovations(source: Source) -> Iterator[Row]:
     """Yield whether the smoother's innovations are as wide as stated, and white."""
-    for estimate, account in (own["motion"] | own["fused"]).items():
-        test = account["innovations"]
+    for estimate, summary in (source["motion"] | source["fused"]).items():
+        test = summary["innovations"]
         for index, channel in enumerate(CHANNELS[: len(test["variance"])]):
             low, high = test["variance_limits"][index]
-            each = ("variance", "portmanteau", "consistent", "white", "colour")
+            names = ("variance", "portmanteau", "consistent", "white", "colour")
             yield {
                 "estimate": estimate,
                 "channel": channel,
                 "variance_low": low,
                 "variance_high": high,
                 "portmanteau_limit": test["portmanteau_limit"],
-            } | {name: test[name][index] for name in each}
+            } | {name: test[name][index] for name in names}

@@ -35,7 +35,7 @@ def verdict(results: Results) -> Verdict:
 
 
 def worst(results: Results) -> Sentence:
-    """Return the most serious finding with its file: of equal ones, that of most frames."""
+    """Return the most serious finding with its file; among equals, that of the most frames."""
     found = group_findings(results.tables["quality"])
     found = found[found["severity"] != "note"]
     if found.empty:

@@ -11,7 +11,7 @@ PALE = "fill-opacity='.15'"
 
 
 def bars(shares: Mapping[str, float]) -> str:
-    """Draw shares as bars, by name: each fills its frame from below."""
+    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below."""
     step = WIDTH / max(len(shares), 1)
     parts = [
         _rectangle(i * step, 0.0, step * (1 - GAP), HEIGHT, PALE)
@@ -20,8 +20,8 @@ def bars(shares: Mapping[str, float]) -> str:
             max(HEIGHT * min(x, 1.0), LEAST * (x > 0)) for x in shares.values()
         )
     ]
-    told = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
-    return _svg("".join(parts), told)
+    label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
+    return _svg("".join(parts), label)
 
 
 def error_bar(value: float, low: float, high: float, zero: float) -> str:
@@ -41,8 +41,8 @@ def _rectangle(x: float, y: float, width: float, height: float, style: str = "")
     return f"<rect {place} fill='currentColor' {style}/>"
 
 
-def _svg(content: str, told: str) -> str:
+def _svg(content: str, label: str) -> str:
     return (
         f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH:.0f} {HEIGHT:.0f}' "
-        f"role='img' aria-label={quoteattr(told or 'nothing to show')}>{content}</svg>"
+        f"role='img' aria-label={quoteattr(label or 'nothing to show')}>{content}</svg>"
     )

@@ -10,20 +10,20 @@ TOPIC = "Drift over time"
 
 
 def verdict(results: Results) -> Verdict | None:
-    """Judge by whether anything changed; None where too few dates tell."""
+    """Judge by whether anything changed; None with too few dates."""
     dates = results.tables["health"]
     if dates.empty:
         return None
     changes = health.ranked(results)
     worst = changes.groupby("joint")["share"].max()
     joints = range(1, 7)
-    told = say("health.unchanged")
+    sentence = say("health.unchanged")
     if len(changes):
-        told = capital(health.change(next(changes.itertuples())))
+        sentence = capital(health.change(next(changes.itertuples())))
     return Verdict(
         topic=TOPIC,
         state="usable" if len(changes) else "good",
-        sentence=told,
+        sentence=sentence,
         evidence=_evidence(results, len(changes)),
         drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
         caption=say("health.caption"),
@@ -31,7 +31,7 @@ def verdict(results: Results) -> Verdict | None:
 
 
 def _evidence(results: Results, changes: int) -> Sentence:
-    """Return on how many dates the verdict rests, and how often it would be wrong."""
+    """Return the number of dates, tests and changes, and the chance of a false one."""
     dates = results.tables["health"]
     tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
     days = dates["date"]

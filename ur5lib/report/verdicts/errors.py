@@ -1,4 +1,4 @@
-"""Errors by joint or component beside those of zero: averaged over recordings, and the largest."""
+"""Errors by joint or component beside those of an estimate of zero: mean and largest."""
 
 from dataclasses import dataclass
 
@@ -14,9 +14,9 @@ ZERO = "an estimate of zero"
 
 
 def by_joint(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> pd.DataFrame:
-    """Return error, zero, and the range of errors over recordings (low, high, count), by `name`.
+    """Return mean error and zero's error over recordings, with low, high and count, by `name`.
 
-    What hardly has an error of zero is left out: nothing acts there.
+    Joints or components whose zero has hardly an error are left out: nothing acts there.
     """
     groups = rows.groupby(name, sort=False)
     table = groups[error].agg(error="mean", low="min", high="max", count="size")
@@ -25,7 +25,7 @@ def by_joint(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> 
 
 
 def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> pd.Series:
-    """Return place, recording, error and zero of the largest error, which no mean hides."""
+    """Return the largest error of a recording (place, recording, error, zero's error)."""
     row = rows.loc[rows[error].idxmax()]
     places = {"place": row[name], "recording": row["recording"]}
     return pd.Series(places | {"error": row[error], "zero": row[zero]})
@@ -33,9 +33,10 @@ def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> p
 
 @dataclass(frozen=True)
 class Beside:
-    """Errors beside those of `zero`: by joint or component (`errors`), and the largest of one.
+    """Errors beside those of the baseline `zero`, by joint or component, and the largest error.
 
-    digits, unit: of the numbers; which: the words before a place, “on joint” or “along”.
+    errors, largest: of `by_joint` and `largest`; unit, digits: of the numbers; which: the words
+    before a place, “on joint” or “along”; zero: name of the baseline.
     """
 
     errors: pd.DataFrame
@@ -47,7 +48,7 @@ class Beside:
 
     @property
     def worst(self) -> object:
-        """The joint or component whose error is the largest share of that of zero."""
+        """The joint or component with the largest error relative to zero's."""
         return self._ratios().idxmax()
 
     def state(self, held: float = 1.0, tested: bool = True) -> State:
@@ -70,7 +71,7 @@ class Beside:
         return say("error.largest", row=self.largest, which=self.which, **self._words())
 
     def drawing(self) -> str:
-        """Draw the errors as shares of those of zero."""
+        """Draw the errors relative to zero's."""
         return bars({str(name): float(ratio) for name, ratio in self._ratios().items()})
 
     def numbers(self, name: str) -> tuple[Number, ...]:

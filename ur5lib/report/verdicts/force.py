@@ -29,9 +29,11 @@ def errors_in_contact(results: Results) -> pd.DataFrame:
 
 
 class Worst(NamedTuple):
-    """Where the force is worst: axis and recording of the largest error; sums over x, y, z by
-    recording of the largest share of the sensor's force; axis and recording that the band holds
-    least, None where no band is stated.
+    """Where the force is worst.
+
+    error: row of the largest error (axis and recording); share: means over x, y, z of the recording
+    with the largest error relative to the sensor's force; held: row with the smallest coverage of
+    the band, None where no band is stated.
     """
 
     error: pd.Series
@@ -39,7 +41,7 @@ class Worst(NamedTuple):
     held: pd.Series | None
 
     def state(self) -> State:
-        """Judge by the larger share of the sensor's force, of the axis and of the recording."""
+        """Judge by the larger relative error, that of the axis or that of the recording."""
         known = not pd.isna(self.error["mae_low"]) and self.error["estimate"] != UNCALIBRATED
         shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
         held = 1.0 if self.held is None else self.held["coverage95"]
@@ -81,8 +83,8 @@ def _named(estimate: str) -> str:
     """Return an estimate's name as used in sentences."""
     if estimate == UNCALIBRATED:
         return f"{SPOKEN[estimate]} of the force"
-    own = "the controller's own force" if estimate == "Fu" else "the force"
-    return f"{own} {ESTIMATES[estimate]}"
+    noun = "the controller's own force" if estimate == "Fu" else "the force"
+    return f"{noun} {ESTIMATES[estimate]}"
 
 
 def _evidence(worst: Worst) -> Iterator[Sentence]:
@@ -131,10 +133,9 @@ def _numbers(worst: Worst) -> Iterator[Number]:
 
 
 def _unjudged(results: Results) -> Verdict:
-    """Say what is known of the force where nothing judges its size."""
+    """Return the verdict without a sensor that could judge the force."""
     if searched(results).empty:
-        told = joined(readings(results))
-        return Verdict(TOPIC, "not determined", say("force.none"), told)
+        return Verdict(TOPIC, "not determined", say("force.none"), joined(readings(results)))
     if len(results.tables["force_mae"]):
         return Verdict(TOPIC, "not determined", say("force.untouched"))
     counts = found_without_sensor(results)

@@ -17,7 +17,8 @@ class Comparison(NamedTuple):
     """Errors of the link models at one motion, on recordings in which the arm moves.
 
     rows: of torque_mae.csv; unseen: whether no fit has seen these recordings; best: the models
-    that are closest on most joints; near: on how many of the joints where models differ.
+    that are closest on most joints; near: number of these joints; differ: number of joints on
+    which the models differ.
     """
 
     rows: pd.DataFrame

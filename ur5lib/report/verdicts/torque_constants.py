@@ -32,13 +32,13 @@ def verdict(results: Results) -> Verdict | None:
 
 
 def _state(rows: pd.DataFrame) -> State:
-    """Return good if the data determine every constant, and none contradicts what was known."""
+    """Return good if the data determine every constant, and none contradicts the known value."""
     determined = (rows["determined"] == "yes").all()
     return "good" if determined and rows["contradicted"].isna().all() else "usable"
 
 
 def _parts(rows: pd.DataFrame) -> list[Sentence]:
-    """Return which constants come from the data, and for which joints the known ones stand."""
+    """Return which constants come from the data, and on which joints the known ones are used."""
     refused = rows[rows["contradicted"].notna()]["joint"].unique()
     known = rows[rows["determined"] == "yes"]["joint"].unique()
     parts = [say("constants.known", known=known) if len(known) else say("constants.none")]
@@ -46,7 +46,7 @@ def _parts(rows: pd.DataFrame) -> list[Sentence]:
 
 
 def _factor(rows: pd.DataFrame) -> pd.Series:
-    """Return by which factor each constant is off the known one, the larger way round."""
+    """Return the ratio of each constant to the known one, or its inverse if that is larger."""
     ratio = rows["value"] / rows["known"]
     return ratio.where(ratio > 1, 1 / ratio)
 

@@ -1,1 +1,1 @@
-"""What the report's tables, lists and sentences say, made from a study's results."""
+"""Views: functions that fill the report's tables, lists and paragraphs from a study's results."""

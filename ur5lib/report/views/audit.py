@@ -1,4 +1,4 @@
-"""What is wrong with the force sensor in an arm's wrist, in sentences and numbers."""
+"""Faults of the force sensor in an arm's wrist, in sentences and numbers."""
 
 from collections.abc import Iterator
 
@@ -21,10 +21,10 @@ NAMES = {
     "left_mass": "mass left in actual_TCP_force",
     "mass_by_currents": "mass by the motor currents",
 }
-WORDS = {"scale": "the scale", "drift": "the drift", "shift": "what a contact leaves"}
+WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
 LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}
 DIGITS = {"N": 2, "N/min": 2, "Nm": 3, "Nm/min": 3, "°": 2, "1": 4, "kg": 3, "m": 4}
-TELLING = 0.1  # relative error of a mass that may be declared
+CERTAIN = 0.1  # largest relative error of a mass that the report proposes to declare
 
 
 def audited(results: Results) -> list[str]:
@@ -32,23 +32,23 @@ def audited(results: Results) -> list[str]:
     return [*map(str, results.tables["audit"]["recording"].unique())][:MOST_SHOWN]
 
 
-def found(results: Results, of: str) -> Iterator[Sentence]:
-    """Yield what was found about a recording's sensor."""
-    for told in verdicts(results.rows("audit", recording=of)):
-        yield capital(joined([told, "."], ""))
+def found(results: Results, recording: str) -> Iterator[Sentence]:
+    """Yield the verdicts on a recording's sensor, a sentence each."""
+    for text in verdicts(results.rows("audit", recording=recording)):
+        yield capital(joined([text, "."], ""))
 
 
 def faults(results: Results) -> Iterator[Sentence]:
-    """Yield what is wrong with wrist sensors, in a sentence for each kind of fault."""
+    """Yield a sentence for each kind of fault of wrist sensors, with the recordings."""
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
         names = [*map(str, part["recording"].unique())]
         yield say("sensor.fault", name=NAMES[str(quantity)], names=names)
 
 
-def values(results: Results, of: str) -> Body:
+def values(results: Results, recording: str) -> Body:
     """Return every value of a recording's sensor, with its verdict."""
-    rows = results.rows("audit", recording=of)
+    rows = results.rows("audit", recording=recording)
     rows = rows[rows["quantity"] != "free_time"]
     columns: dict[str, Column] = {
         "quantity": lambda row: f"{NAMES[row.quantity]} {row.component}".strip(),
@@ -63,29 +63,29 @@ def values(results: Results, of: str) -> Body:
 
 def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:
     """Yield sentences about one recording's sensor, from its rows of audit.csv."""
-    told = rows.fillna({"component": "", "verdict": ""}).set_index(["quantity", "component"])
-    if len(told) == 1:
-        yield say("sensor.short", seconds=told["value"].iloc[0])
+    audit = rows.fillna({"component": "", "verdict": ""}).set_index(["quantity", "component"])
+    if len(audit) == 1:
+        yield say("sensor.short", seconds=audit["value"].iloc[0])
         return
-    known = told.index.get_level_values(0)
-    if "mass" in known:
-        yield from _sensor(told)
-    yield from _controller(told)
+    quantities = audit.index.get_level_values(0)
+    if "mass" in quantities:
+        yield from _sensor(audit)
+    yield from _controller(audit)
 
 
-def _sensor(told: pd.DataFrame) -> Iterator[Sentence]:
+def _sensor(audit: pd.DataFrame) -> Iterator[Sentence]:
     """Yield sentences about the raw reading, axis by axis and as a whole."""
-    known = told.index.get_level_values(0)
+    quantities = audit.index.get_level_values(0)
     for axis in "xyz":
         parts = ("scale", axis), ("drift", f"F{axis}"), ("shift", f"F{axis}")
-        judged = [_judged(told.loc[part], part[0]) for part in parts if part[0] in known]
+        judged = [_judged(audit.loc[part], part[0]) for part in parts if part[0] in quantities]
         yield say("sensor.axis", axis=axis, parts=judged)
-    if "scale" not in known:
+    if "scale" not in quantities:
         yield say("sensor.no scale")
-    if "shift" not in known:
+    if "shift" not in quantities:
         yield say("sensor.no shift")
-    yield from _turn(told)
-    yield from _payload(told)
+    yield from _turn(audit)
+    yield from _payload(audit)
 
 
 def _judged(row: pd.Series, quantity: str) -> str:
@@ -100,8 +100,8 @@ def _with_error(row: pd.Series) -> Sentence:
     return say("sensor.value", row=row, digits=DIGITS[row.unit], unit=unit)
 
 
-def _turn(told: pd.DataFrame) -> Iterator[Sentence]:
-    turn = told.loc["turn"]
+def _turn(audit: pd.DataFrame) -> Iterator[Sentence]:
+    turn = audit.loc["turn"]
     vector = say("sensor.vector", values=turn["value"])
     if (turn["verdict"] == "unknown").any():
         yield say("sensor.turn unknown")
@@ -112,33 +112,33 @@ def _turn(told: pd.DataFrame) -> Iterator[Sentence]:
         yield say("sensor.turn right", vector=vector)
 
 
-def _payload(told: pd.DataFrame) -> Iterator[Sentence]:
-    """Yield the mass on the sensor beside the declared one, and how to declare it."""
-    mass, center = told.loc[("mass", "")], told.loc["center_of_mass"]
+def _payload(audit: pd.DataFrame) -> Iterator[Sentence]:
+    """Yield the mass on the sensor beside the declared one, and the command that declares it."""
+    mass, center = audit.loc[("mass", "")], audit.loc["center_of_mass"]
     declared = None if pd.isna(mass.expected) else mass.expected
-    certain = 0 < mass.std_error < TELLING * mass.value
+    certain = 0 < mass.std_error < CERTAIN * mass.value
     place = ""
-    if certain and _is_other(told):
+    if certain and _is_other(audit):
         place = ", ".join(fixed(value, 3).replace("−", "-") for value in center["value"])
     words = {"mass": _with_error(mass), "kg": mass.value, "declared": declared, "place": place}
     yield say("sensor.payload", **words)
-    if ("mass_by_currents", "") in told.index:
-        yield say("sensor.by currents", by=told.loc[("mass_by_currents", "")])
+    if ("mass_by_currents", "") in audit.index:
+        yield say("sensor.by currents", by=audit.loc[("mass_by_currents", "")])
 
 
-def _is_other(told: pd.DataFrame) -> bool:
-    """Return whether the payload is not the declared one: none is, its place is another, or the
-    sensor's scale cannot explain the difference.
+def _is_other(audit: pd.DataFrame) -> bool:
+    """Return whether the payload differs from the declared one: none is declared, or the centre of
+    mass is another, which no wrong scale of the sensor explains.
     """
-    known = told.index.get_level_values(0)
-    return "scale" not in known or bool((told.loc["center_of_mass", "verdict"] == "wrong").any())
+    wrong = audit.loc["center_of_mass", "verdict"] == "wrong"
+    return "scale" not in audit.index.get_level_values(0) or bool(wrong.any())
 
 
-def _controller(told: pd.DataFrame) -> Iterator[Sentence]:
-    """Yield what is left in the controller's force when nothing touches the arm."""
-    if "zero" not in told.index.get_level_values(0):
+def _controller(audit: pd.DataFrame) -> Iterator[Sentence]:
+    """Yield the reading of the controller's force when nothing touches the arm."""
+    if "zero" not in audit.index.get_level_values(0):
         return
-    zero, left = told.loc["zero"], told.loc[("left_mass", "")]
+    zero, left = audit.loc["zero"], audit.loc[("left_mass", "")]
     force = say("sensor.vector", values=zero["value"][:3])
     yield say("sensor.zero", force=force, wrong=(zero["verdict"] == "wrong").any())
     if left.verdict == "wrong":

@@ -11,8 +11,8 @@ CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
 
 
 class Score(NamedTuple):
-    """Pushes that reach the threshold at the sensor, those found of them, and the largest share of
-    a recording without contact for which the estimate is above the threshold.
+    """How an estimate detects pushes: found of all that reach the threshold at the sensor, and the
+    largest share of a contact-free recording for which the estimate is above it.
     """
 
     found: int
@@ -26,9 +26,9 @@ class Score(NamedTuple):
 
 
 def score(results: Results, estimate: str) -> Score | None:
-    """Return an estimate's score: of pushes where errors are printed, free where no fit has seen.
+    """Return an estimate's score, None without such recordings.
 
-    None if there is no such recording.
+    Pushes are counted on recordings with printed errors, time above on validate recordings.
     """
     rows = results.rows("fixed_threshold", component=AXIS, estimate=estimate)
     pushed = rows[rows["recording"].isin(results.printed("force_mae", "printed_mae"))]
@@ -40,18 +40,18 @@ def score(results: Results, estimate: str) -> Score | None:
 
 
 def judged(results: Results) -> Iterator[Sentence]:
-    """Report whether the claim holds, and why not: the finding."""
-    own = score(results, CLAIMED)
-    if own is None:
+    """Report whether the claim holds, and why not."""
+    claimed = score(results, CLAIMED)
+    if claimed is None:
         return
-    yield say("claim.judged", own=own)
+    yield say("claim.judged", claimed=claimed)
 
 
 def compared(results: Results) -> list[str]:
-    """Return the numbers that the claim is judged by, of F̂*_z and of F̂ᵐᵃᵖ."""
-    own, beside = score(results, CLAIMED), score(results, OURS)
-    if own is None or beside is None:
+    """Return a sentence with the scores of F̂*_z and F̂ᵐᵃᵖ, by which the claim is judged."""
+    claimed, ours = score(results, CLAIMED), score(results, OURS)
+    if claimed is None or ours is None:
         return []
-    scores = {CLAIMED: own, OURS: beside}.items()
-    parts = [say("claim.score", name=ESTIMATES[name], one=one) for name, one in scores]
-    return [say("claim.compared", own=own, parts=parts)]
+    scores = {CLAIMED: claimed, OURS: ours}.items()
+    parts = [say("claim.score", name=ESTIMATES[name], score=value) for name, value in scores]
+    return [say("claim.compared", pushes=claimed.pushes, parts=parts)]

@@ -29,14 +29,14 @@ def older(results: Results) -> list[str]:
     return results.shown([*results.rows("torque_mae", model=OLDER_MODEL)["recording"]])
 
 
-def positions(results: Results, of: str) -> Body:
+def positions(results: Results, recording: str) -> Body:
     """Return the positions of Table 5.5."""
-    return _errors(results.rows("closed_loop_mae", recording=of, quantity="q"), 5)
+    return _errors(results.rows("closed_loop_mae", recording=recording, quantity="q"), 5)
 
 
-def velocities(results: Results, of: str) -> Body:
+def velocities(results: Results, recording: str) -> Body:
     """Return the velocities of Table 5.5."""
-    return _errors(results.rows("closed_loop_mae", recording=of, quantity="qd"), 4)
+    return _errors(results.rows("closed_loop_mae", recording=recording, quantity="qd"), 4)
 
 
 def _errors(rows: pd.DataFrame, digits: int) -> Body:
@@ -84,10 +84,10 @@ def contradictions(results: Results) -> Iterator[Sentence]:
     ranges = results.tables["gains"].fillna({"low": 0.0, "high": np.inf})
     ranges["robot"] = ranges["recording"].map(results.arms())
     for (robot, gain), rows in ranges.groupby(["robot", "gain"], sort=False):
-        each = rows.groupby("joint")
-        apart = each["low"].max() > each["high"].min()
-        if apart.any():
-            words = {"gain": gain, "robot": robot, "numbers": apart.index[apart]}
+        by_joint = rows.groupby("joint")
+        disjoint = by_joint["low"].max() > by_joint["high"].min()
+        if disjoint.any():
+            words = {"gain": gain, "robot": robot, "numbers": disjoint.index[disjoint]}
             yield say("loop.contradiction", **words)
 
 

@@ -21,9 +21,9 @@ def found(results: Results) -> Iterator[Sentence]:
         yield say("changes.found", study=study, topics=[*changed["topic"].unique()], **words)
 
 
-def topics(results: Results, of: str) -> Body:
+def topics(results: Results, study: str) -> Body:
     """Return how many numbers of each topic were compared, differ and changed."""
-    rows = results.rows("changes", study=of)
+    rows = results.rows("changes", study=study)
     body = []
     for topic, part in rows.groupby("topic", sort=False):
         counts = [len(part), *((part[name] == "yes").sum() for name in ("differs", "changed"))]
@@ -31,8 +31,8 @@ def topics(results: Results, of: str) -> Body:
     return Body(["topic", "compared", "beyond their error", "changed"], body)
 
 
-def changed(results: Results, of: str) -> Body:
-    """Return what changed."""
-    rows = results.rows("changes", study=of, changed="yes")
+def changed(results: Results, study: str) -> Body:
+    """Return the numbers that changed, before and now."""
+    rows = results.rows("changes", study=study, changed="yes")
     columns = {"topic": "topic", "what": "name", "before": "before", "now": "after"}
     return tabulated(rows.itertuples(index=False), columns)

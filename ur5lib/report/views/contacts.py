@@ -16,8 +16,8 @@ FORCES = ["Fx", "Fy", "Fz"]
 FLANGE = 6  # the link that carries flange and tool
 
 
-def told(results: Results) -> list[str]:
-    """Return what the tables say about forces and contacts, in sentences."""
+def sentences(results: Results) -> list[str]:
+    """Return sentences about errors in contact, bands, contacts and alarms."""
     force = results.tables["force_mae"]
     return [
         *in_contact(force),
@@ -28,7 +28,7 @@ def told(results: Results) -> list[str]:
 
 
 def in_contact(force: pd.DataFrame) -> Iterator[Sentence]:
-    """Report the errors of the leading estimate in contact and free of contact."""
+    """Report the errors of the leading estimate, in contact and free."""
     forces = _forces(force)
     better = []
     for recording, rows in forces.groupby("recording", sort=False):
@@ -115,7 +115,7 @@ def largest_contacts(results: Results) -> Iterator[Sentence]:
 
 
 def _touched(links: list[int]) -> str:
-    """Return a sentence on where the contact of a stated force may be, if that is known."""
+    """Return a sentence on the links that may be touched, empty if these are unknown."""
     if links == [FLANGE]:
         return say("contacts.on flange")
     if not links:
@@ -125,13 +125,13 @@ def _touched(links: list[int]) -> str:
 
 
 def elsewhere(results: Results) -> Iterator[Sentence]:
-    """Report the contacts that are not on the flange, for which alone the forces hold."""
+    """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     contacts = results.rows("contacts", estimate="Fmap", kind="contact")
     for name in [*found_without_sensor(results)][:MOST_SHOWN]:
         links = [likely(row) for row in contacts[contacts["recording"] == name].itertuples()]
-        others = [own for own in links if own and FLANGE not in own]
+        others = [likely for likely in links if likely and FLANGE not in likely]
         if others:
-            yield say("contacts.elsewhere", name=name, count=len(others), of=len(links))
+            yield say("contacts.elsewhere", name=name, count=len(others), total=len(links))
 
 
 def detection(results: Results) -> Iterator[Sentence]:
@@ -148,7 +148,7 @@ def detection(results: Results) -> Iterator[Sentence]:
 
 
 def _causal(rows: pd.DataFrame) -> Iterator[Sentence]:
-    """Report what is found from past samples only; rows: of the least class of contacts."""
+    """Report the contacts found from past samples only; rows: those of the weakest contacts."""
     known = rows.dropna(subset="causal_found")
     if len(known):
         found, count = (int(known[name].sum()) for name in ("causal_found", "contacts"))

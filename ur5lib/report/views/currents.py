@@ -49,14 +49,14 @@ def constants(results: Results) -> Body:
     return Body([*header, "thesis"], [[*a, b] for a, b in zip(body, published, strict=True)])
 
 
-TOLD = {
+SPOKEN = {
     "torque_constant": "torque constant",
     "coulomb": "Coulomb friction",
     "viscous": "viscous friction",
     "load": "load friction",
 }
 LEAST_KNOWN = 3  # parameters that the next recording is designed for
-REST = [Cell("did not move"), *[Cell("–")] * 4]  # of what only motion tells
+REST = [Cell("did not move"), *[Cell("–")] * 4]  # for parameters that only motion determines
 
 
 def _moved(results: Results, robot: str) -> set[int]:
@@ -67,7 +67,7 @@ def _moved(results: Results, robot: str) -> set[int]:
 
 
 def _is_known(row: Any, moved: set[int]) -> bool:
-    """Whether recordings tell a constant: offset and friction need motion."""
+    """Whether recordings can determine a parameter: offset and friction need motion."""
     return row.joint in moved or row.parameter == "torque_constant"
 
 
@@ -83,7 +83,7 @@ def _constant(row: Any) -> list[Cell]:
 
 
 def _source(row: Any) -> str:
-    """Return where a parameter comes from mainly; nothing tells one of unknown sign."""
+    """Return where a parameter comes from mainly: data, prior, or neither determines its sign."""
     if row.determined == "yes":
         return "data"
     return "prior" if row.prior_share > UNDETERMINED else "undetermined"
@@ -97,7 +97,7 @@ def remarks(results: Results) -> Iterator[Sentence]:
 
 
 def reversals(results: Results) -> Iterator[Sentence]:
-    """Report what Karnopp's friction gains or loses against Dahl's on each arm."""
+    """Report the error of Karnopp's friction relative to Dahl's on each arm."""
     for robot, rows in results.tables["friction_reversal"].groupby("robot", sort=False):
         least = rows.groupby(["model", "joint"])["rmse"].min()
         words = {
@@ -108,13 +108,13 @@ def reversals(results: Results) -> Iterator[Sentence]:
 
 
 def next_recordings(results: Results) -> Iterator[Sentence]:
-    """Yield what the recordings of each arm tell least about, and what designs the next one."""
+    """Yield each arm's least determined parameters, and the command that designs a recording."""
     study, lab = results.study["study"], results.study.get("devices") or {}
     table = lab.get("table_m") or 0.0
     for robot, rows in results.tables["friction"].groupby("robot", sort=False):
         worst = rows.sort_values("prior_share", ascending=False)[:LEAST_KNOWN]
         parts = [
-            say("currents.least known", name=TOLD.get(row.parameter, row.parameter), row=row)
+            say("currents.least known", name=SPOKEN.get(row.parameter, row.parameter), row=row)
             for row in worst.itertuples()
         ]
         words = {"robot": robot, "study": study, "table": f"{table:g}"}
@@ -155,9 +155,9 @@ def unseen_errors(results: Results) -> Body:
     return Body(header, body)
 
 
-def prediction(results: Results, of: str) -> Body:
+def prediction(results: Results, recording: str) -> Body:
     """Return the RMSE of each model on a recording that was not used for fitting."""
-    rows = results.rows("current_rmse", recording=of)
+    rows = results.rows("current_rmse", recording=recording)
     errors = rows.set_index(["joint", "model"])["rmse_2hz"]
     models = [model for model in MODELS if model in {*rows["model"]}]
     fitted = rows[rows["model"] == "fitted"].set_index("joint")
@@ -177,12 +177,12 @@ def prediction(results: Results, of: str) -> Body:
     return Body(header, body)
 
 
-def cross_validation(results: Results, of: str) -> Body:
+def cross_validation(results: Results, robot: str) -> Body:
     """Return the RMSE of a fit to one recording, tested on each: mean over the joints."""
-    rows = results.rows("cross_validation", robot=of)
+    rows = results.rows("cross_validation", robot=robot)
     mean = rows.pivot_table("rmse_2hz", "fitted_on", "tested_on", aggfunc="mean", sort=False)
     names = [*mean.index][:MOST_COMPARED]
-    if len(names) < 2:  # a recording on itself says nothing
+    if len(names) < 2:  # a fit tested on its own recording is no test
         return NOTHING
     body = [
         [Cell(f"{i + 1} {name}")]
@@ -196,7 +196,7 @@ MOST_COMPARED = 12  # columns that fit on a page
 
 
 def loaded(results: Results) -> pd.DataFrame:
-    """Return the undeclared loads that the currents show with certainty."""
+    """Return the undeclared loads that are certain by the currents."""
     payload = results.tables["payload"]
     return payload[payload["taken"] == "yes"]
 

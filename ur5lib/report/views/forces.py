@@ -41,7 +41,7 @@ def printed(results: Results) -> list[str]:
 
 
 def published(results: Results) -> Iterator[Sentence]:
-    """Say what the published estimates are, where they are compared."""
+    """Explain the published estimates, if they are compared."""
     if {"F", "F*"} & {*results.tables["force_mae"]["estimate"]}:
         yield say("force.published")
 
@@ -52,7 +52,7 @@ def headline(results: Results) -> Body:
     forces = rows[rows["component"].str.startswith("F")]
     free = forces[forces["during"] == "free"].set_index(["recording", "component"])
 
-    def beside(row: Any, figure: str) -> float:
+    def when_free(row: Any, figure: str) -> float:
         return float(free[figure].get((row.recording, row.component), math.nan))
 
     columns: dict[str, Column] = {
@@ -64,8 +64,8 @@ def headline(results: Results) -> Body:
         "in 95 % band [%]": lambda row: number(100 * row.coverage95, 0),
         "band's score": lambda row: number(row.interval_score95, 0),
         "zero's score": lambda row: number(row.zero_interval_score95, 0),
-        "free: error": lambda row: number(beside(row, "mae"), 2),
-        "free: in band [%]": lambda row: number(100 * beside(row, "coverage95"), 0),
+        "free: error": lambda row: number(when_free(row, "mae"), 2),
+        "free: in band [%]": lambda row: number(100 * when_free(row, "coverage95"), 0),
     }
     return tabulated(forces[forces["during"] == "contact"].itertuples(), columns)
 
@@ -136,7 +136,7 @@ def summary(results: Results) -> Body:
 
 
 def _determined(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
-    """Yield a component's errors by estimate, or "undetermined" for such moments."""
+    """Yield a component's errors by estimate, "undetermined" for moments that are."""
     marks = extremes(found["mae"].to_dict())
     unknown = found["component"].str.startswith("n") & (found["determined"] == "no")
     for name in known:
@@ -146,9 +146,9 @@ def _determined(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
             yield number(found["mae"].get(name, math.nan), 2, marks.get(name))
 
 
-def errors(results: Results, of: str) -> Body:
+def errors(results: Results, recording: str) -> Body:
     """Return all errors against the compensated sensor: in contact, free, whole run."""
-    rows = results.rows("force_mae", recording=of, kind="compensated")
+    rows = results.rows("force_mae", recording=recording, kind="compensated")
     parts = [(label, rows[rows["during"] == during]) for during, label in DURING.items()]
     bodies = [(label, _errors(part, "mae")) for label, part in parts if len(part)]
     if not bodies:
@@ -157,14 +157,16 @@ def errors(results: Results, of: str) -> Body:
     return Body(["during", *bodies[-1][1].header], lines)
 
 
-def errors_from_start(results: Results, of: str) -> Body:
+def errors_from_start(results: Results, recording: str) -> Body:
     """Return all errors over the whole run against the sensor less its reading at the start."""
-    return _errors(results.rows("force_mae", recording=of, kind="corrected", during="all"), "mae")
+    rows = results.rows("force_mae", recording=recording, kind="corrected", during="all")
+    return _errors(rows, "mae")
 
 
-def largest_errors(results: Results, of: str) -> Body:
+def largest_errors(results: Results, recording: str) -> Body:
     """Return the largest error of every estimate against the compensated sensor."""
-    return _errors(results.rows("force_mae", recording=of, kind="compensated", during="all"), "max")
+    rows = results.rows("force_mae", recording=recording, kind="compensated", during="all")
+    return _errors(rows, "max")
 
 
 def _errors(rows: pd.DataFrame, figure: str) -> Body:
@@ -179,14 +181,16 @@ def _errors(rows: pd.DataFrame, figure: str) -> Body:
     return Body(["component", *(ESTIMATES[name] for name in known), "zero"], body)
 
 
-def printed_errors(results: Results, of: str) -> Body:
+def printed_errors(results: Results, recording: str) -> Body:
     """Return Table 6.1: mean errors, printed, rebuilt, and their difference."""
-    return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "mae")
+    rows = results.rows("force_mae", recording=recording, kind="printed", during="all")
+    return _printed(rows, "mae")
 
 
-def printed_largest_errors(results: Results, of: str) -> Body:
+def printed_largest_errors(results: Results, recording: str) -> Body:
     """Return Table 6.2: largest errors, printed, rebuilt, and their difference."""
-    return _printed(results.rows("force_mae", recording=of, kind="printed", during="all"), "max")
+    rows = results.rows("force_mae", recording=recording, kind="printed", during="all")
+    return _printed(rows, "max")
 
 
 def _printed(rows: pd.DataFrame, figure: str) -> Body:
@@ -210,9 +214,9 @@ def _printed(rows: pd.DataFrame, figure: str) -> Body:
     return Body([*header, "zero"], body)
 
 
-def bands(results: Results, of: str) -> Body:
+def bands(results: Results, recording: str) -> Body:
     """Return skill, slope, correlation and coverage of the new estimates in contact."""
-    rows = results.rows("force_mae", recording=of, kind="compensated")
+    rows = results.rows("force_mae", recording=recording, kind="compensated")
     rows = rows[rows["coverage95"].notna()]
     free = rows[rows["during"] == "free"].set_index(["estimate", "component"])["coverage95"]
     body = [
@@ -233,9 +237,9 @@ def bands(results: Results, of: str) -> Body:
     return Body([*header, "band's score", "zero's score", "free: in 95 % band [%]"], body)
 
 
-def contact_errors(results: Results, of: str) -> Body:
+def contact_errors(results: Results, recording: str) -> Body:
     """Return peak, impulse and onset of each contact, with the leading estimate's errors."""
-    rows = leading(results.rows("contact_errors", recording=of, component="norm"))
+    rows = leading(results.rows("contact_errors", recording=recording, component="norm"))
     columns: dict[str, Column] = {
         "contact [s]": lambda row: interval(row.start_s, row.end_s, 2),
         "peak [N]": lambda row: number(row.peak, 1),
@@ -248,7 +252,7 @@ def contact_errors(results: Results, of: str) -> Body:
 
 
 def detections(results: Results) -> Body:
-    """Return the contacts found, by the force they reach; false alarms and delay."""
+    """Return contacts found by the force that they reach, false alarms and delays."""
     rows = results.tables["detection"]
     rows = rows[rows["force_class_n"].notna()]
     classes = [*rows["force_class_n"].unique()]
@@ -301,7 +305,7 @@ def fixed_threshold(results: Results) -> Body:
 
 
 def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
-    """Return found of pushes, where a sensor counted them, and the time above in percent."""
+    """Return the time above in percent and, where a sensor counted pushes, how many are found."""
     if key not in rows.index:
         return Cell("–")
     row = rows.loc[key]
@@ -309,9 +313,9 @@ def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
     return Cell(share if math.isnan(row["pushes"]) else f"{share}; {_share(row, 'pushes').text}")
 
 
-def contacts(results: Results, of: str) -> Body:
+def contacts(results: Results, recording: str) -> Body:
     """Return the contacts that F̂ᵐᵃᵖ finds: time, largest force, likely links, and a load."""
-    rows = results.rows("contacts", recording=of, estimate="Fmap")
+    rows = results.rows("contacts", recording=recording, estimate="Fmap")
     columns: dict[str, Column] = {
         "contact [s]": lambda row: interval(row.start_s, row.end_s, 2),
         "largest at [s]": lambda row: f"{row.peak_s:.2f}",
@@ -330,7 +334,7 @@ def _load(row: Any) -> Cell:
 
 
 def likely(row: Any) -> list[int]:
-    """Return the links on which a contact may be; empty where nothing is known of it."""
+    """Return the links that a contact may touch; empty where that was not estimated."""
     known = {link: getattr(row, name) for link, name in enumerate(LINKS, start=1)}
     return [] if math.isnan(known[6]) else likely_links(known)
 

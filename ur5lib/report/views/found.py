@@ -17,12 +17,12 @@ from ur5lib.report.views.contacts import counted, elsewhere, quiet, undetermined
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
-IMPROBABLE = 0.025  # chance below which a number of intervals with the truth inside is remarkable
+IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the truth is remarkable
 
 
 def findings(results: Results) -> list[Sentence]:
     """Return the findings, one item each, or the sentence that there are none."""
-    told = [
+    sentences = [
         *stop_signs(results),
         *nearest_model(results),
         *printed.found(results),
@@ -39,11 +39,11 @@ def findings(results: Results) -> list[Sentence]:
         *comparison.found(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
-    return told or [say("findings.none" if looked else "findings.unsearched")]
+    return sentences or [say("findings.none" if looked else "findings.unsearched")]
 
 
 def stop_signs(results: Results) -> Iterator[Sentence]:
-    """Report what contradicts the study, so that no forces are stated."""
+    """Report the contradictions because of which no forces are stated."""
     rows = results.rows("quality", severity="stop")
     for row in rows[:MOST_SHOWN].itertuples():
         yield say("findings.stop recording", row=row)
@@ -71,7 +71,7 @@ def left_out_fits(results: Results) -> list[Sentence]:
 
 
 def _not_compared(results: Results) -> Iterator[Sentence]:
-    """Report estimates that have nothing to be compared with."""
+    """Report estimates that cannot be compared, for want of recordings or of a sensor."""
     if len(results.tables["friction"]) and not results.with_role("validate"):
         yield say("findings.not predicted")
     if len(searched(results)) and results.tables["sensed"].empty:

@@ -1,4 +1,4 @@
-"""The first screen: verdicts, and the figure that shows what the study is about."""
+"""The first screen: verdicts, and one figure."""
 
 from collections.abc import Callable, Iterator
 
@@ -30,7 +30,7 @@ VERDICTS: list[Callable[[Results], Verdict | None]] = [
 
 def verdicts(results: Results) -> list[Verdict]:
     """Return the verdicts, in the order of the pipeline."""
-    return [told for judge in VERDICTS if (told := judge(results))]
+    return [verdict for judge in VERDICTS if (verdict := judge(results))]
 
 
 def force_drawn(results: Results) -> list[str]:
@@ -55,10 +55,10 @@ def _drawn(results: Results, wanted: str) -> list[str]:
 
 
 def _figures(results: Results) -> Iterator[tuple[str, str]]:
-    """Yield figures and their recordings, the most telling first.
+    """Yield figures and their recordings, the most informative first.
 
-    Forces beside a sensor that is touched; currents in motion, if possible without a load;
-    torques in motion; forces that nothing judges.
+    Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
+    motion; forces without a sensor.
     """
     for name in results.shown([*force.errors_in_contact(results)["recording"]]):
         yield "forces", name

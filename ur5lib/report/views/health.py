@@ -17,7 +17,7 @@ NAMES = {
     "offset": ("offset", "Nm"),
     "noise": ("noise of the current", "A"),
 }
-LEAST = 0.5  # %, what temperature must account for to be mentioned
+LEAST = 0.5  # %, smallest effect of temperature that is mentioned
 
 
 def dated(results: Results) -> list[str]:
@@ -25,23 +25,22 @@ def dated(results: Results) -> list[str]:
     return [*results.tables["health"]["robot"].unique()]
 
 
-def told(results: Results) -> Iterator[Sentence]:
-    """Report how many dates there are, whether temperatures were recorded, and lost frames."""
+def dates(results: Results) -> Iterator[Sentence]:
+    """Report each arm's dates, whether temperatures were recorded, and lost frames."""
     for robot in dated(results):
         rows = results.rows("health", robot=robot)
-        dates = rows["date"]
         yield say(
             "health.dates",
             robot=robot,
-            days=dates.nunique(),
-            span=span(dates.min(), dates.max()),
+            days=rows["date"].nunique(),
+            span=span(rows["date"].min(), rows["date"].max()),
             warm=rows["temperature_c"].notna().any(),
             lost=100 * rows.loc[rows["quantity"] == "lost_frames", "value"].max(),
         )
 
 
 def found(results: Results) -> Iterator[Sentence]:
-    """Yield a sentence for each change, the largest share of a value first."""
+    """Yield a sentence for each change, the largest relative change first."""
     changes = ranked(results)
     for row in changes.itertuples():
         yield say("health.of arm", robot=row.robot, change=change(row))
@@ -50,14 +49,14 @@ def found(results: Results) -> Iterator[Sentence]:
 
 
 def ranked(results: Results) -> pd.DataFrame:
-    """Return the changes, the largest share of the value before first; offsets last."""
+    """Return the changes, the largest relative to the value before first; offsets last."""
     rows = results.tables["health_changes"]
     share = (rows["size"] / rows["before"]).abs().mask(rows["quantity"] == "offset", 0.0)
     return rows.assign(share=share).sort_values("share", ascending=False, kind="stable")
 
 
 def change(row: Any) -> Sentence:
-    """Return what changed on which joint, by how much, when, and what temperature adds."""
+    """Return a sentence on a change: joint, quantity, size, dates, and the temperature's effect."""
     name, unit = NAMES[row.quantity]
     when = f"between {days(row.first, row.last, 'and')}"
     if row.kind == "drift":
@@ -102,14 +101,14 @@ def days(first: str, last: str, word: str) -> str:
     return f"{day(first).removesuffix(f' {year}').removesuffix(f' {month}')} {word} {day(last)}"
 
 
-def day(written: str) -> str:
-    """Return a date in words."""
-    known = date.fromisoformat(written)
-    return f"{known.day} {known:%B %Y}"
+def day(iso: str) -> str:
+    """Return an ISO date in words."""
+    parsed = date.fromisoformat(iso)
+    return f"{parsed.day} {parsed:%B %Y}"
 
 
 def steps(results: Results) -> Iterator[Sentence]:
-    """Ask for a fit to what was recorded after the largest change."""
+    """Ask for a fit to the recordings after the largest change."""
     rows = ranked(results)
     for row in rows[rows["share"] > 0][:1].itertuples():
         yield say("health.step", row=row, day=day(row.last), name=NAMES[row.quantity][0])

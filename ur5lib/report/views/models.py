@@ -30,9 +30,9 @@ def mean_errors(results: Results) -> Body:
     return _errors(mean)
 
 
-def errors(results: Results, of: str) -> Body:
+def errors(results: Results, recording: str) -> Body:
     """Return every model's error on a recording, at the target and at the measured motion."""
-    rows = results.rows("torque_mae", recording=of)
+    rows = results.rows("torque_mae", recording=recording)
     return _errors(rows[rows["mae"].notna() & (rows["motion"] != "closed_loop")])
 
 
@@ -51,9 +51,9 @@ def _errors(rows: pd.DataFrame) -> Body:
     return Body(header, body)
 
 
-def printed_errors(results: Results, of: str) -> Body:
+def printed_errors(results: Results, recording: str) -> Body:
     """Return Table 5.6: printed, rebuilt, and their difference."""
-    rows = results.rows("torque_mae", recording=of)
+    rows = results.rows("torque_mae", recording=recording)
     target = rows[(rows["motion"] == "closed_loop") & rows["mae"].notna() & rows["printed"].notna()]
     others = rows[rows["mae"].isna()]  # printed, but cannot be rebuilt
     models, older = target["model"].unique(), others["model"].unique()

@@ -25,7 +25,9 @@ def printed(results: Results) -> list[str]:
 
 
 def filtered_first(results: Results) -> list[str]:
-    """Return the recordings drawn in the order of steps that their printed errors need."""
+    """Return the recordings whose IMU is also drawn filtered before rotation, as printed errors
+    require.
+    """
     file = "accelerations_filtered_first.svg"
     return [name for name in printed(results) if (results.figures / name / file).is_file()]
 
@@ -45,9 +47,9 @@ def errors(results: Results) -> Body:
     return Body(["recording", "estimate", *header], body)
 
 
-def printed_errors(results: Results, of: str) -> Body:
+def printed_errors(results: Results, recording: str) -> Body:
     """Return Table 5.7: printed, rebuilt, and their difference."""
-    rows = results.rows("acceleration_mae", recording=of)
+    rows = results.rows("acceleration_mae", recording=recording)
     columns: dict[str, Column] = {
         "component": lambda row: f"{row.component} [{COMPONENTS[row.component]}]",
         "printed": lambda row: number(row.printed, 4),
@@ -71,12 +73,13 @@ def bands(results: Results) -> Body:
     table = results.tables["acceleration_bands"]
     body = []
     for (name, state), rows in table.groupby(["range", "during"], sort=False):
-        of = rows.groupby("component", sort=False)
+        by_component = rows.groupby("component", sort=False)
         linear, angular = slice(0, 3), slice(3, 6)
         rms, plain = (
-            np.sqrt(of[column].apply(lambda x: np.mean(x**2))) for column in ("rms", "filterpy_rms")
+            np.sqrt(by_component[column].apply(lambda x: np.mean(x**2)))
+            for column in ("rms", "filterpy_rms")
         )
-        held = 100 * of["held"].mean()
+        held = 100 * by_component["held"].mean()
         parts = [listed(values[part], digits) for values, digits, part in (
             (rms, 3, linear), (held, 0, linear), (plain, 3, linear),
             (rms, 3, angular), (held, 0, angular), (plain, 3, angular),
@@ -109,7 +112,7 @@ def calibration(results: Results) -> Body:
 
 
 def place(results: Results) -> Iterator[Sentence]:
-    """Report how far the IMU is from its described place, and which of both is used."""
+    """Report how far the IMU is from its described place, and which of the two is used."""
     table = results.tables["imu_calibration"]
     for arm, rows in table[table["quantity"] == "place"].groupby("robot", sort=False):
         off = 1e3 * (rows["value"] - rows["described"])
@@ -121,7 +124,7 @@ def place(results: Results) -> Iterator[Sentence]:
 
 
 def innovations(results: Results) -> Iterator[Sentence]:
-    """Report how many channels pass the tests that the smoother's bands rely on."""
+    """Report how many channels pass the tests of the innovations."""
     table = results.tables["innovations"]
     parts = []
     for estimate, rows in table.groupby("estimate", sort=False):

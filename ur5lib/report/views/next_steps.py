@@ -1,4 +1,4 @@
-"""What to do next: what to record, what to declare, which file to look at."""
+"""The next steps for the user: what to record, declare or correct."""
 
 from collections.abc import Iterator
 from itertools import islice
@@ -12,9 +12,9 @@ from ur5lib.report.views import health, sensed
 from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
-MANY_LOST = 0.1  # share of frames, from which a recording is worth repeating
+MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
 CONTRADICTIONS = ("unlikely constant", "current against constant")  # codes of remarks
-ASKING = ("no motion", "one path", "few paths")  # codes of those that ask for a recording
+ASKING = ("no motion", "one path", "few paths")  # codes of remarks that ask for a recording
 
 
 def steps(results: Results) -> list[str]:
@@ -35,7 +35,7 @@ def _all(results: Results) -> Iterator[Sentence]:
 
 
 def stop_signs(results: Results) -> Iterator[Sentence]:
-    """Send the reader to what contradicts the study."""
+    """Ask to correct the file or the entry that contradicts the study."""
     for row in results.rows("quality", severity="stop")[:1].itertuples():
         yield say("steps.stop recording", file=results.file_of(row.recording), row=row)
     for row in results.rows("remarks", step=STOP)[:1].itertuples():
@@ -60,7 +60,7 @@ def payloads(results: Results) -> Iterator[Sentence]:
 
 
 def contradictions(results: Results) -> Iterator[Sentence]:
-    """Repeat what the fits found to contradict prior knowledge."""
+    """Ask to check arms whose fitted constants contradict prior knowledge."""
     rows = results.tables["remarks"].query("code in @CONTRADICTIONS")
     for robot, part in rows.groupby("robot", sort=False):
         yield say("steps.contradiction", robot=robot, numbers=part["joint"])

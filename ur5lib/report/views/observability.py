@@ -19,8 +19,8 @@ def arms(results: Results) -> list[str]:
     return [*results.tables["observability"]["robot"].unique()]
 
 
-def told(results: Results) -> Iterator[Sentence]:
-    """Say at which speeds an arm's pushes are detected best and worst."""
+def sentences(results: Results) -> Iterator[Sentence]:
+    """Report at which speeds pushes on an arm are detected best and worst, and by axis."""
     for robot in arms(results):
         rows = results.rows("observability", robot=robot, quantity="smallest_push_95")
         if len(rows) > 1:
@@ -32,12 +32,12 @@ def told(results: Results) -> Iterator[Sentence]:
 
 
 def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
-    """State the push along each axis that would be found, at rest and in motion."""
+    """Report the smallest push along each axis that is detected, at rest and in motion."""
     rows = results.rows("observability", robot=robot)
     rows = rows[rows["quantity"].str.startswith("smallest_push_95_")]
     limits = [
-        (say("observed.rest", slowest=slowest), joined(map(_limit, own.itertuples()), ", "))
-        for slowest, own in rows.groupby("speed_low")
+        (say("observed.rest", slowest=slowest), joined(map(_limit, pushes.itertuples()), ", "))
+        for slowest, pushes in rows.groupby("speed_low")
     ]
     if limits:
         yield say("observed.missed", robot=robot, limits=limits)
@@ -66,8 +66,8 @@ def velocities(results: Results) -> Body:
     shares = results.rows("observability", quantity="friction_in_band")
     body = []
     for row in rows.itertuples():
-        own = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
-        known = own.dropna(subset="value")
+        of_joint = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
+        known = of_joint.dropna(subset="value")
         slower = known[~(known["speed_low"] >= row.speed_low)]  # all, where no range suffices
         faster = known[known["speed_low"] >= row.speed_high]
         shown = [
@@ -97,6 +97,6 @@ def _push(row: Any) -> Cell:
 
 
 def _push_at(row: Any) -> tuple[Sentence, Sentence]:
-    """Return when a push is made, and its force."""
+    """Return the speed at a push, and its force."""
     during = say("observed.during", speeds=flange_speeds(row))
     return during, say("observed.force", force=row.value, most=MOST)

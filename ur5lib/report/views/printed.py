@@ -1,4 +1,4 @@
-"""Numbers of the published work beside the rebuilt ones, and what is left unexplained."""
+"""Published numbers beside the rebuilt ones, and those that stay unexplained."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -13,7 +13,7 @@ from ur5lib.report.printed_numbers import COLUMNS, EQUAL, UNEXPLAINED
 from ur5lib.report.results import Body, Column, Results, tabulated
 from ur5lib.report.sentences import Sentence, say
 
-DIGITS = 4  # of a number that is not printed
+DIGITS = 4  # of computed numbers
 NAMES = {**ESTIMATES, "euler": "Euler angles"}  # of rows
 
 
@@ -22,8 +22,8 @@ def sources(results: Results) -> list[str]:
     return sorted({*_rows(results)["source"]})
 
 
-def numbers(results: Results, of: str) -> Body:
-    """Return every number of a published table: printed, rebuilt, as an erratum says, and right."""
+def numbers(results: Results, source: str) -> Body:
+    """Return every number of a published table: printed, rebuilt, by the erratum, and right."""
     columns: dict[str, Column] = {
         "quantity": "quantity",
         "row": lambda row: NAMES.get(row.row, row.row),
@@ -31,11 +31,11 @@ def numbers(results: Results, of: str) -> Body:
         "printed": lambda row: _number(row.printed, 6),
         "rebuilt": lambda row: _number(row.rebuilt),
         "ratio": lambda row: number(row.ratio, 3),
-        "as an erratum says": lambda row: _number(row.as_erratum_says),
+        "by an erratum": lambda row: _number(row.as_erratum_says),
         "right": lambda row: _number(row.right),
         "status": "status",
     }
-    return tabulated(results.rows("printed", source=of).itertuples(), columns)
+    return tabulated(results.rows("printed", source=source).itertuples(), columns)
 
 
 def found(results: Results) -> Iterator[Sentence]:
@@ -52,16 +52,16 @@ def unexplained_heading(results: Results) -> list[str]:
 
 
 def unexplained(results: Results) -> list[str]:
-    """Return each unexplained number: its table and row, and by how many per cent it is missed."""
+    """Return each unexplained number with its table and row, and the difference in per cent."""
     rows = _rows(results)
     return [_missed(row) for row in rows[rows["status"] == UNEXPLAINED].itertuples()]
 
 
 def _missed(row: Any) -> str:
-    """Return by how much the erratum's number, or else the rebuilt one, misses a printed one."""
+    """Return how far the erratum's number, or else the rebuilt one, is from the printed one."""
     nearest, source = row.rebuilt, "rebuilt"
     if not np.isnan(row.as_erratum_says):
-        nearest, source = row.as_erratum_says, f"as erratum {row.erratum:.0f} says"
+        nearest, source = row.as_erratum_says, f"by erratum {row.erratum:.0f}"
     gap = 100 * (nearest / row.printed - 1)
     place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
     words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}

@@ -32,7 +32,7 @@ def files(results: Results) -> Body:
 
 
 def late(results: Results) -> list[str]:
-    """Return the recording, of those with figures, that lost most frames."""
+    """Return the recording with figures that lost most frames."""
     lost = results.rows("quality", device="robot", finding="lost frames")
     return results.shown([*lost.sort_values("count", ascending=False)["recording"]], 1)
 

@@ -1,4 +1,4 @@
-"""What force sensors read where no friction was fitted, and what the forces rest on there."""
+"""Readings of force sensors where no friction was fitted, and the assumptions of forces there."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,7 @@ def readings(results: Results) -> Iterator[Sentence]:
 
 
 def uncalibrated(results: Results) -> Iterator[Sentence]:
-    """Say what the static estimate rests on, where it stands for a fit."""
+    """Report the assumptions of the static estimate, which replaces a fit."""
     if (results.tables["force_mae"]["estimate"] == "static").any():
         limits = {"error": LEAST_ERROR, "breakaway": BREAKAWAY, "slow": SLOW}
         yield say("sensed.uncalibrated", **limits)

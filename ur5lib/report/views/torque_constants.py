@@ -1,4 +1,4 @@
-"""Published torque constants and offsets: rebuilt, and what the same regression gives elsewhere."""
+"""Published torque constants and offsets: rebuilt, and the same regression on other recordings."""
 
 from collections.abc import Iterator
 
@@ -19,19 +19,19 @@ def printed(results: Results) -> list[str]:
     return results.printed("torque_constants", "printed_offset")
 
 
-def rebuilt(results: Results, of: str) -> Body:
+def rebuilt(results: Results, recording: str) -> Body:
     """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
-    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
-    right = _fitted(results, of)
+    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
+    right = _fitted(results, recording)
     body = []
     for row in rows.to_dict("records"):
         line = [Cell(str(row["joint"]))]
         for name in PARAMETERS:
-            own = right.loc[(row["joint"], name)]
+            fitted = right.loc[(row["joint"], name)]
             line += [
                 number(row[f"printed_{name}"], 3),
                 with_error(row[name], row[f"{name}_std_error"], 3),
-                with_error(own["value"], own["std_error"], 2),
+                with_error(fitted["value"], fitted["std_error"], 2),
             ]
         body.append(line)
     header = [f"{sign} {what}" for sign in PARAMETERS.values() for what in KINDS]
@@ -41,25 +41,25 @@ def rebuilt(results: Results, of: str) -> Body:
 KINDS = ("printed", "rebuilt", "fitted here")
 
 
-def _fitted(results: Results, of: str) -> pd.DataFrame:
-    """Return what this study's fit found for the arm of a recording, by joint and parameter."""
-    rows = results.rows("friction", robot=results.arms()[of])
+def _fitted(results: Results, recording: str) -> pd.DataFrame:
+    """Return the parameters fitted to the arm of a recording, by joint and parameter."""
+    rows = results.rows("friction", robot=results.arms()[recording])
     return rows.set_index(["joint", "parameter"])
 
 
-def doubted_joint(results: Results, of: str) -> int:
+def doubted_joint(results: Results, recording: str) -> int:
     """Return the joint whose printed offset is furthest from this study's fit."""
-    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
-    here = _fitted(results, of).xs("offset", level="parameter")["value"]
+    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
+    here = _fitted(results, recording).xs("offset", level="parameter")["value"]
     away = (rows.set_index("joint")["printed_offset"] - here).abs()
     return int(away.idxmax())
 
 
-def on_every_run(results: Results, of: str) -> Body:
+def on_every_run(results: Results, recording: str) -> Body:
     """Return k and b of the doubted joint by both regressions on every recording in which it
     moves, in the order of its mean torque.
     """
-    rows = results.rows("torque_constants", joint=doubted_joint(results, of))
+    rows = results.rows("torque_constants", joint=doubted_joint(results, recording))
     body = []
     for (_, recording), pair in rows.groupby(["mean_torque", "recording"]):
         lines = pair.set_index("regression")
@@ -78,22 +78,22 @@ def on_every_run(results: Results, of: str) -> Body:
     return Body(["recording", "mean torque [Nm]", *columns], body)
 
 
-def follows_the_mean(results: Results, of: str) -> Iterator[Sentence]:
-    """Report how offsets follow the mean torque from run to run, beside the printed ones."""
+def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:
+    """Report that offsets follow the mean torque from run to run, beside the printed offset."""
     rows = results.rows("torque_constants", regression=AS_PRINTED)
-    joint = doubted_joint(results, of)
-    own = rows[rows["joint"] == joint]
-    here = _fitted(results, of).loc[(joint, "offset")]
-    (printed,) = own.loc[own["recording"] == of, "printed_offset"]
-    each = [
+    joint = doubted_joint(results, recording)
+    doubted = rows[rows["joint"] == joint]
+    fitted = _fitted(results, recording).loc[(joint, "offset")]
+    (printed,) = doubted.loc[doubted["recording"] == recording, "printed_offset"]
+    correlation = [
         np.corrcoef(part["offset"], part["mean_torque"])[0, 1] for _, part in rows.groupby("joint")
     ]
-    words = {"joint": joint, "printed": printed, "own": own["offset"], "here": here}
-    yield say("constants.follow the mean", correlation=each, **words)
+    words = {"joint": joint, "printed": printed, "offsets": doubted["offset"], "fitted": fitted}
+    yield say("constants.follow the mean", correlation=correlation, **words)
 
 
-def linear(results: Results, of: str) -> Iterator[Sentence]:
+def linear(results: Results, recording: str) -> Iterator[Sentence]:
     """Report how current and torque are correlated, without and with the printed friction."""
-    rows = results.rows("torque_constants", recording=of, regression=AS_PRINTED)
+    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
     without, friction = rows["correlation_without_friction"], rows["correlation"]
-    yield say("constants.linear", of=of, without=without, friction=friction)
+    yield say("constants.linear", recording=recording, without=without, friction=friction)

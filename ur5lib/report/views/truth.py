@@ -53,9 +53,10 @@ def clocks(results: Results) -> Body:
     return _values(single[single["recording"].notna()], "recording")
 
 
-def _values(rows: pd.DataFrame, of: str) -> Body:
+def _values(rows: pd.DataFrame, owner: str) -> Body:
+    """Return estimates beside the truth; owner: the column "robot" or "recording"."""
     columns: dict[str, Column] = {
-        of: of,
+        owner: owner,
         "quantity": lambda row: QUANTITIES[row.quantity],
         "of": "place",
         "unit": "unit",
@@ -98,7 +99,7 @@ def wrench_bands(results: Results) -> Body:
 
 
 def _truth(results: Results, *quantities: str) -> pd.DataFrame:
-    """Return the table of the truth, empty where no recording was simulated."""
+    """Return the rows of truth.csv with these quantities, none where nothing was simulated."""
     truth = results.tables.get("truth", pd.DataFrame(columns=COLUMNS))
     return truth[truth["quantity"].isin(quantities)] if quantities else truth
 

@@ -47,10 +47,10 @@ NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # of `safety_status_bits`
 
 
 class ControlBox:
-    """What the interfaces of one controller share.
+    """The state of a controller, which all its interfaces share.
 
     software: major, minor, bugfix, build; cycle: [s]; uptime: [s] at the start; outputs: of the
-    last cycle; registers; log: called with what is written to the robot's log; connections: of all
+    last cycle; log: listeners, called with each line of the robot's log; connections: of all
     clients; loaded: name of the loaded program.
     """
 
@@ -115,7 +115,7 @@ class ControlBox:
         return self.safety_mode == SafetyMode.NORMAL
 
     def hold(self) -> None:
-        """End freedrive: the arm stays where it was led."""
+        """End freedrive: the arm holds its posture."""
         self.arm.motion.stopj(ENDING)
 
     def say(self, text: str) -> None:
@@ -183,7 +183,7 @@ class ControlBox:
 
 
 class UnsupportedCommandError(Exception):
-    """A program asks for something that is not emulated."""
+    """A program uses a command that is not emulated."""
 
 
 class Watchdog:
@@ -193,7 +193,7 @@ class Watchdog:
         """name: of the input register; least: writes per second; now: [s], controller's clock."""
         self.name, self._longest, self._last = name, 1 / least, now
 
-    def fed(self, now: float) -> None:
+    def feed(self, now: float) -> None:
         """Note that the register was written."""
         self._last = now
 

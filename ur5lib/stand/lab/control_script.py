@@ -2,8 +2,8 @@
 
 RTDEControlInterface uploads a program in URScript (`rtde_control.script` of its sources) and talks
 with it by registers: input integer 0 is the command, further inputs are its arguments; output
-integer 0 says 1 for "ready" and 2 for "done with this command", which the client acknowledges by
-command 0. Realtime commands are executed each time they are seen and need no acknowledgement.
+integer 0 is 1 for "ready" and 2 for "command done", which the client acknowledges by command 0.
+Realtime commands are executed in every cycle and need no acknowledgement.
 """
 
 import re
@@ -80,7 +80,7 @@ class ControlScript:
             self._signal_progress(running=False)
 
     def _start(self, moves: Program) -> Program | None:
-        """Return moves to wait for, or start them beside the script, as the client asks."""
+        """Return moves to wait for; if asynchronous, start them beside the script."""
         if not self._integer(ASYNCHRONOUS):
             self._moves = None
             return moves
@@ -153,7 +153,7 @@ class ControlScript:
         return urscript.wait_until_done(self._box)
 
     def get_freedrive_status(self) -> None:
-        """Answer that freedrive is not hindered: emulated joints give way in any posture."""
+        """Answer that freedrive is possible: emulated joints are backdrivable in any posture."""
         self._write(RESULT, 0)
 
     def set_payload(self) -> None:
@@ -179,7 +179,7 @@ class ControlScript:
         self._box.protective_stop("commanded by the program")
 
     def set_watchdog(self) -> None:
-        """Stop the program when the client falls silent."""
+        """Stop the program when the client stops writing."""
         least = self._doubles(0, 1)[0]
         name = f"input_int_register_{self._offset}"
         self._box.watchdog = Watchdog(name, least, self._box.time)

@@ -48,17 +48,17 @@ class Ports:
 
     @classmethod
     def free(cls) -> Self:
-        """Return four ports that nobody uses at present, for clients that can be told theirs."""
+        """Return four unused ports, for clients whose ports can be set."""
         with contextlib.ExitStack() as stack:
             sockets = [stack.enter_context(socket.socket()) for _ in range(4)]
-            for each in sockets:
-                each.bind((HOST, 0))
-            return cls(*(each.getsockname()[1] for each in sockets))
+            for free in sockets:
+                free.bind((HOST, 0))
+            return cls(*(free.getsockname()[1] for free in sockets))
 
 
 @dataclass(frozen=True)
 class Generation:
-    """What distinguishes the controllers: software, rate [Hz], size of port 30003's messages."""
+    """A generation of controllers: software, rate [Hz], size of port 30003's messages [bytes]."""
 
     software: tuple[int, int, int, int]
     rate: int
@@ -91,7 +91,7 @@ class ControllerClock:
 
 @dataclass(frozen=True)
 class Setup:
-    """All that an emulated controller is to be.
+    """The settings of an emulated controller.
 
     plan: payload, temperatures, contacts and sensors of the arm, which starts at rest where the
     plan's trajectory starts; rate: [Hz], of its cycle; message: size of port 30003's messages
@@ -124,10 +124,10 @@ class EmulatedController:
         plan: SimulatedRecording = STILL,
         **options: Any,
     ) -> None:
-        """robot: or its name; rate: [Hz], None for its generation's; options: see Setup."""
+        """robot: or its name; rate: [Hz], None for that of its generation; options: see Setup."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
-        made = E_SERIES if arm.wrist_sensor else CB3
-        setup = Setup(arm, plan, rate or made.rate, made.software, made.message)
+        generation = E_SERIES if arm.wrist_sensor else CB3
+        setup = Setup(arm, plan, rate or generation.rate, generation.software, generation.message)
         self.setup = replace(setup, **options)
 
     def __enter__(self) -> Self:
@@ -195,7 +195,7 @@ class EmulatedController:
 
 def _run(setup: Setup, truth: Truth, line: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that holds it
-    # Waiting by `select` ends within microseconds of the wanted time, by `epoll` within 1 ms.
+    # `select` wakes within microseconds of the set time, `epoll` within 1 ms.
     loop = asyncio.SelectorEventLoop(selectors.SelectSelector())
     loop.run_until_complete(_Controller(setup, truth, line).run())
 
@@ -229,7 +229,7 @@ class _Controller:
         pace = loop.create_task(self._pace(start))
         await asyncio.wait({gone, pace}, return_when=asyncio.FIRST_COMPLETED)
         if pace.done():
-            pace.result()  # raises what ended it
+            pace.result()  # raises the error that ended it
 
     async def _pace(self, start: float) -> None:
         """Publish each cycle when its time has come, then compute the next one."""

@@ -26,19 +26,19 @@ class DashboardClient(Connection):
         self._text = ""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Say hello."""
+        """Send the welcome line."""
         super().connection_made(transport)
-        self._say(WELCOME)
+        self._send(WELCOME)
 
     def data_received(self, data: bytes) -> None:
         """Answer all complete lines."""
         *lines, self._text = (self._text + data.decode("utf-8", "replace")).split("\n")
         for line in lines:
-            self._say(answer(line.strip(), self.box))
+            self._send(answer(line.strip(), self.box))
             if line.strip() in ("quit", "shutdown"):
                 self.transport.close()
 
-    def _say(self, text: str) -> None:
+    def _send(self, text: str) -> None:
         self.transport.write(f"{text}\n".encode())
 
 

@@ -1,4 +1,4 @@
-"""Faults of the way from an emulated device to its reader, and of the device's power."""
+"""Faults of the transmission from an emulated device to its reader, and of the device's power."""
 
 import heapq
 import random
@@ -9,11 +9,11 @@ REST = 0.003  # s, until the second part of a split packet follows
 
 @dataclass(frozen=True)
 class Faults:
-    """What goes wrong; shares are of the packets, never the first, each hit by one fault at most.
+    """Shares of faulty packets (the first never is, each has at most one fault), and power cuts.
 
-    lost: never sent; late: sent late_s [s] later, datagrams after their successors, bytes of a
-    stream before them; repeated: sent twice; split: sent in two parts, in streams only.
-    dies_at, back_at: when the device loses and regains its power [s after it was switched on].
+    lost: never sent; late: sent late_s [s] later, by datagrams after their successors, by a stream
+    before them; repeated: sent twice; split: sent in two parts, in streams only. dies_at, back_at:
+    times at which the device loses and regains its power [s after it was switched on].
     """
 
     lost: float = 0.0
@@ -32,11 +32,11 @@ class Faults:
 
 
 class Delivery:
-    """The packets that are on their way.
+    """The packets in transmission.
 
-    is_stream: bytes in order, as on a serial line; otherwise datagrams. lost: the numbers of the
-    samples that were never sent; late: of those that arrived after a later one. Both are counted
-    since the device was last switched on.
+    is_stream: bytes in order, as on a serial line; otherwise datagrams. lost: numbers of the
+    samples that were never sent; late: of those that arrived after a later one. Numbers restart
+    when the device is switched on.
     """
 
     def __init__(self, faults: Faults, is_stream: bool) -> None:
@@ -73,7 +73,7 @@ class Delivery:
         return arrived
 
     def forget(self) -> None:
-        """Drop what is on its way; samples are counted anew."""
+        """Drop the packets in transmission; samples are counted anew."""
         self._queue.clear()
         self._furthest = -1
 

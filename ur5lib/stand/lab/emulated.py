@@ -12,15 +12,15 @@ from ur5lib.stand.lab.own_clock import Drift, OwnClock
 from ur5lib.timeseries.arrays import Array
 
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
-HASTE = 3  # times its rate, at most, after the computer let it wait: no device sends all at once
+HASTE = 3  # times the rate, at most, at which samples are sent after the computer was busy
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
 
 
 class Emulated(ABC):
     """A device that samples by its own clock and answers requests, while the context lasts.
 
-    reading: the true reading at a time [s, the host's monotonic], at or shortly before the present;
-    it is called in the device's thread. delivery: what was lost and late so far.
+    reading: returns the true reading at a time [s, the host's monotonic], at or shortly before the
+    present; called in the device's thread. delivery: has the samples lost and late so far.
     """
 
     is_stream: bool
@@ -59,15 +59,15 @@ class Emulated(ABC):
 
     @abstractmethod
     def packet(self, sample: int) -> bytes | None:
-        """Return the packet of a sample; None while nobody wants it."""
+        """Return the packet of a sample; None while no client asks for samples."""
 
     @abstractmethod
     def send(self, part: bytes) -> None:
-        """Send what arrives at once."""
+        """Send bytes that arrive together."""
 
     @abstractmethod
     def restart(self) -> None:
-        """Forget what is forgotten when the power fails; called when it is back."""
+        """Reset the volatile state; called when the power is back."""
 
     @abstractmethod
     def disconnect(self) -> None:
@@ -89,7 +89,7 @@ class Emulated(ABC):
                 sampled = self._sample(sampled, time.monotonic())
 
     def _sample(self, first: int, now: float) -> int:
-        """Send what is due; return the number of the next sample."""
+        """Send the samples that are due; return the number of the next one."""
         most = 1 + round(HASTE * self.rate_hz * NAP)
         end = min(self.clock.count(now), first + most)
         for sample in range(first, end):

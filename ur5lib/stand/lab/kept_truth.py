@@ -1,4 +1,4 @@
-"""The truth about a recording of the emulated lab, kept from its beginning to its end."""
+"""The truth about a recording of the emulated lab, collected from its beginning to its end."""
 
 import threading
 from pathlib import Path
@@ -13,14 +13,14 @@ from ur5lib.stand.rig import STEP, build_rig
 from ur5lib.stand.truth import Clocks, write_truth
 from ur5lib.timeseries.arrays import Array
 
-OFTEN = 1.0  # s between looks at the truth, which the arm keeps for some seconds
+INTERVAL = 1.0  # s between copies of the truth, of which the arm keeps the last seconds
 
 
 class KeptTruth:
-    """All that an emulated arm does and feels while the context lasts, every millisecond."""
+    """The true motion and forces of an emulated arm while the context lasts, every millisecond."""
 
     def __init__(self, arm: EmulatedController) -> None:
-        """arm: running."""
+        """arm: a running one."""
         self._arm, self._rows, self._count = arm, list[Array](), 0
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -38,17 +38,17 @@ class KeptTruth:
     def write(self, start: float, clocks: Clocks, truth: Path) -> None:
         """Write the truth from the controller's timestamp `start` [s] on, until now.
 
-        clocks: of the sensors, counted from the first sample of each; truth: path of truth.parquet
-        and truth.json without their suffixes.
+        clocks: of each sensor, counted from its first sample; truth: path of truth.parquet and
+        truth.json without their suffixes.
         """
-        self.__exit__()  # all of it is here
+        self.__exit__()  # completes the rows
         setup = self._arm.setup
         motion = self._motion(round((start - setup.uptime) / STEP))
         rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
         write_truth(rig, setup.plan, motion, 1 / setup.rate, {"clocks": clocks}, truth)
 
     def _run(self) -> None:
-        while not self._over.wait(OFTEN):
+        while not self._over.wait(INTERVAL):
             self._take()
         self._take()
 

@@ -17,8 +17,8 @@ from ur5lib.stand.rig import SETTLE, STEP, build_rig
 from ur5lib.stand.trajectories import plan_targets
 from ur5lib.timeseries.arrays import Array
 
-KEPT = 5  # states, for what the controller computes from several
-TOLERANCE = 1.02  # of the limits of position and speed, which targets may touch
+KEPT = 5  # last states, from which the controller computes velocities
+TOLERANCE = 1.02  # factor of the limits of position and speed, up to which targets may go
 FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
 
 
@@ -51,12 +51,12 @@ class LiveArm:
         return self.states[-1][COLUMNS[name]]
 
     def warmth(self) -> float:
-        """Return how much warmer than usual the motors are [K]."""
+        """Return the motors' temperature above the usual one [K]."""
         plan = self.plan
         return float(np.interp(self.time, [0.0, plan.seconds], plan.temperature_c)) - USUAL
 
     def advance(self, steps: int) -> None:
-        """Advance by some steps, and tell the truth about them."""
+        """Advance by some steps, and write them to the truth."""
         for _ in range(steps):
             self._step()
             self._truth.append(self.states[-1])
@@ -66,18 +66,18 @@ class LiveArm:
         self.rig.contacts.add(self.rig.plant, contact)
 
     def declare(self, payload: Payload | None) -> None:
-        """Tell the controller what the arm carries, which may not be what it carries."""
+        """Configure the controller's payload; the arm's true load does not change."""
         mounting = np.deg2rad((self.plan.imu or Imu()).mounting_deg)
         known = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
         self.rig = replace(self.rig, known=known, known_data=mujoco.MjData(known), declared=payload)
 
     def release(self) -> None:
-        """Let the arm be led by hand until the next command: its weight is held, it gives way."""
+        """Start freedrive, until the next command: gravity compensation only."""
         data = self.rig.data
-        self.motion.give_way(lambda: (data.qpos.copy(), data.qvel.copy()))
+        self.motion.freedrive(lambda: (data.qpos.copy(), data.qvel.copy()))
 
     def exceeded(self) -> str:
-        """Return which limit the arm exceeds, in words; nothing where it exceeds none."""
+        """Return in words the limit that the arm exceeds; empty where it exceeds none."""
         target, positions, speeds = self.motion, *self._limits
         for joint in range(6):
             outwards = target.q[joint] * target.qd[joint] > 0

@@ -66,7 +66,7 @@ class JointMotion:
         if self._kind != "speedj":
             self._start("speedj", self._run())
 
-    def give_way(self, actual: Callable[[], tuple[Array, Array]]) -> None:
+    def freedrive(self, actual: Callable[[], tuple[Array, Array]]) -> None:
         """Follow the joints wherever they are pushed, as in freedrive.
 
         actual: returns their angles and speeds (6,) [rad, rad/s].

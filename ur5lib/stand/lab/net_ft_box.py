@@ -39,7 +39,7 @@ class NetFTBox(Emulated):
     """A box on 127.0.0.1, at free ports: `port` for RDT and `http_port` for its page.
 
     reading: force and torque (6,), in the box's units; force_counts, torque_counts: counts per
-    unit; saturation: largest force [box's unit], beyond which the status says so.
+    unit; saturation: largest force [box's unit], beyond which the status is GAUGES_SATURATED.
     """
 
     is_stream = False

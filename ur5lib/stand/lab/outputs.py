@@ -1,4 +1,4 @@
-"""The outputs of the controller in one cycle: `stand/controller.py` as it happens."""
+"""The outputs of the controller cycle by cycle; `stand/controller.py` computes whole recordings."""
 
 from collections.abc import Mapping
 
@@ -12,12 +12,12 @@ from ur5lib.stand.controller import (
     COUNTS,
     FORCE_CUTOFF,
     POSITION_NOISE,
-    SENSED,
+    TEMPERATURE_STEP,
     VELOCITY_NOISE,
     WINDOW,
     damped_wrench,
 )
-from ur5lib.stand.drive import current_noise, stir
+from ur5lib.stand.drive import current_noise, motion_share
 from ur5lib.stand.friction import USUAL
 from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.lab.truth import COLUMNS
@@ -34,7 +34,7 @@ POWER_WITHOUT_MOTION = 60.0  # W
 
 
 class Instruments:
-    """What the controller measures and computes of an arm in each cycle."""
+    """Measurements and estimates of the controller in each cycle."""
 
     def __init__(self, arm: LiveArm, cycle: float, random: np.random.Generator) -> None:
         """cycle: [s]; random: generator of the noise, unused where the plan has none."""
@@ -43,7 +43,7 @@ class Instruments:
         self._wrist = Wrist(arm, random) if arm.rig.robot.wrist_sensor else None
 
     def read(self) -> dict[str, Array | float]:
-        """Return the outputs that concern the arm, SI units, base axes where they are vectors."""
+        """Return the outputs that concern the arm, SI units, vectors in base axes."""
         arm, drive = self._arm, self._arm.rig.drive
         target, q, qd = arm.motion, *self._encoders()
         moment, target_pose, target_speed = self._of_targets()
@@ -76,7 +76,7 @@ class Instruments:
         }
 
     def zero_force(self) -> None:
-        """Zero the wrist sensor, as a program does."""
+        """Zero the wrist sensor, if the arm has one."""
         if self._wrist is not None:
             self._wrist.zero()
 
@@ -85,11 +85,11 @@ class Instruments:
         states, at = self._arm.states, COLUMNS["q"]
         if not self._noisy:
             return states[-1][at], states[-1][COLUMNS["qd"]]
-        shake = stir(states[-1][COLUMNS["qd"]]) * self._random.normal(size=(2, 6))
+        noise = motion_share(states[-1][COLUMNS["qd"]]) * self._random.normal(size=(2, 6))
         count = 2 * np.pi / COUNTS
-        q = count * np.rint((states[-1][at] + POSITION_NOISE * shake[0]) / count)
+        q = count * np.rint((states[-1][at] + POSITION_NOISE * noise[0]) / count)
         before = states[-1 - WINDOW][at]
-        return q, (states[-1][at] - before) / (WINDOW * STEP) + VELOCITY_NOISE * shake[1]
+        return q, (states[-1][at] - before) / (WINDOW * STEP) + VELOCITY_NOISE * noise[1]
 
     def _of_targets(self) -> tuple[Array, Array, Array]:
         """Return inverse dynamics, pose and speed of frame 6 at the targets, payload included."""
@@ -121,7 +121,7 @@ class Instruments:
         return {"ft_raw_wrench": raw, "actual_TCP_force": force, "tcp_force_scalar": size}
 
     def _elbow(self, qd: Array) -> dict[str, Array | float]:
-        """Return place and velocity of the elbow; after `_jacobian`, whose state it uses."""
+        """Return position [m] and velocity [m/s] of the elbow; needs the state of `_jacobian`."""
         rig, jacobian = self._arm.rig, np.zeros((3, 6))
         elbow = rig.known_data.body(ELBOW)
         mujoco.mj_jacBody(rig.known, rig.known_data, jacobian, None, elbow.id)
@@ -140,7 +140,7 @@ class Instruments:
         }
 
     def _temperature(self) -> float:
-        return SENSED * round((USUAL + self._arm.warmth()) / SENSED)
+        return TEMPERATURE_STEP * round((USUAL + self._arm.warmth()) / TEMPERATURE_STEP)
 
 
 class ForceEstimate:
@@ -177,18 +177,18 @@ class Wrist:
         self.zero()
 
     def read(self) -> tuple[Array, Array]:
-        """Return the raw reading in the sensor's axes (6,) [N, Nm], and the force at the tool:
-        without the declared payload's weight, less its zero, base axes.
+        """Return the raw reading in the sensor's axes (6,) [N, Nm], and the force at the tool in
+        base axes: less the declared payload's weight and the zero offset.
         """
         raw = self._raw()
         if self._arm.plan.noise:
             raw = raw + NOISE * self._random.normal(size=6)
         rotation = self._arm.state("rotation").reshape(3, 3)
-        freed = raw - self._weight() - self._zero
-        return raw, (freed.reshape(2, 3) @ rotation.T).ravel()
+        compensated = raw - self._weight() - self._zero
+        return raw, (compensated.reshape(2, 3) @ rotation.T).ravel()
 
     def zero(self) -> None:
-        """Take the present reading, less the declared payload's weight, as zero."""
+        """Set the zero offset to the present reading less the declared payload's weight."""
         self._zero = self._raw() - self._weight()
 
     def _raw(self) -> Array:

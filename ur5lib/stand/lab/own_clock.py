@@ -1,4 +1,4 @@
-"""The clock of an emulated device, which decides when it takes its samples."""
+"""The clock of an emulated device, by which it takes its samples."""
 
 import math
 import time
@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Drift:
-    """How a device's own clock deviates from the host's.
+    """The deviation of a device's clock from the host's.
 
-    offset_s: what it shows when the device is switched on [s]; drift_ppm: t_host = t_switched_on +
-    (1 + drift) (t_device - offset), so that a negative drift makes the device fast.
+    offset_s: its time when the device is switched on [s]; drift_ppm: t_host = t_switched_on +
+    (1 + drift) (t_device - offset); a fast clock has a negative drift.
     """
 
     offset_s: float = 0.0
@@ -27,17 +27,17 @@ class OwnClock:
         self._step = (1 + 1e-6 * drift.drift_ppm) / rate_hz
 
     def count(self, now: float) -> int:
-        """Return how many samples are taken until then [s, the host's monotonic time]."""
+        """Return the number of samples taken until `now` [s, the host's monotonic time]."""
         return math.floor((now - self._start) / self._step) + 1
 
     def instant(self, sample: int) -> float:
-        """Return when a sample, counted from 0, is taken [s, the host's monotonic time]."""
+        """Return the host's monotonic time [s] of a sample, counted from 0."""
         return self._start + sample * self._step
 
     def host(self, shown: float) -> float:
-        """Return when the device's clock shows a time [s, the host's monotonic time]."""
+        """Return the host's monotonic time [s] at which the device's clock shows `shown` [s]."""
         return self._start + (shown - self._offset) * self._rate_hz * self._step
 
     def shown(self, sample: int) -> float:
-        """Return what the device's clock shows when a sample is taken [s]."""
+        """Return the time of a sample by the device's clock [s]."""
         return self._offset + sample / self._rate_hz

@@ -1,4 +1,4 @@
-"""What the sensors on an emulated arm read: the truth, with their bias and noise."""
+"""Readings of the sensors on an emulated arm: the truth with bias and noise."""
 
 import numpy as np
 
@@ -52,12 +52,12 @@ class ImuReading:
         """Return the reading at a time [s]."""
         reading = self._truth.imu(when) + self._bias
         if self._random is not None:
-            shake = MAGNETOMETER_NOISE * self._random.normal(size=3)
-            reading = reading + np.concatenate([self._coloured(when, self._random), shake])
+            field_noise = MAGNETOMETER_NOISE * self._random.normal(size=3)
+            reading = reading + np.concatenate([self._coloured(when, self._random), field_noise])
         return reading
 
     def _coloured(self, when: float, random: np.random.Generator) -> Array:
-        """Return white noise behind a first-order low-pass, since the reading before (6,)."""
+        """Return low-passed white noise (6,), correlated with that of the previous reading."""
         decay = np.exp(-2 * np.pi * BANDWIDTH * (when - self._before))
         drawn = DEVIATION * np.sqrt(1 - decay**2) * random.normal(size=6)
         self._noise, self._before = decay * self._noise + drawn, when

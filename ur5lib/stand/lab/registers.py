@@ -1,4 +1,4 @@
-"""The general-purpose registers of a controller, by which programs talk with RTDE's clients."""
+"""The general-purpose registers of a controller, shared by programs and RTDE's clients."""
 
 from collections.abc import Iterator
 

@@ -26,9 +26,9 @@ SOURCE = b"URControl"
 
 @dataclass(frozen=True)
 class Recipe:
-    """The variables of a data package, in their order.
+    """The variables of a data package, in order.
 
-    layout: how they lie in it; casts: what makes each number, in order, fit its type.
+    layout: of the package; casts: conversion of each number to its type.
     """
 
     names: list[str]
@@ -54,7 +54,7 @@ class RtdeServer:
     def __init__(self, box: ControlBox, faults: StreamFaults, random: np.random.Generator) -> None:
         self.box, self._faults, self._random = box, faults, random
         self.clients: set[RtdeClient] = set()
-        box.log.append(self._tell)
+        box.log.append(self._send_text)
 
     def connect(self) -> "RtdeClient":
         """Return the protocol of a new client."""
@@ -73,9 +73,9 @@ class RtdeServer:
         """Return whether another client writes an input."""
         return any(name in client.inputs for client in self.clients - {by})
 
-    def _tell(self, text: str) -> None:
+    def _send_text(self, text: str) -> None:
         for client in self.clients:
-            client.tell(text)
+            client.send_text(text)
 
 
 class RtdeClient(Connection):
@@ -133,7 +133,7 @@ class RtdeClient(Connection):
         content = _packed(self._outputs, self.box.outputs)
         self._stream.send(_package(DATA, b"\x01" * (self._version > 1) + content))
 
-    def tell(self, text: str) -> None:
+    def send_text(self, text: str) -> None:
         """Send a text message."""
         if self._started and self._version > 1:
             message = text.encode()[:255]
@@ -187,7 +187,7 @@ class RtdeClient(Connection):
         return b"\x01"
 
     def _write_inputs(self, content: bytes) -> None:
-        """Take over a data package: the number of its recipe, then the values."""
+        """Write the inputs of a data package: the number of its recipe, then the values."""
         if not content or not 0 < content[0] <= len(self._recipes):
             return
         recipe = self._recipes[content[0] - 1]
@@ -198,7 +198,7 @@ class RtdeClient(Connection):
             self.box.registers.values.update(zip(recipe.names, values, strict=True))
         watchdog = self.box.watchdog
         if watchdog is not None and watchdog.name in recipe.names:
-            watchdog.fed(self.box.time)
+            watchdog.feed(self.box.time)
 
 
 def _names(content: bytes) -> list[str]:

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 REST = 0.001  # s, after which the second part of a split packet follows
-BACKLOG = 1 << 16  # bytes; a client that does not read gets no more until it does
+BACKLOG = 1 << 16  # bytes unread by a client, beyond which it is sent no more
 
 
 @dataclass(frozen=True)
 class StreamFaults:
-    """Shares of the packets, from 0 to 1, that are sent with the next one, in two parts, or never.
+    """Shares of the packets (0 to 1): late (sent with the next one), split in two parts, or lost.
 
-    TCP itself loses nothing: a lost packet is one that the controller never sent.
+    TCP itself loses nothing: the controller never sends a lost packet.
     """
 
     late: float = 0.0

@@ -30,7 +30,7 @@ class Truth:
 
     @classmethod
     def new(cls) -> "Truth":
-        """Return an empty one in a temporary file, which is the caller's to delete."""
+        """Return an empty truth in a temporary file, which the caller deletes."""
         with tempfile.NamedTemporaryFile(suffix=".truth", delete=False) as file:
             file.truncate((ROWS + 1) * WIDTH * 8)
         return cls(file.name)
@@ -39,7 +39,7 @@ class Truth:
         return Truth, (self.path,)  # processes share the file, not its content
 
     def begin(self, start: float, rate: float) -> None:
-        """Say when the first step is [s, host], and how many seconds of the host a second takes."""
+        """Set the time of the first step [s, host], and the host's seconds per simulated second."""
         self._head[:2] = start, rate
 
     def append(self, row: Array) -> None:
@@ -56,7 +56,7 @@ class Truth:
     def since(self, first: int) -> Array:
         """Return the states of all steps from number `first` on (N, WIDTH), in rig.PARTS' order.
 
-        NaN where they are kept no longer.
+        NaN for steps that are no longer in the file.
         """
         count = int(self._head[2])
         steps = np.arange(first, count)

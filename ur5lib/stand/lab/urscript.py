@@ -1,4 +1,4 @@
-"""Programs in URScript, as far as they are straight: motion commands one after the other.
+"""Straight-line programs in URScript: motion commands one after the other.
 
 Source: Universal Robots' script manual, module motion. Loops, conditions and variables are not
 emulated; a program that needs them ends with a message in the robot's log.

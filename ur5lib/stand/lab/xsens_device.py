@@ -20,8 +20,8 @@ SET_PERIOD, SET_SKIP_FACTOR, SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0x04, 0xD4, 
 SET_OUTPUT_CONFIGURATION = 0xC0
 MTDATA, MTDATA2 = 0x32, 0x36
 COUNTER, TIME_FINE = 0x1020, 0x1060
-QUANTITIES = {0x4020: 0, 0x8020: 3, 0xC020: 6}  # their first of the nine numbers of a reading
-ANSWERS = {  # to requests that ask what the device is
+QUANTITIES = {0x4020: 0, 0x8020: 3, 0xC020: 6}  # index of the first number in a reading (9,)
+ANSWERS = {  # to requests for the device's identity
     0x00: bytes.fromhex("07700ABC"),
     0x12: bytes([1, 8, 2]),
     0x1C: b"MTi-30-2A5G4        ",
@@ -37,11 +37,11 @@ INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
 class XsensDevice(Emulated):
-    """A tracker at the terminal `path`; as it is switched on, it streams.
+    """A tracker at the terminal `path`; it streams as soon as it is switched on.
 
     reading: specific force [m/s²], angular rate [rad/s] and magnetic field (9,), axes of the
-    tracker; rate_hz: the rate at which it samples, which is the only one that it offers;
-    is_legacy: whether it is of the first generation and sends MTData.
+    tracker; rate_hz: its only sampling rate; is_legacy: whether it is of the first generation and
+    sends MTData.
     """
 
     is_stream = True
@@ -98,12 +98,12 @@ class XsensDevice(Emulated):
         return encode_message(MTDATA2, b"".join(_item(*item) for item in items))
 
     def send(self, part: bytes) -> None:
-        """Write bytes; where nobody reads them, they are gone, as on a serial line."""
+        """Write bytes; unread ones are lost, as on a serial line."""
         with contextlib.suppress(BlockingIOError):
             os.write(self._master, part)
 
     def restart(self) -> None:
-        """Wake up, and stream with the outputs that were set last."""
+        """Send the wake-up message, and stream with the last configured outputs."""
         self._asked, self._is_measuring = b"", True
         self.send(encode_message(WAKE_UP))
 
@@ -141,7 +141,7 @@ class XsensDevice(Emulated):
             self.send(encode_message(request + 1))
 
     def _set_outputs(self, data: bytes) -> None:
-        """Take over the wanted items at the rate that is offered, and say so."""
+        """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
         if any(name not in FACTORY and name & 0xFFF0 not in QUANTITIES for name in wanted):
             self.send(encode_message(ERROR, INVALID_PARAMETER))
@@ -157,7 +157,7 @@ def _item(name: int, data: bytes) -> bytes:
 
 
 def encode_vector(name: int, reading: Array) -> bytes:
-    """Return three numbers in the precision that the last bits of an item's name ask for."""
+    """Return three numbers in the precision given by the last bits of an item's name."""
     first = QUANTITIES[name & 0xFFF0]
     numbers = [float(number) for number in reading[first : first + 3]]
     if name & 3 == 1:

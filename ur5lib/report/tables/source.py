@@ -10,10 +10,11 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class Own:
-    """The results of a recording or an arm.
+class Source:
+    """The results of one recording or arm, of which a table's rows are made.
 
-    kinds: results by their kind, then by recording or arm; printed: published tables.
+    name: of the recording or arm; kinds: results by their kind, then by recording or arm;
+    printed: published tables.
     """
 
     name: str
@@ -21,7 +22,7 @@ class Own:
     printed: Printed = Printed()
 
     def __getitem__(self, kind: str) -> Any:
-        """Return the own result of a kind, `{}` where there is none."""
+        """Return the result of a kind, `{}` where there is none."""
         return self.kinds[kind].get(self.name, {})
 
     def others(self, kind: str) -> dict[str, Any]:
