@@ -10,9 +10,8 @@ AXES = ("x", "y", "z")
 class ChannelSpec(NamedTuple):
     """A channel in SI units.
 
-    suffixes: of its columns, the empty one where it has a single column; bound: a magnitude far
-    beyond the reach of any Universal Robots arm; of_joints: whether its columns belong to joints 1
-    to 6, as those of poses and wrenches do not.
+    suffixes: of its columns, empty for a single column; bound: an impossible magnitude for any
+    Universal Robots arm; of_joints: whether its columns are joints 1 to 6 (not pose or wrench).
     """
 
     unit: str

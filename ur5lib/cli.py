@@ -57,7 +57,7 @@ def check(
 def import_(
     files: Annotated[list[Path], typer.Argument(help="recordings of any known format")],
     robot: Annotated[
-        str | None, typer.Option(help="name of the arm, where the files do not tell it")
+        str | None, typer.Option(help="name of the arm, where the files leave it open")
     ] = None,
     write: Annotated[
         Path | None, typer.Option(help="study file to write; default: print the entries")
@@ -87,7 +87,7 @@ def record(
         float | None, typer.Option(help="length; default: until the motion ends or Ctrl-C", min=1)
     ] = None,
     without: Annotated[
-        list[str] | None, typer.Option(help="force_sensor or imu, where it is not there today")
+        list[str] | None, typer.Option(help="force_sensor or imu of the study, not to be recorded")
     ] = None,
     move: Annotated[
         Path | None,
@@ -146,8 +146,8 @@ def compare(
     ] = "",
     junit: Annotated[Path | None, typer.Option(help="JUnit XML file to write")] = None,
 ) -> None:
-    """Say what changed between two results by more than its error."""
-    from ur5lib.comparing.account import account, write_junit
+    """List what changed between two results by more than its error."""
+    from ur5lib.comparing.output import lines, write_junit
     from ur5lib.comparing.topics import TOPICS
     from ur5lib.comparing.topics import compare as compare_results
 
@@ -157,12 +157,12 @@ def compare(
         raise InputError(
             f"--fail-on: unknown topic {unknown[0]!r}; give some of {', '.join(TOPICS)}"
         )
-    found = compare_results(before, after)
-    for line in account(found):
+    comparisons = compare_results(before, after)
+    for line in lines(comparisons):
         typer.echo(line)
     if junit:
-        write_junit(found, junit)
-    if any(one.changed and one.topic in topics for one in found):
+        write_junit(comparisons, junit)
+    if any(one.changed and one.topic in topics for one in comparisons):
         raise SystemExit(1)
 
 
@@ -174,7 +174,7 @@ def excite(
     question: Annotated[
         str | None,
         typer.Option(
-            help="what it is to determine: model, undetermined, friction, payload, force-bands; "
+            help="what to determine: model, undetermined, friction, payload, force-bands; "
             "default: undetermined with --results, otherwise model"
         ),
     ] = None,
@@ -198,13 +198,13 @@ def excite(
     ] = None,
     seed: Annotated[int, typer.Option(help="seed of the search", min=0)] = 0,
 ) -> None:
-    """Design the motion that tells most about an arm, within its limits and its surroundings."""
+    """Design the motion that best determines an arm's parameters, within limits and obstacles."""
     from ur5lib.commands.excite import ExciteOptions, excite, known_load
 
     load = None if payload is None else known_load(*payload)
-    asked = question or ("model" if results is None else "undetermined")
+    chosen = question or ("model" if results is None else "undetermined")
     for line in excite(
-        ExciteOptions(robot, seconds, asked, results, table, boxes, seed, load), write
+        ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write
     ):
         typer.echo(line)
 
@@ -215,7 +215,7 @@ def audit(
         Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
     ],
 ) -> None:
-    """Say what is wrong with the wrist sensors of a study's recordings, and how to put it right."""
+    """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
     from ur5lib.commands.answers import audit_answers
 
     for line in audit_answers(study):
@@ -228,7 +228,7 @@ def payload(
         Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
     ],
 ) -> None:
-    """Say what each recording's arm carries, by its motor currents and by its wrist sensor."""
+    """Print the payload of each recording by motor currents and by wrist sensor."""
     from ur5lib.commands.answers import payload_answers
 
     for line in payload_answers(study):
@@ -250,7 +250,7 @@ def export(
         str, typer.Option(help="a recording of that study: with its payload and mounting")
     ] = "",
 ) -> None:
-    """Print an arm for other programs: as a model, or all that is known of it (json)."""
+    """Print an arm for other programs: as a model, or all known parameters (json)."""
     from ur5lib.commands.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))
@@ -280,7 +280,7 @@ def replay(
     results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
-    """Replay a model along a recording in MuJoCo: how far its torques are from the currents."""
+    """Replay a model along a recording in MuJoCo, and compare its torques with the currents."""
     from ur5lib.commands.replay import replayed
 
     for line in replayed(file, results, recording):

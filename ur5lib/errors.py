@@ -1,10 +1,10 @@
-"""The error that a user can correct, and remarks about what is in doubt."""
+"""Errors that a user can correct, and remarks about doubtful results."""
 
 import unicodedata
 from dataclasses import dataclass
 from typing import Any
 
-UNSEEN = {"Zl", "Zp"}  # besides all of "C": controls, marks of direction, what is no character
+UNSEEN = {"Zl", "Zp"}  # separators; besides all of "C": controls, marks of direction, surrogates
 
 
 class InputError(Exception):
@@ -21,9 +21,9 @@ class InputError(Exception):
 
 @dataclass(frozen=True)
 class Remark:
-    """What a step found: its sentence stands in `report/templates/findings.yaml` by the code.
+    """A remark of a step, by the code of its sentence in `report/templates/findings.yaml`.
 
-    values: numbers and names in the sentence; other remarks may be among them.
+    values: numbers and names in the sentence, or further remarks.
     """
 
     code: str
@@ -36,7 +36,7 @@ def remark(code: str, **values: Any) -> Remark:
 
 
 class RefusalError(ValueError):
-    """A fit that recordings do not allow, for the reason in a remark."""
+    """The recordings do not allow a fit, for the reason in a remark."""
 
     def __init__(self, code: str, **values: Any) -> None:
         """Keep the remark as plain data."""
@@ -45,16 +45,16 @@ class RefusalError(ValueError):
 
 
 def reason(error: ValueError) -> Remark:
-    """Return why something could not be computed, as a remark."""
+    """Return the reason of a failed computation as a remark."""
     if isinstance(error, RefusalError):
         return error.remark
     return remark("other reason", reason=str(error))
 
 
 def printable(text: str) -> str:
-    r"""Return text with escapes (`\x1b`) for the characters that would steer a terminal.
+    r"""Return text with escapes (`\x1b`) for characters that control a terminal.
 
-    Lines and tabs stay.
+    Line breaks and tabs stay.
     """
     return "".join(_escaped(letter) for letter in text)
 

@@ -20,7 +20,7 @@ class FinishedStudy:
     """The results in a folder `results/<study>`.
 
     A frame of a recording has its `time` [s] as index, one column per channel, and the columns'
-    units in `frame.attrs["units"]`. Its methods raise InputError for what is not there.
+    units in `frame.attrs["units"]`. Methods raise InputError for missing files and unknown names.
     """
 
     def __init__(self, folder: str | Path) -> None:
@@ -44,7 +44,7 @@ class FinishedStudy:
 
     def configuration(self) -> Study:
         """Return the study with every default filled in."""
-        return read_study(self._there("configuration.yaml"))
+        return read_study(self._existing("configuration.yaml"))
 
     def recording(self, name: str) -> Recording:
         """Return a recording's entry in the study."""
@@ -53,31 +53,33 @@ class FinishedStudy:
 
     def arm(self, robot: str) -> Robot:
         """Return an arm with the link models that were identified."""
-        return load_robot(self._there("parameters", robot, "arm.yaml"))
+        return load_robot(self._existing("parameters", robot, "arm.yaml"))
 
     def fitted(self, robot: str, name: str) -> dict[str, Any]:
         """Return parameters/<robot>/<name>.json."""
-        return dict(read_json(self._there("parameters", robot, f"{name}.json")))
+        return dict(read_json(self._existing("parameters", robot, f"{name}.json")))
 
     def summary(self, recording: str, name: str) -> dict[str, Any]:
         """Return recordings/<recording>/<name>.json."""
-        return dict(read_json(self._there("recordings", recording, f"{name}.json")))
+        return dict(read_json(self._existing("recordings", recording, f"{name}.json")))
 
     def payload(self, recording: str) -> Payload | None:
-        """Return what the arm carried."""
+        """Return the payload of the arm."""
         load = self.summary(recording, "torques")["payload"]
         return Payload(**load) if load else None
 
     def record(self, kind: type[Record], recording: str) -> Record:
         """Return a recording's table as a record, e.g. `Motion` of motion.parquet."""
-        return kind.read(self._there("recordings", recording, f"{kind.__name__.lower()}.parquet"))
+        return kind.read(
+            self._existing("recordings", recording, f"{kind.__name__.lower()}.parquet")
+        )
 
     def table(self, name: str) -> pd.DataFrame:
         """Return a table of results, as in tables/<name>.csv: one value a row, SI units."""
         return read_csv(self.folder / "tables" / f"{self._known(name, self.tables, 'table')}.csv")
 
     def signals(self, recording: str) -> pd.DataFrame:
-        """Return what the devices recorded, on the robot's clock, under RTDE's names."""
+        """Return the signals of all devices on the robot's clock, with RTDE's names."""
         return self.frame(recording, "signals")
 
     def motion(self, recording: str) -> pd.DataFrame:
@@ -113,12 +115,12 @@ class FinishedStudy:
         return frame
 
     def start(self, recording: str) -> float | None:
-        """Return when a recording's `time` was zero, in seconds since 1970; None where unknown."""
+        """Return time zero of a recording in seconds since 1970; None where unknown."""
         name = self._known(recording, self.recordings, "recording")
         quality = self.folder / "recordings" / name / "quality.json"
         return read_json(quality).get("start_epoch_s") if quality.is_file() else None
 
-    def _there(self, *parts: str) -> Path:
+    def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)
         if not path.is_file():
             raise InputError(
@@ -127,7 +129,7 @@ class FinishedStudy:
         return path
 
     def _known(self, name: str, names: list[str], kind: str) -> str:
-        """Return a name that is among those there are. Raises InputError with the closest one."""
+        """Return a name that exists. Raises InputError with the closest one otherwise."""
         if name in names:
             return name
         near = get_close_matches(name, names, n=1) or sorted(names) or ["none"]

@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict
 
 from ur5lib.errors import InputError
 
-MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of that
+MOST_VALUES = 100_000  # in a file; a study of a thousand recordings has a third of them
 DEEPEST = 50  # levels of lists and mappings; a study has 8
-FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, where it is there
+FAST_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # libyaml's, if installed
 SPECIAL = {
     stat.S_ISFIFO: "a named pipe",
     stat.S_ISSOCK: "a socket",
@@ -36,10 +36,7 @@ def existing_file(path: str) -> str:
 
 
 def expect_file(path: Path) -> None:
-    """Raise InputError where a path leads to something that reading might never end.
-
-    What is missing, or a folder, is told when it is read.
-    """
+    """Raise InputError for a pipe, socket or device, which may block forever."""
     if kind := _special_kind(path):
         raise InputError(
             f"{path} is {kind}, which cannot be read as a file; save its content in a file and "
@@ -48,7 +45,7 @@ def expect_file(path: Path) -> None:
 
 
 def _special_kind(path: Path) -> str | None:
-    """What a path leads to instead of a file or folder, where it leads anywhere."""
+    """Return the kind of a path that is neither file nor folder, None for others."""
     try:
         mode = path.stat().st_mode
     except OSError:
@@ -57,10 +54,10 @@ def _special_kind(path: Path) -> str | None:
 
 
 def read_yaml(path: Path) -> Any:
-    """What a YAML file holds, as plain data.
+    """Return the content of a YAML file as plain data.
 
-    Raises OSError or UnicodeDecodeError when it cannot be read, yaml.YAMLError when it is no YAML,
-    InputError when it is no file, or means more values than are sensible.
+    Raises OSError or UnicodeDecodeError when it cannot be read, yaml.YAMLError when it is not YAML,
+    InputError when it is not a file, or stands for too many values.
     """
     expect_file(path)
     text, source = path.read_text(encoding="utf-8"), str(path)
@@ -72,7 +69,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def _expect_few_levels(text: str, source: str) -> None:
-    """Raise InputError where a text of YAML nests deep."""
+    """Raise InputError where a text of YAML is nested too deep."""
     level = 0
     for event in yaml.parse(text, FAST_LOADER):
         level += isinstance(event, yaml.CollectionStartEvent)
@@ -82,7 +79,7 @@ def _expect_few_levels(text: str, source: str) -> None:
 
 
 def _plain_data(loader: Any, source: str) -> Any:
-    """What a loader of YAML reads, as plain data."""
+    """Return the content that a loader of YAML reads, as plain data."""
     try:
         node = loader.get_single_node()
         expect_few_values(node, source)
@@ -94,7 +91,7 @@ def _plain_data(loader: Any, source: str) -> Any:
 
 
 def expect_few_values(data: Any, source: str) -> None:
-    """Raise InputError where data are nested deep, or huge because parts are used many times.
+    """Raise InputError where data are nested too deep, or huge through repeated aliases.
 
     data: plain data, or the nodes of a YAML file; source: its name, for the message. Each alias
     (`*name`) stands for all that it names: nine lines can stand for a thousand million values.
@@ -109,7 +106,7 @@ def expect_few_values(data: Any, source: str) -> None:
 def _measure(
     data: Any, level: int, known: dict[int, tuple[int, int]], source: str
 ) -> tuple[int, int]:
-    """How many values data hold, and how many levels below; known: of parts seen before, by id."""
+    """Return the count of values and of levels below; known: those of parts seen before, by id."""
     if level + known.get(id(data), (1, 0))[1] > DEEPEST:
         raise _too_deep(source)
     if id(data) not in known:
@@ -120,7 +117,7 @@ def _measure(
 
 
 def _parts(data: Any) -> Sequence[Any]:
-    """What a list, a mapping or a node of YAML holds directly."""
+    """Return the direct parts of a list, a mapping or a node of YAML."""
     if isinstance(data, yaml.MappingNode):
         return [part for pair in data.value for part in pair]
     if isinstance(data, dict):

@@ -1,4 +1,4 @@
-"""The pipeline's tables: the only code that reads or writes them.
+"""Reading and writing of all the pipeline's files.
 
 Signals are Parquet, one column a channel under its RTDE name with a zero-based suffix, `time` [s]
 first, the unit in each column's metadata. Results are CSV, summaries JSON. Every file is written to
@@ -32,7 +32,7 @@ Record = TypeVar("Record")
 
 
 def unit(column: str) -> str:
-    """Return the unit of a channel, that of the longest known name with which the column begins.
+    """Return the unit of a column's channel: the longest known name with which it begins.
 
     Raises ValueError for an unknown channel.
     """
@@ -55,17 +55,17 @@ def write_table(
     path: str | Path,
     units: Mapping[str, str] | None = None,
 ) -> None:
-    """Write signals as Parquet, with the unit of each column: as given, else that of its channel.
+    """Write signals as Parquet, with the unit of each column: from `units`, else of its channel.
 
-    Raises ValueError for a column whose unit is neither given nor known.
+    Raises ValueError for a column without a unit.
     """
-    known = units or {}
+    explicit = units or {}
     arrays = {str(name): np.asarray(values) for name, values in table.items()}
     fields = [
         pa.field(
             name,
             pa.from_numpy_dtype(values.dtype),
-            metadata={"unit": known.get(name) or unit(name)},
+            metadata={"unit": explicit.get(name) or unit(name)},
         )
         for name, values in arrays.items()
     ]
@@ -73,7 +73,7 @@ def write_table(
 
 
 def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) -> None:
-    """Write columns part by part, so that they are not copied at once."""
+    """Write columns part by part, which avoids a copy of the whole."""
     count = len(next(iter(arrays.values())))
     # A dictionary of measured values takes three quarters of the time, and makes files larger.
     with pq.ParquetWriter(path, schema, use_dictionary=False) as writer:
@@ -85,7 +85,7 @@ def _write_parquet(arrays: Mapping[str, Column], schema: pa.Schema, path: Path) 
 
 def read_table(path: str | Path, names: list[str] | None = None) -> pd.DataFrame:
     """Read a table of signals, or some of its columns."""
-    # one column after the other, so that there are never two copies of the whole
+    # Column by column, which avoids a second copy of the whole.
     with pq.ParquetFile(path) as file:
         wanted = file.schema_arrow.names if names is None else names
         arrays = {name: file.read([name]).column(0).to_numpy() for name in wanted}
@@ -106,9 +106,9 @@ def column_names(path: str | Path) -> list[str]:
 def read_columns(
     path: str | Path, names: list[str], dtype: type = np.float64, rows: Labels | None = None
 ) -> Column:
-    """Return columns of a table as an array (N, len(names)), and hold nothing else.
+    """Return columns of a table as an array (N, len(names)), without reading others.
 
-    rows: ascending, those to return; all by default.
+    rows: indices of the rows to return, ascending; all by default.
     """
     with pq.ParquetFile(path) as file:
         count = file.metadata.num_rows if rows is None else len(rows)
@@ -151,7 +151,7 @@ def read_csv(path: str | Path) -> pd.DataFrame:
 
 
 def checksum(path: str | Path) -> str:
-    """Return the SHA-256 of a file's content, which may be longer than the memory."""
+    """Return the SHA-256 of a file, which may be larger than the memory."""
     with open(path, "rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
@@ -172,9 +172,9 @@ def read_json(path: str | Path) -> Any:
 
 
 def read_record(kind: type[Record], path: str | Path) -> Record:
-    """Read a summary of which the fields are declared.
+    """Read a summary as a record with declared fields.
 
-    Raises InputError where it has others: a step of another version wrote it.
+    Raises InputError where its fields differ, as those of another version.
     """
     from pydantic import ValidationError  # slow to import
 
@@ -188,9 +188,9 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
 
 
 def as_record(kind: type[Record], data: object) -> Record:
-    """Return plain data as what declares their fields: a dataclass, or a dictionary of them.
+    """Return plain data as a dataclass, or a dictionary of dataclasses.
 
-    Raises pydantic's ValidationError where they are something else.
+    Raises pydantic's ValidationError where the fields differ.
     """
     from pydantic import TypeAdapter  # slow to import
 
@@ -198,7 +198,7 @@ def as_record(kind: type[Record], data: object) -> Record:
 
 
 def key(field: str) -> str:
-    """Return the key of a record's field in a summary: without the _ behind Python's own words."""
+    """Return the key of a record's field in a summary: without the _ after Python's keywords."""
     return field.removesuffix("_")
 
 
@@ -216,7 +216,7 @@ def write_bytes(data: bytes, path: str | Path) -> None:
 
 
 def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
-    """Write a file of any kind by a function that writes to the path it is given, then rename it.
+    """Write a file to a temporary path by the function `write`, then rename it.
 
     Raises InputError where the file cannot be written.
     """

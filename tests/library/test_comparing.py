@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from ur5lib.cli import app
-from ur5lib.comparing.account import COLUMNS, account, rows, write_junit
+from ur5lib.comparing.output import COLUMNS, lines, rows, write_junit
 from ur5lib.comparing.topics import TOPICS, compare
 from ur5lib.errors import InputError
 
@@ -86,9 +86,9 @@ def test_larger_errors_and_new_findings_are_named(tmp_path: Path) -> None:
     names = changed(before, after)
     assert names[0] == "run, robot: lost frames"
     assert names[1:] == [f"run, joint {joint}" for joint in range(1, 7)]
-    lines = [*account(compare(before, after))]
-    assert "  run, robot: lost frames: 86 before, 172 now" in lines
-    assert "  run, joint 1: 0.1 A before, 0.2 A now" in lines
+    texts = [*lines(compare(before, after))]
+    assert "  run, robot: lost frames: 86 before, 172 now" in texts
+    assert "  run, joint 1: 0.1 A before, 0.2 A now" in texts
 
 
 @pytest.mark.parametrize(("topics", "status"), [("currents,force", 1), ("force", 0), ("", 0)])

@@ -9,7 +9,7 @@ import pytest
 
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from ur5lib.errors import InputError
-from ur5lib.exporting.contents import TABLES, channels, own_unit
+from ur5lib.exporting.contents import TABLES, channels, column_unit
 from ur5lib.exporting.recordings import write_recordings
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import columns, write_json, write_table
@@ -91,8 +91,8 @@ def test_columns_are_joined_to_channels() -> None:
 
 
 def test_a_column_has_one_unit() -> None:
-    assert [own_unit(f"pose_{k}", "m, rad") for k in (2, 3)] == ["m", "rad"]
-    assert own_unit("qd_5", "rad/s") == "rad/s"
+    assert [column_unit(f"pose_{k}", "m, rad") for k in (2, 3)] == ["m", "rad"]
+    assert column_unit("qd_5", "rad/s") == "rad/s"
 
 
 @pytest.mark.parametrize(

@@ -454,9 +454,8 @@ def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None
     results = study()
     tables = {**results.tables, "friction": pd.DataFrame(rows)}
     (told,) = next_recordings(Results({"study": "mine"}, tables, Path()))
-    places = [
-        told.index(f"friction of joint {k} ± 0.100 ({s} %)") for k, s in ((3, 90), (6, 6), (5, 5))
-    ]
+    least = {3: 90, 6: 6, 5: 5}  # shares of the prior [%] by joint, the largest first
+    places = [told.index(f"friction of joint {k} ± 0.100 ({s} %)") for k, s in least.items()]
     assert places == sorted(places)
     assert told.count("± 0.100") == len(places)
     words = told.partition("ur5 excite ")[2].partition("”")[0].split()

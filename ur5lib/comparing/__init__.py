@@ -1,1 +1,1 @@
-"""Two results compared: what changed by more than its error."""
+"""Comparison of the results of two studies: numbers that changed by more than their error."""

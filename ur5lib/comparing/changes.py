@@ -9,17 +9,17 @@ from scipy.stats import norm
 
 from ur5lib.timeseries.arrays import Array
 
-LEVEL = 0.05  # chance of any false change in a topic; also of a single interval's miss
-WORSE = 1.1  # ratio of two errors without an interval, from which on they count as different
+LEVEL = 0.05  # chance of any false change in a topic, and of a miss of a single interval
+WORSE = 1.1  # ratio of two errors without interval from which they count as different
 
 
 @dataclass(frozen=True)
 class Comparison:
     """One number in two results, and whether it has changed between them.
 
-    topic: what kind of number; name: which one; before, after: its values with errors, as text;
-    differs: whether the difference exceeds its 95 % interval; changed: whether it still does after
-    that interval is widened for the number of comparisons in the topic.
+    topic, name: of the number; before, after: its values with errors, as text; differs: whether the
+    difference exceeds its 95 % interval; changed: whether it also exceeds the interval widened for
+    the number of comparisons in the topic.
     """
 
     topic: str
@@ -41,14 +41,15 @@ def compare_estimates(
 
     rows: one pair of estimates each, with columns `value` and `half` (half of the interval's width)
     that have the suffixes `_a` (before) and `_b` (after); names, unit: of each row. An estimate has
-    changed if the difference exceeds the interval of the difference, widened by Bonferroni's
-    correction for the number of rows.
+    changed if the difference exceeds its interval, widened by Bonferroni's correction for the
+    number of rows.
     """
-    numbers = rows[["value_a", "value_b", "half_a", "half_b"]].to_numpy(float)  # also of no rows
-    apart = np.abs(numbers[:, 1] - numbers[:, 0])
+    # `to_numpy(float)` also gives the right shape and type without rows.
+    numbers = rows[["value_a", "value_b", "half_a", "half_b"]].to_numpy(float)
+    difference = np.abs(numbers[:, 1] - numbers[:, 0])
     half = np.hypot(numbers[:, 2], numbers[:, 3])
     wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
-    told = [
+    texts = [
         [
             _with_error(value, width, measure)
             for value, width, measure in zip(
@@ -57,8 +58,8 @@ def compare_estimates(
         ]
         for side in "ab"
     ]
-    verdicts = ((apart > half).tolist(), (apart > wider * half).tolist())
-    return [Comparison(topic, *row) for row in zip(names, *told, *verdicts, strict=True)]
+    verdicts = ((difference > half).tolist(), (difference > wider * half).tolist())
+    return [Comparison(topic, *row) for row in zip(names, *texts, *verdicts, strict=True)]
 
 
 def compare_errors(
@@ -70,8 +71,8 @@ def compare_errors(
     """
     changed = _ratio(rows["value_a"].to_numpy(float), rows["value_b"].to_numpy(float)) > WORSE
     return [
-        Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(other), bool(other))
-        for name, a, b, other in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)
+        Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(is_new), bool(is_new))
+        for name, a, b, is_new in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)
     ]
 
 

@@ -28,8 +28,7 @@ def friction(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare torque constants, offsets and friction that the data determine."""
     keys = ["robot", "joint", "parameter"]
     rows = _both(before, after, "friction", keys)
-    known = (rows["determined_a"] == "yes") & (rows["determined_b"] == "yes")
-    rows = rows[known]
+    rows = rows[(rows["determined_a"] == "yes") & (rows["determined_b"] == "yes")]
     for side in "ab":
         rows[f"half_{side}"] = (rows[f"high_{side}"] - rows[f"low_{side}"]) / 2
     names = [f"{r.robot}, joint {r.joint}, {_words(r.parameter)}" for r in rows.itertuples()]
@@ -46,12 +45,12 @@ def model(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     rotors = _both(before, after, "rotor_inertia", ["robot", "joint"])
     names += [f"{r.robot}, joint {r.joint}, rotor inertia" for r in rotors.itertuples()]
     units = [""] * len(rows) + ["kg m²"] * len(rotors)
-    found = pd.concat([_halves(rows), _halves(rotors)], ignore_index=True)
-    return compare_estimates("model", found, names, units)
+    pairs = pd.concat([_halves(rows), _halves(rotors)], ignore_index=True)
+    return compare_estimates("model", pairs, names, units)
 
 
 def payload(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
-    """Compare the masses that were found on the flange."""
+    """Compare the undeclared masses on the flange."""
     rows = _both(before, after, "payload", ["recording"])
     rows = _halves(rows.rename(columns={"mass_a": "value_a", "mass_b": "value_b"}))
     return compare_estimates("payload", rows, [*rows["recording"]], ["kg"] * len(rows))
@@ -70,8 +69,8 @@ def force(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the errors of F^map in contact by their intervals over contacts."""
     keys = ["recording", "kind", "estimate", "during", "component"]
     rows = _both(before, after, "force_mae", keys)
-    own = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")
-    rows = rows[own & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
+    compared = (rows["kind"] == "compensated") & (rows["estimate"] == "Fmap")
+    rows = rows[compared & (rows["during"] == "contact") & rows["component"].str.startswith("F")]
     for side in "ab":
         rows[f"value_{side}"] = rows[f"mae_{side}"]
         rows[f"half_{side}"] = (rows[f"mae_high_{side}"] - rows[f"mae_low_{side}"]) / 2
@@ -81,12 +80,12 @@ def force(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
 
 def data(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     """Compare the findings about the recordings' files, notes excepted."""
-    found = [_findings(study) for study in (before, after)]
-    changed = []
-    for key in sorted(found[0].keys() | found[1].keys()):
-        one, other = (its.get(key, 0) for its in found)
-        changed.append(Comparison("data", key, str(one), str(other), one != other, one != other))
-    return changed
+    counts = [_findings(study) for study in (before, after)]
+    comparisons = []
+    for key in sorted(counts[0].keys() | counts[1].keys()):
+        old, new = (by_key.get(key, 0) for by_key in counts)
+        comparisons.append(Comparison("data", key, str(old), str(new), old != new, old != new))
+    return comparisons
 
 
 TOPICS: dict[str, Compare] = {
@@ -102,7 +101,7 @@ TOPICS: dict[str, Compare] = {
 def _both(
     before: FinishedStudy, after: FinishedStudy, table: str, keys: Sequence[str]
 ) -> pd.DataFrame:
-    """Return the rows that a table has in both results, its columns with suffixes _a and _b."""
+    """Return the common rows of a table, its columns with the suffixes _a (before) and _b."""
     one, other = before.table(table), after.table(table)
     return one.merge(other, on=list(keys), suffixes=("_a", "_b"))
 

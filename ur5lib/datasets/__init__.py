@@ -1,1 +1,1 @@
-"""Published recordings that users can fetch themselves: which there are, and `ur5 fetch`."""
+"""Published recordings: their catalogue, and `ur5 fetch`."""

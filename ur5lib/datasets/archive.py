@@ -1,4 +1,4 @@
-"""Files of an archive at a commit, each known by its SHA-256."""
+"""Data sets in a zip archive, whose files are verified by SHA-256."""
 
 import tempfile
 from collections.abc import Mapping
@@ -18,9 +18,9 @@ def fetch_archive(
 
     archive: URL of the zip file; checksums: SHA-256 by name. Every file is verified before it is
     put in place; files that exist already are kept. Returns the number of files added.
-    Raises InputError when the network, the source, a checksum or the target is at fault.
+    Raises InputError for a failure of the network, the source, a checksum or the target.
     """
-    missing = {f: own for f, own in checksums.items() if not is_there(target / f, own)}
+    missing = {f: sha for f, sha in checksums.items() if not is_there(target / f, sha)}
     if missing and source is None:
         _download(archive, missing, target)
     elif missing and source is not None:
@@ -49,26 +49,26 @@ def _download(archive: str, checksums: Mapping[str, str], target: Path) -> None:
 
 
 def _copy(source: Path, origin: str, checksums: Mapping[str, str], target: Path) -> None:
-    found = located(checksums, source)
-    absent = [file for file in checksums if file not in found]
+    paths = located(checksums, source)
+    absent = [file for file in checksums if file not in paths]
     if absent:
         raise InputError(
             f"{origin} lacks {len(absent)} of {len(checksums)} files, e.g. {absent[0]}; "
             "use --from with a folder that contains all of them"
         )
     for file, checksum in checksums.items():
-        place(found[file], target / file, checksum)
+        place(paths[file], target / file, checksum)
 
 
 def located(checksums: Mapping[str, str], source: Path) -> dict[str, Path]:
-    """Return where files lie in a folder: under their names, or else by their SHA-256.
+    """Return the paths of files in a folder: by their names, or else by their SHA-256.
 
-    The latter finds them in repositories, in which they have other paths and names.
+    In a repository, they may have other paths and names.
     """
     named = {file: source / file for file in checksums if (source / file).is_file()}
     others = [file for file in checksums if file not in named]
     endings = {Path(file).suffix for file in others}
     paths = [path for path in source.rglob("*") if path.suffix in endings and path.is_file()]
-    known = {pooch.file_hash(path): path for path in paths}
-    found = {file: known[checksums[file]] for file in others if checksums[file] in known}
-    return named | found
+    hashed = {pooch.file_hash(path): path for path in paths}
+    renamed = {file: hashed[checksums[file]] for file in others if checksums[file] in hashed}
+    return named | renamed

@@ -1,4 +1,4 @@
-"""The published data sets that are known here: `catalogue.yaml`."""
+"""The catalogue of published data sets: `catalogue.yaml`."""
 
 from collections.abc import Iterator
 from functools import cache
@@ -10,17 +10,16 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 UNTRIED = (
-    "None of these downloads has been tried yet. Every file is verified: a download is either the "
-    "right one, or refused."
+    "None of these downloads has been tried yet. Every file is verified: a wrong one is refused."
 )
 
 
 class Dataset(Strict):
     """A published data set.
 
-    address: its page; archive: URL of a zip file that contains its files; record: URL of its record
-    at Zenodo; leave_out: files of the record that are not wanted; study: the study file that
-    analyses it; checksums: SHA-256 of the archive's files by name.
+    address: its page; archive: URL of a zip file with its files; record: URL of its record at
+    Zenodo; leave_out: unneeded files of the record; study: the study file that analyses it;
+    checksums: SHA-256 of the archive's files by name.
     """
 
     holds: str
@@ -42,7 +41,7 @@ def catalogue() -> dict[str, Dataset]:
 
 
 def listing() -> Iterator[str]:
-    """Yield lines that say what there is, under which licence, and what it is good for."""
+    """Yield lines about each data set: contents, use, licence, address, files and study."""
     for name, dataset in catalogue().items():
         yield f"{name}: {dataset.holds}"
         yield f"  good for  {dataset.good_for}"

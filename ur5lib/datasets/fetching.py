@@ -1,4 +1,4 @@
-"""A data set by its name: fetched from wherever it is published."""
+"""Download of a data set by its name."""
 
 from pathlib import Path
 
@@ -12,8 +12,8 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
     """Fetch a data set, and return a sentence about it.
 
     target: the folder to write to, by default raw/<name>; source: a folder to copy from instead of
-    the network. Raises InputError for an unknown name, one that is to be downloaded by hand, and as
-    fetching does.
+    the network. Raises InputError for an unknown name, for one that must be downloaded by hand, and
+    as `fetch_archive` and `fetch_record`.
     """
     if name not in catalogue():
         raise InputError(f"unknown data set {name!r}; available: {', '.join(catalogue())}")

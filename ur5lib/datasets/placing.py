@@ -1,4 +1,4 @@
-"""A verified file, put in place whole."""
+"""Verification and copying of published files."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ from ur5lib.errors import InputError
 
 
 def is_there(path: Path, checksum: str, kind: str = "sha256") -> bool:
-    """Return whether a file exists. Raises InputError where it is not the published one."""
+    """Return whether a file exists. Raises InputError if its checksum is another."""
     if not path.exists():
         return False
     if pooch.file_hash(path, alg=kind) != checksum:
@@ -24,7 +24,7 @@ def is_there(path: Path, checksum: str, kind: str = "sha256") -> bool:
 def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> None:
     """Copy a file under a temporary name, verify it and rename it.
 
-    Raises InputError where it is not the published one, or cannot be written.
+    Raises InputError if its checksum is another, or it cannot be written.
     """
     aside = target.with_name(f".{target.name}.part")
     try:

@@ -25,7 +25,7 @@ class Listed(NamedTuple):
 
 
 class Record(NamedTuple):
-    """The files of a record, and its licence in Zenodo's words, empty where it states none."""
+    """The files of a record, and Zenodo's name of its licence, empty without one."""
 
     files: list[Listed]
     licence: str
@@ -36,10 +36,10 @@ def fetch_record(
 ) -> Record:
     """Copy the files of a record into a folder, from the network or from another folder.
 
-    record: URL of its listing, which is read in either case; leave_out: names of files. Every file
-    is verified before it is put in place; files that exist already are kept. Returns what there is.
-    Raises InputError when the network, the listing, the source, a checksum or the target is at
-    fault.
+    record: URL of its listing, which is always read; leave_out: names of files. Every file is
+    verified before it is put in place; files that exist already are kept. Returns the files in
+    place, and the licence. Raises InputError for a failure of the network, the listing, the source,
+    a checksum or the target.
     """
     listed = read_listing(record)
     wanted = [file for file in listed.files if file.name not in leave_out]
@@ -54,13 +54,13 @@ def fetch_record(
 
 
 def read_listing(record: str) -> Record:
-    """Return what a record holds. Raises InputError where its listing cannot be read."""
+    """Return a record's files and licence. Raises InputError if its listing cannot be read."""
     try:
         answer = requests.get(record, timeout=TIMEOUT)
         answer.raise_for_status()
-        known = answer.json()
-        licence = known.get("metadata", {}).get("license", {}).get("id", "")
-        return Record([_listed(entry) for entry in known["files"]], str(licence))
+        listing = answer.json()
+        licence = listing.get("metadata", {}).get("license", {}).get("id", "")
+        return Record([_listed(entry) for entry in listing["files"]], str(licence))
     except (requests.RequestException, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(
             f"the list of files at {record} could not be read ({type(error).__name__}); check the "

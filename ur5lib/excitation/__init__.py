@@ -1,1 +1,1 @@
-"""Which motion to record next: trajectories designed to determine an arm's parameters."""
+"""Trajectories designed to determine an arm's parameters, to be recorded next."""

@@ -16,9 +16,10 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class Effort:
-    """How long to search: random starts, iterations from each, and rounds from the best of them.
+    """The effort of the search.
 
-    rounds: for each, the weight of broken limits, ever larger, and the number of iterations.
+    starts: random ones; first: iterations from each; rounds: for each round from the best start,
+    the weight of the penalty and the number of iterations.
     """
 
     starts: int = 4
@@ -26,13 +27,13 @@ class Effort:
     rounds: tuple[tuple[float, int], ...] = ((1e2, 120), (1e3, 60), (1e4, 60))
 
     def iterations(self) -> int:
-        """Return the number of all iterations."""
+        """Return the total number of iterations."""
         return self.starts * self.first + sum(count for _, count in self.rounds)
 
 
 @dataclass(frozen=True)
 class Design:
-    """A trajectory that keeps all limits, its margins, and the information (P, P) if recorded."""
+    """A trajectory within all limits, its margins, and the information (P, P) once recorded."""
 
     path: Path
     margins: Margins
@@ -42,17 +43,17 @@ class Design:
 LINE_SEARCH_FAILED = 2  # SciPy's status of L-BFGS-B
 
 USUAL = Effort()
-Stepped = Callable[[int], object]  # is given the number of iterations since the last call
+Stepped = Callable[[int], object]  # called with the number of iterations since the last call
 
 
 def design(
     task: Task, seed: int, effort: Effort = USUAL, stepped: Stepped = lambda _: None
 ) -> Design:
-    """Return the most informative trajectory of several random starts; a seed fixes the result.
+    """Return the most informative trajectory from several random starts; the seed determines it.
 
-    stepped: is called as the search advances, by `effort.iterations()` in all.
-    A penalty method with exact gradients (L-BFGS-B). If the trajectory then still exceeds a limit
-    at 1 kHz, it is shrunk until it does not. Raises InputError if the arm has no room to move.
+    stepped: called as the search advances, `effort.iterations()` steps in total. A penalty method
+    with exact gradients (L-BFGS-B); a result that exceeds a limit at 1 kHz is shrunk until it does
+    not. Raises InputError if the arm has no room to move.
     """
     random, objective = np.random.default_rng(seed), Objective(task)
     postures = free_postures(task.cell, random)
@@ -70,10 +71,10 @@ def design(
 def _improved(
     objective: Objective, start: Array, weight: float, iterations: int, stepped: Stepped
 ) -> Array:
-    """Return what L-BFGS-B makes of a start in some iterations; those it saves count as made.
+    """Return the best point of L-BFGS-B from a start; steps that it does not need count as done.
 
-    Dry friction that changes its sign gives the criterion kinks. Where one ends a line search, the
-    next search begins at the lowest point seen.
+    Sign changes of dry friction cause kinks of the criterion. Where one stops the line search, the
+    search restarts at the lowest point seen.
     """
     lowest = np.inf, start
 

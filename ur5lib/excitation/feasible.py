@@ -1,4 +1,4 @@
-"""Trajectories that keep all limits: random ones, and any one after it was shrunk."""
+"""Trajectories within all limits: random ones, and others shrunk as needed."""
 
 import numpy as np
 
@@ -11,10 +11,10 @@ from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.fourier import resting_series
 
 RATE, COARSE = 1000.0, 25.0  # Hz, at which results and attempts are checked
-POSTURES = 1000  # random ones that are tried for a start
+POSTURES = 1000  # random ones that are tried
 TURNED = 2.6  # rad, largest angle of a joint in random postures
 HALVINGS = 8  # steps of the bisection for the largest share of a path
-CAUTION, ATTEMPTS = 0.97, 30  # factor for a path that fails the fine check, and how often
+CAUTION, ATTEMPTS = 0.97, 30  # factor of a path that fails the fine check, and number of attempts
 
 
 def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]:
@@ -40,7 +40,7 @@ def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]
 
 
 def _within_rates(cell: Cell, path: Path) -> Array:
-    """Return shares (6,) at which each joint keeps the limits of velocity, acceleration, jerk."""
+    """Return factors (6,) with which joints keep the limits of velocity, acceleration and jerk."""
     states, limits = path.sampled(COARSE)[1], cell.limits.of_states()
     used = [np.abs(part).max(axis=0) / limit for part, limit in zip(states, limits, strict=True)]
     return 1 / np.maximum(np.max(used[1:], axis=0), 1)
@@ -59,9 +59,9 @@ def _largest_share(cell: Cell, path: Path) -> float:
 
 
 def random_path(task: Task, random: np.random.Generator, postures: Array) -> Path:
-    """Return a random path that uses the limits as far as its shape allows.
+    """Return a random path, as large as the limits allow.
 
-    postures: (M, 6) [rad], one of which is drawn as the path's; see `free_postures`.
+    postures: (M, 6) [rad], of which one is drawn as the start; see `free_postures`.
     """
     basis = resting_series(task.seconds, task.harmonics)
     drawn = basis @ random.normal(size=(basis.shape[1], 6))
@@ -90,7 +90,7 @@ def free_postures(cell: Cell, random: np.random.Generator) -> Array:
 
 
 def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
-    """Return, for each limit, whether the arm breaks it at rest in each of postures (N, 6)."""
+    """Return by limit whether the arm exceeds it at rest in postures (N, 6) [rad]."""
     still, near = np.zeros_like(q), cell.capsules.near(q)
     torque = cell.model.inverse_dynamics(q, still, still)
     touched = dict[str, Mask]()

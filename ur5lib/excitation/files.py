@@ -17,9 +17,9 @@ from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 
 RATE = 125.0  # Hz, at which servoj runs on every controller
-BESIDE = 3.0  # s that the stand records in addition to the motion: at rest before and after it
-DENSE = 20  # states between two way-points that are checked
-SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points, the widest that keeps clear is taken
+BESIDE = 3.0  # s at rest that the stand records before and after the motion, in total
+DENSE = 20  # checked states between two way-points
+SPACINGS = (1.0, 0.5, 0.25, 0.1, 0.04)  # s between way-points; the widest without collision is used
 APPROACH = "a=0.5, v=0.5"  # rad/s², rad/s: of the movej to the start
 SERVO = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY = "excitation"
@@ -73,7 +73,7 @@ def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
 
 
 def way_points(cell: Cell, path: Path) -> Array:
-    """Return postures (M, 6) [rad] along a path, close enough that straight moves keep clear."""
+    """Return postures (M, 6) [rad] along a path, dense enough for straight moves to keep clear."""
     for spacing in SPACINGS:
         points = path.sampled(1 / spacing)[1].q
         steps = np.linspace(points[:-1], points[1:], DENSE, axis=1).reshape(-1, 6)

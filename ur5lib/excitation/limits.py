@@ -60,7 +60,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Margins:
-    """How much of its limits a trajectory uses; it keeps them if `broken` returns nothing.
+    """The use of its limits by a trajectory, which keeps them if `broken` returns nothing.
 
     used: by the name of a limit, the largest share of it that each joint uses, (6,); clearance:
     smallest distance between parts [m], at most REACH; nearest: the names of these parts, empty
@@ -74,7 +74,7 @@ class Margins:
     singular_value: float
 
     def broken(self) -> list[str]:
-        """Return a phrase on each limit that is not kept."""
+        """Return a phrase for each exceeded limit."""
         over = [
             f"{name} of joint {joint + 1} is {share:.0%} of its limit"
             for name, shares in self.used.items()
@@ -111,7 +111,7 @@ class Margins:
 
 @dataclass(frozen=True)
 class Cell:
-    """An arm in its place: what is needed to check a trajectory there."""
+    """An arm in its surroundings, with all that checks a trajectory."""
 
     robot: Robot
     model: LinkModel
@@ -125,7 +125,7 @@ class Cell:
         return cls(robot, model, Limits.from_robot(robot), Capsules(robot, surroundings, REACH))
 
     def margins(self, states: States) -> Margins:
-        """Return how much of the limits a trajectory uses."""
+        """Return the margins of a trajectory to the limits."""
         parts = zip(PER_JOINT, states, self.limits.of_states(), strict=False)
         used = {name: np.abs(part).max(axis=0) / limit for name, part, limit in parts}
         torque = self.model.inverse_dynamics(states.q, states.qd, states.qdd)

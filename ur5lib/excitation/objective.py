@@ -1,4 +1,4 @@
-"""What the optimisation of a trajectory minimises, with its exact gradient."""
+"""The objective of the optimisation of a trajectory, with its exact gradient."""
 
 from dataclasses import dataclass
 
@@ -20,10 +20,10 @@ INNER = 0.97  # share of each limit that the optimisation may use
 
 @dataclass(frozen=True)
 class Task:
-    """What to design: a motion in a cell that determines the parameters of a problem.
+    """The task of a design: a motion in a cell that determines the parameters of a problem.
 
-    criterion: what is maximised; earlier: the information (P, P) of earlier recordings and the
-    prior; seconds: how long the motion lasts.
+    criterion: maximised; earlier: the information (P, P) of earlier recordings and the prior;
+    seconds: duration of the motion.
     """
 
     cell: Cell
@@ -38,7 +38,7 @@ class Task:
         return int(np.clip(self.seconds * FASTEST, FEWEST, MOST))
 
     def information(self, path: Path) -> Array:
-        """Return the information (P, P) of the earlier recordings and one more along a path."""
+        """Return the information (P, P) of earlier recordings and of a recording along a path."""
         _, states = path.sampled(1 / STEP)
         Y = self.cell.model.regressor(states.q, states.qd, states.qdd)
         return self.earlier + self.problem.information(Y, states.qd, STEP)
@@ -109,7 +109,7 @@ class Objective:
         return total, slopes[:4], slopes[4]
 
     def _nearness(self, q: Array) -> tuple[float, Array]:
-        """Return the penalty of parts too near each other, in units of REACH, and its slope."""
+        """Return the penalty for parts that are too close, in units of REACH, and its slope."""
         near = self._task.cell.capsules.near(q, gradient=True)
         missing = np.maximum(self._task.cell.limits.clearance / INNER - near.distance, 0) / REACH
         slope = np.zeros_like(q)

@@ -1,4 +1,4 @@
-"""The trajectories to choose from: Fourier series of six joints that begin and end at rest."""
+"""The trajectories of a design: Fourier series of six joints that begin and end at rest."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -42,5 +42,5 @@ class Path:
         return time, self.at(time)
 
     def shrunk(self, share: float | Array) -> "Path":
-        """Return the path about the same posture, smaller; share: of all joints or each, (6,)."""
+        """Return the path scaled about its posture; share: one factor, or one per joint (6,)."""
         return replace(self, coefficients=self.coefficients * share)

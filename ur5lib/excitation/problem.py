@@ -1,4 +1,4 @@
-"""What a recording is to determine: the parameters of an arm's torques and motor currents.
+"""The parameters that a recording is to determine: those of an arm's torques and motor currents.
 
 The controller's target torques are those of its link model, τ = Y β. Motor currents are
 i = a T + b + c z + v q̇ + l |T| z with T = τ + Y_6 p, as `identification/currents.py` fits them:
@@ -26,9 +26,9 @@ from ur5lib.timeseries.arrays import Array
 
 INDEPENDENT = 0.1  # s between samples whose errors count as independent, as `samples.py` does
 CORRELATED = 1.0  # s between errors of real arms that are independent, the longest of 0.3 to 1 s
-DIRECTION = 0.05  # rad/s, ε: below it, dry friction has not reached its full size
-TORQUE_NOISE = 0.02  # Nm, of target torques; used where no study has estimated it
-CURRENT_NOISE = 0.01  # relative to the current at the largest torque; used likewise
+DIRECTION = 0.05  # rad/s, ε, over which dry friction reaches its full size
+TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it
+CURRENT_NOISE = 0.01  # relative to the current at the largest torque; likewise
 CONSTANT_WIDTH = 0.3  # relative standard deviation of the maker's torque constants
 NOMINAL = (0.06, 0.06, 0.05)  # Coulomb, viscous friction over the largest torque; load friction
 PER_JOINT = ("torque constant", "offset", "Coulomb friction", "viscous friction", "load friction")
@@ -60,7 +60,7 @@ class Maps:
 
 @dataclass(frozen=True)
 class Problem:
-    """The parameters θ = (β, the joints' a b c v l in turn, p) and how they are measured.
+    """The parameters θ = (β, the joints' a b c v l in turn, p) and their measurement.
 
     base: β, (B,); theta: (P,), nominal values; prior: (P, P), the information before any recording;
     has_payload: whether p, whose nominal value is zero, is among the parameters.
@@ -79,12 +79,12 @@ class Problem:
 
     @property
     def of_currents(self) -> slice:
-        """Return where the joints' maps to currents lie in θ."""
+        """Return the place of the joints' maps to currents in θ."""
         return slice(self.count, self.count + 30)
 
     @property
     def of_payload(self) -> slice:
-        """Return where the payload's parameters lie in θ; empty where none is sought."""
+        """Return the place of the payload's parameters in θ, empty if none is estimated."""
         return slice(self.count + 30, None)
 
     def of_model(self, parameters: Array) -> "Problem":
@@ -123,8 +123,8 @@ class Problem:
         J[:, :6, : self.count] = Y[..., self.base.columns]
         J[:, 6:, : self.count] = Y[..., self.base.columns] * gain[..., None]
         for joint, columns in enumerate(self._joint_columns()):
-            own = load[:, joint], z[:, joint]
-            terms = [own[0], np.ones(len(Y)), own[1], qd[:, joint], np.abs(own[0]) * own[1]]
+            T, sign = load[:, joint], z[:, joint]
+            terms = [T, np.ones(len(Y)), sign, qd[:, joint], np.abs(T) * sign]
             J[:, 6 + joint, columns] = np.stack(terms, axis=1)
         if self.has_payload:
             J[:, 6:, self.of_payload] = Y[..., LINK_6] * gain[..., None]
@@ -146,11 +146,12 @@ class Problem:
             of_Y[..., LINK_6] += of_current[..., self.of_payload] * gain[..., None]
             of_gain += np.sum(of_current[..., self.of_payload] * Y[..., LINK_6], axis=2)
         # J of currents by the map of each joint = (T, 1, z, q̇, |T| z)
-        own = np.stack([of_current[:, j, c] for j, c in enumerate(self._joint_columns())], axis=1)
+        parts = [of_current[:, j, c] for j, c in enumerate(self._joint_columns())]
+        of_T, _, of_sign, of_rate, of_load = np.moveaxis(np.stack(parts, axis=1), -1, 0)
         per_load, sign = theta[self.of_currents].reshape(6, 5)[:, 4], np.sign(load)
-        of_Y += self.pull_back_torque(own[..., 0] + own[..., 4] * z * sign)
-        of_z = own[..., 2] + own[..., 4] * np.abs(load) + of_gain * per_load * sign
-        return of_Y, own[..., 3] + of_z * (1 - z**2) / DIRECTION
+        of_Y += self.pull_back_torque(of_T + of_load * z * sign)
+        of_z = of_sign + of_load * np.abs(load) + of_gain * per_load * sign
+        return of_Y, of_rate + of_z * (1 - z**2) / DIRECTION
 
     def pull_back_torque(self, sensitivity: Array) -> Array:
         """Return ∂f/∂Y (N, 6, 66) from ∂f/∂T (N, 6), T the torque of arm and nominal payload."""
@@ -186,9 +187,9 @@ class Problem:
         D = np.eye(len(self.theta))
         for columns in self._joint_columns():
             a, *others = self.theta[columns]
-            own = np.diag([-1 / a**2, *[1 / a] * 4])
-            own[1:, 0] = -np.array(others) / a**2
-            D[columns, columns] = own
+            block = np.diag([-1 / a**2, *[1 / a] * 4])
+            block[1:, 0] = -np.array(others) / a**2
+            D[columns, columns] = block
         return D
 
     def _torques(self, theta: Array, Y: Array) -> tuple[Array, Array]:
@@ -205,14 +206,14 @@ class Problem:
         return z, a + per_load * z * np.sign(load)
 
     def _joint_columns(self) -> list[slice]:
-        """Return where each joint's map lies in θ."""
+        """Return the place of each joint's map in θ."""
         return [slice(self.count + 5 * k, self.count + 5 * k + 5) for k in range(6)]
 
 
 def nominal_maps(robot: Robot) -> Maps:
-    """Return the maps and the noise that are expected of an arm before any recording of it.
+    """Return the expected maps and noise of an arm without recordings.
 
-    The noise is correlated for as long as that of recorded arms is at most.
+    The noise has the longest correlation time of recorded arms.
     """
     constants = np.array(robot.maker_torque_constants())
     constants = np.where(np.isfinite(constants), constants, np.nanmean(constants))
@@ -231,7 +232,7 @@ def random_states(speed: float, acceleration: float) -> tuple[Array, Array, Arra
 
 
 def build_problem(robot: Robot, model: LinkModel, maps: Maps, has_payload: bool) -> Problem:
-    """Return the problem of an arm under a link model; has_payload: whether a load is sought."""
+    """Return the problem of an arm with a link model; has_payload: whether a load is estimated."""
     base = base_parameters(model.regressor(*random_states(SPEED, ACCELERATION)))
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
@@ -243,12 +244,12 @@ def _prior(robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool) ->
     spread = base.groups * prior_width(len(PARAMETERS))
     blocks = [np.linalg.inv(spread @ spread.T)]
     for joint, (inverse, *_) in enumerate(maps.coefficients, start=1):
-        known = JointPrior(inverse, CONSTANT_WIDTH * inverse, robot.motor(joint).torque_max)
-        blocks.append(known.over(BASE).precision)
+        prior = JointPrior(inverse, CONSTANT_WIDTH * inverse, robot.motor(joint).torque_max)
+        blocks.append(prior.over(BASE).precision)
     width = prior_width(len(PARAMETERS))[_payload(has_payload)]
     return np.asarray(block_diag(*blocks, np.diag(width**-2.0)))
 
 
 def _payload(has_payload: bool) -> range:
-    """Return the columns of Y of a payload, none where no load is sought."""
+    """Return the columns of Y of a payload, none if no load is estimated."""
     return range(LINK_6.start, LINK_6.stop) if has_payload else range(0)

@@ -1,4 +1,4 @@
-"""The questions that a recording may be designed for, as functions of its information."""
+"""The questions for which a recording is designed, as criteria of its information."""
 
 from collections.abc import Callable
 
@@ -70,7 +70,7 @@ def conditioning(scale: Array) -> Criterion:
 
 
 def _model(problem: Problem, _: LinkModel) -> Criterion:
-    """Return D-optimality, to which two condition numbers are added because it hardly sees them.
+    """Return D-optimality plus two condition numbers, to which it is hardly sensitive.
 
     That of the base parameters is in SI units, as in the literature; that of all parameters is in
     units of their prior standard deviations.
@@ -83,17 +83,17 @@ def _model(problem: Problem, _: LinkModel) -> Criterion:
     def value_and_gradient(information: Array) -> tuple[float, Array]:
         value, gradient = informed(information)
         for part in conditioned:
-            own_value, own_gradient = part(information)
-            value, gradient = value + CONDITION * own_value, gradient + CONDITION * own_gradient
+            added, slope = part(information)
+            value, gradient = value + CONDITION * added, gradient + CONDITION * slope
         return value, gradient
 
     return value_and_gradient
 
 
 def _undetermined(problem: Problem, _: LinkModel) -> Criterion:
-    """Return I-optimality of standard errors as shares of the prior's.
+    """Return I-optimality of standard errors relative to the prior's.
 
-    The largest shares dominate their mean square.
+    The largest ratios dominate their mean square.
     """
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 

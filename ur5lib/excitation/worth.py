@@ -1,4 +1,4 @@
-"""How much a recording along a path would add to what is known of an arm."""
+"""The information that a recording along a path would add about an arm."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,13 +14,13 @@ HARDLY = 0.9  # share of a standard error above which a recording hardly lowers 
 
 @dataclass(frozen=True)
 class Worth:
-    """How much a recording along a path would add to the prior and to earlier recordings.
+    """The information that a recording would add to the prior and to earlier recordings.
 
-    log_det: log det of the information M (P, P) after the recording; gain: how much of it the
-    recording adds; regressor_condition: condition number of the base parameters' regressor in SI
-    units (Gautier 1992); condition: condition number of J, each column in units of its prior
-    standard deviation; prior, before, after: standard errors (P,) of `Problem.names` in physical
-    units, by the prior alone, before the recording, and after it.
+    log_det: log det of the information M (P, P) after the recording; gain: increase by the
+    recording; regressor_condition: condition number of the base parameters' regressor in SI units
+    (Gautier 1992); condition: condition number of J, each column in units of its prior standard
+    deviation; prior, before, after: standard errors (P,) of `Problem.names` in physical units, by
+    the prior alone, before the recording, and after it.
     """
 
     log_det: float
@@ -34,13 +34,12 @@ class Worth:
     def least_determined(self) -> Labels:
         """Return the indices (P,) that sort the parameters, the least determined first.
 
-        They are sorted by the share of the prior's standard error that remains before the
-        recording; parameters that are equal in this, by the share that remains after it.
+        By the ratio to the prior's standard error before the recording; equal ones by that after.
         """
         return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
 
     def hardly_lowered(self) -> Mask:
-        """Return the parameters (P,) of which the recording leaves most of the standard error."""
+        """Return which parameters (P,) keep most of their standard error after the recording."""
         return np.asarray(self.after > HARDLY * self.before)
 
     @classmethod

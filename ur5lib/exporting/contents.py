@@ -1,4 +1,4 @@
-"""What is exported of a recording: its tables, their columns and units."""
+"""The exported contents of a recording: tables, columns and units."""
 
 import re
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose or a wrench
 class Contents:
     """A recording's tables by name.
 
-    start: when their time was zero, in seconds since 1970, None where unknown; tables: with `time`
-    [s] as index, which all have in common, and the columns' units in `attrs["units"]`.
+    start: time zero in seconds since 1970, None where unknown; tables: with the common index `time`
+    [s], and the columns' units in `attrs["units"]`.
     """
 
     name: str
@@ -27,19 +27,19 @@ class Contents:
 
 
 def contents(study: FinishedStudy, name: str) -> Contents:
-    """Return what is exported of a recording: the tables that hold anything.
+    """Return the tables of a recording that are not empty.
 
     Raises InputError where the study lacks the recording or one of its tables.
     """
     frames = {table: study.frame(name, table) for table in TABLES}
-    known = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
-    for frame in known.values():
+    filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
+    for frame in filled.values():
         units = frame.attrs["units"]
-        frame.attrs["units"] = {column: own_unit(column, unit) for column, unit in units.items()}
-    return Contents(name, study.start(name), known)
+        frame.attrs["units"] = {column: column_unit(column, unit) for column, unit in units.items()}
+    return Contents(name, study.start(name), filled)
 
 
-def own_unit(column: str, unit: str) -> str:
+def column_unit(column: str, unit: str) -> str:
     """Return the unit of one column of a channel: of `N, Nm`, forces have the first."""
     first, _, second = unit.partition(", ")
     return first if FIRST_HALF.search(column) or not second else second
@@ -47,5 +47,5 @@ def own_unit(column: str, unit: str) -> str:
 
 def channels(columns: list[str]) -> dict[str, list[str]]:
     """Return the columns of each channel: those of `actual_q` are actual_q_0 to actual_q_5."""
-    found = groupby(columns, key=lambda column: INDEX.sub("", column))
-    return {name: [*its] for name, its in found}
+    groups = groupby(columns, key=lambda column: INDEX.sub("", column))
+    return {name: [*group] for name, group in groups}

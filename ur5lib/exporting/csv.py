@@ -1,4 +1,4 @@
-"""A recording as a folder of CSV files, with the units of their columns in one of them."""
+"""A recording as a folder of CSV files, and units.csv with the units of their columns."""
 
 from pathlib import Path
 

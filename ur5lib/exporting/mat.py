@@ -14,8 +14,8 @@ from ur5lib.tables import write_aside
 def write_mat(contents: Contents, path: Path) -> None:
     """Write a structure for each table: `time` (N, 1) [s], channels (N, k), and their `units`.
 
-    `start_epoch_s` is the time at which `time` was zero, NaN where unknown. Raises InputError where
-    the file cannot be written or a table exceeds what the format can hold.
+    `start_epoch_s` is time zero in seconds since 1970, NaN where unknown. Raises InputError where
+    the file cannot be written or a table is too large for the format.
     """
     from scipy.io import savemat
     from scipy.io.matlab import MatWriteError
@@ -46,5 +46,5 @@ def _structure(table: pd.DataFrame) -> dict[str, Any]:
     groups = channels([*table])
     units = table.attrs["units"]
     arrays = {name: table[columns].to_numpy() for name, columns in groups.items()}
-    joined = {name: ", ".join({units[c]: None for c in its}) for name, its in groups.items()}
+    joined = {name: ", ".join({units[c]: None for c in group}) for name, group in groups.items()}
     return {"time": table.index.to_numpy(), **arrays, "units": {"time": "s", **joined}}

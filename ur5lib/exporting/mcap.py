@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 def write_mcap(contents: Contents, path: Path) -> None:
     """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table.
 
-    A message has a number for each column; unknown values are left out. The topic's JSON schema
-    has the units. Stamps count from 1970, or from the recording's start where that is unknown.
+    A message has a number for each column, without unknown values. The topic's JSON schema has the
+    units. Time stamps count from 1970, or from the recording's start if its date is unknown.
     Raises InputError where the file cannot be written, or the package `mcap` is missing.
     """
     try:
@@ -41,7 +41,7 @@ def write_mcap(contents: Contents, path: Path) -> None:
 
 
 def _write_messages(writer: "Writer", contents: Contents) -> None:
-    """Write the samples of all tables in the order of their stamps, as players expect."""
+    """Write the samples of all tables in the order of their time stamps, as players expect."""
     topics = {name: _add_topic(writer, name, table) for name, table in contents.tables.items()}
     rows = [_messages(table) for table in contents.tables.values()]
     first = next(iter(contents.tables.values()))
@@ -53,8 +53,8 @@ def _write_messages(writer: "Writer", contents: Contents) -> None:
 
 def _add_topic(writer: "Writer", name: str, table: pd.DataFrame) -> int:
     schema = json.dumps(schema_of(table)).encode()
-    known = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
-    return int(writer.register_channel(f"/{name}", "json", known))
+    number = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
+    return int(writer.register_channel(f"/{name}", "json", number))
 
 
 def schema_of(table: pd.DataFrame) -> dict[str, Any]:
@@ -68,7 +68,7 @@ def schema_of(table: pd.DataFrame) -> dict[str, Any]:
 def _messages(table: pd.DataFrame) -> Iterator[bytes]:
     names = [*table]
     for row in table.itertuples(index=False, name=None):
-        known = {
+        message = {
             name: value for name, value in zip(names, row, strict=True) if math.isfinite(value)
         }
-        yield json.dumps(known).encode()
+        yield json.dumps(message).encode()

@@ -10,7 +10,7 @@ from ur5lib.exporting.mat import write_mat
 from ur5lib.exporting.mcap import write_mcap
 from ur5lib.finished import FinishedStudy
 
-WRITERS: dict[str, tuple[str, Callable[[Contents, Path], None]]] = {  # a path's ending, and how
+WRITERS: dict[str, tuple[str, Callable[[Contents, Path], None]]] = {  # ending of a path, writer
     "mat": (".mat", write_mat),
     "csv": ("", write_csv_folder),
     "mcap": (".mcap", write_mcap),
@@ -22,9 +22,9 @@ def write_recordings(
 ) -> Iterator[Path]:
     """Write recordings of a study, and yield the path of each: <into>/<recording>.<to>.
 
-    results: results/<study>; names: of its recordings, none for all; to: a key of `WRITERS`, of
-    which CSV writes a folder; into: the folder, by default `exported` among the results. Raises
-    InputError for what is not there or cannot be written.
+    results: results/<study>; names: of its recordings, none for all; to: a key of `WRITERS`; into:
+    the folder, by default `exported` among the results. CSV is a folder itself. Raises InputError
+    for missing results and files that cannot be written.
     """
     if to not in WRITERS:
         raise InputError(f"unknown format {to!r}; available: {', '.join(WRITERS)}")

@@ -1,7 +1,7 @@
-"""Blocks: the columns of a file that belong together, and what their names say."""
+"""Blocks: columns of a file that belong together, and their meaning by name."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ur5lib.channels import SUFFIXES
@@ -35,8 +35,8 @@ IN_SPACE = {  # of a block with three columns
 class Block:
     """Columns of a file that belong together.
 
-    names: as a study gives them, one of all columns or one for each; rows: (N, k); clock: the
-    name of their stamps.
+    names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
+    time stamps.
     """
 
     names: tuple[str, ...]
@@ -45,19 +45,19 @@ class Block:
 
     @property
     def title(self) -> str:
-        """Return the name, or what the names have in common."""
+        """Return the name, or the first and the last one."""
         return self.names[0] if len(self.names) == 1 else f"{self.names[0]} … {self.names[-1]}"
 
     def is_nameless(self) -> bool:
-        """Return whether it is from a table without a header."""
+        """Return whether the block is from a table without a header."""
         return self.names[0].startswith(NAMELESS)
 
     def is_target(self) -> bool:
-        """Return whether its name says that it was commanded, not measured."""
+        """Return whether it was commanded, not measured, by its name."""
         return (self.meaning() or "").startswith("target")
 
     def meaning(self) -> str | None:
-        """Return what the name says: a channel of RTDE, a kind of joint or spatial quantity."""
+        """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
         stem = _stem(self.names[0])[0] if len(self.names) > 1 else self.names[0]
         last = stem.rstrip("/").rsplit("/", 1)[-1]
         width = self.rows.shape[1]
@@ -67,12 +67,17 @@ class Block:
         if width == 6 and not words & TOOL:
             return _of_joints(words)
         if words & TOOL or width == 7:
-            return next((m for m, its in OF_TOOL.items() if words & its), None)
-        return next((m for m, its in IN_SPACE.items() if words & its), None) if width == 3 else None
+            return _meaning(words, OF_TOOL)
+        return _meaning(words, IN_SPACE) if width == 3 else None
+
+
+def _meaning(words: set[str], meanings: Mapping[str, set[str]]) -> str | None:
+    """Return the first meaning that has one of the words."""
+    return next((meaning for meaning, known in meanings.items() if words & known), None)
 
 
 def _of_joints(words: set[str]) -> str | None:
-    kind = next((m for m, its in MEANINGS.items() if words & its), None)
+    kind = _meaning(words, MEANINGS)
     if kind is None or kind == "effort":
         return kind
     if words & TARGET:
@@ -81,9 +86,9 @@ def _of_joints(words: set[str]) -> str | None:
 
 
 def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    """Yield the names of single columns that belong together: of six joints, of x, y and z.
+    """Yield the names of single columns that belong together (six joints; x, y, z), others alone.
 
-    In the order of their numbers, or of the joints' names where these tell it; the others alone.
+    In the order of the joints' names, or else of their numbers.
     """
     stems: dict[str, dict[int, str]] = {}
     for name in names:
@@ -95,12 +100,12 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
 
 
 def names_joints(name: str) -> bool:
-    """Return whether a column's name tells its joint, not only a number."""
+    """Return whether a column's name contains the name of a joint, not only a number."""
     return any(joint in name for joint in JOINTS)
 
 
 def _stem(name: str) -> tuple[str, int]:
-    """Return a column's name without what numbers it, and that number; -1 for none."""
+    """Return a column's name without joint, number or axis, and its place; -1 for none."""
     for place, joint in enumerate(JOINTS):
         if joint in name:
             return name.replace(joint, ""), place

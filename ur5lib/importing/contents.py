@@ -1,4 +1,4 @@
-"""What a file holds: its format, its clocks, and blocks of columns."""
+"""The contents of a file: format, clocks, and blocks of columns."""
 
 import re
 from collections.abc import Iterator
@@ -45,8 +45,8 @@ NIST = [  # the columns of NIST's UR5 degradation measurements, which have no he
 class Header:
     """The columns of a delimited table, in the file's order.
 
-    repeated: those whose name a column before them has; layout: whose columns a table without a
-    header is taken to have.
+    repeated: those with the name of an earlier column; layout: of a table without a header, the
+    source whose columns it is assumed to have.
     """
 
     columns: list[str] = field(default_factory=list)
@@ -56,10 +56,10 @@ class Header:
 
 @dataclass(frozen=True)
 class Contents:
-    """A file's blocks, and its clocks: stamps (N,) [s] by name.
+    """A file's blocks, and its clocks: time stamps (N,) [s] by name.
 
     silent: blocks that are zero throughout; units: of the clocks that are not in seconds;
-    findings: what reading it found.
+    findings: of the reader.
     """
 
     path: Path
@@ -77,7 +77,7 @@ class Contents:
 
 
 def contents(path: Path) -> Contents:
-    """Look into a file. Raises InputError when it cannot be read or no format knows it."""
+    """Return a file's contents. Raises InputError for an unreadable file or unknown format."""
     format = FORMATS.get(path.suffix.lower())
     if format is None:
         raise InputError(
@@ -103,7 +103,7 @@ def contents(path: Path) -> Contents:
 
 
 def read_header(path: Path) -> Header:
-    """Return the columns of a table; of one without a header, `column 1` and so on."""
+    """Return the columns of a table; without a header, they are named `column 1` and so on."""
     cells = first_cells(path)
     if all(_is_number(cell) for cell in cells):
         known = expand(NIST)
@@ -130,7 +130,7 @@ def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.
 
 
 def nameless(count: int) -> list[str]:
-    """Return names of columns that have none."""
+    """Return names for columns without one."""
     return [f"{NAMELESS}{k + 1}" for k in range(count)]
 
 
@@ -143,11 +143,11 @@ def _is_number(cell: str) -> bool:
 
 
 def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, str]]:
-    """Return the stamps [s] that increase, by name, and the units of those not in seconds.
+    """Return the increasing time stamps [s] by name, and the units of those not in seconds.
 
-    Named clocks first; where none is named so, the first array that increases.
+    Arrays with the name of a clock, or else the first array.
     """
-    found: dict[str, Array] = {}
+    clocks: dict[str, Array] = {}
     units: dict[str, str] = {}
     named = [name for name in arrays if CLOCK.search(name)]
     for name in named or [*arrays][:1]:
@@ -155,13 +155,13 @@ def _clocks(arrays: dict[str, np.ndarray]) -> tuple[dict[str, Array], dict[str, 
         unit = _unit(stamps)
         if unit:
             factor = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}[unit]
-            found[name] = stamps * factor
+            clocks[name] = stamps * factor
             units |= {name: unit} if unit != "s" else {}
-    return found, units
+    return clocks, units
 
 
 def _unit(stamps: Array) -> str | None:
-    """Return the unit in which stamps (N,) are those of a recording; None where none is."""
+    """Return the unit in which stamps (N,) have the steps of a recording; None if none does."""
     steps = np.diff(stamps[np.isfinite(stamps)]) if stamps.ndim == 1 else np.array([])
     if len(steps) < 2 or np.mean(steps >= 0) < 0.95 or not (steps > 0).any():
         return None
@@ -192,9 +192,9 @@ def _blocks(
 
 
 def _possible(values: np.ndarray) -> Array:
-    """Return values with NaN for those that no device writes."""
-    known = values.astype(float)
-    return np.where(np.abs(known) < HUGE, known, np.nan)
+    """Return values with NaN for impossible ones."""
+    floats = values.astype(float)
+    return np.where(np.abs(floats) < HUGE, floats, np.nan)
 
 
 def _by_place(names: list[str], count: int) -> list[tuple[str, ...]]:
@@ -203,13 +203,13 @@ def _by_place(names: list[str], count: int) -> list[tuple[str, ...]]:
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:
-    """Return the clock of an array: as long, and nearest to it in the file."""
+    """Return the clock of an array: equally long, and nearest to it in the file's tree."""
     same = [clock for clock, stamps in clocks.items() if len(stamps) == length]
     return max(same, key=lambda clock: _shared(name, clock), default=None)
 
 
 def _shared(one: str, other: str) -> int:
-    """Return how many parts of two paths agree from the start."""
+    """Return the number of leading parts that two paths share."""
     pairs = zip(one.split("/"), other.split("/"), strict=False)
     return next((k for k, (a, b) in enumerate(pairs) if a != b), min(one.count("/"), 99))
 

@@ -34,13 +34,13 @@ def entry(proposal: Proposal) -> dict[str, Any]:
 
 
 def identifier(name: str) -> str:
-    """Return a file's name, without what follows its first dot, as the name of a recording."""
+    """Return the name of a recording from a file's name up to its first dot."""
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name.split(".")[0]).strip("_") or "recording"
 
 
 def _of_table(proposal: Proposal) -> dict[str, Any]:
-    """Return `columns`, `units` and `time`, or nothing but the format where RTDE names them all."""
-    found = proposal.contents
+    """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
+    header = proposal.contents.header
     named = {proposal.clock: "time"}
     for channel, blocks in proposal.channels.items():
         names = [name for block in blocks for name in block.names]
@@ -50,14 +50,14 @@ def _of_table(proposal: Proposal) -> dict[str, Any]:
             for column, suffix in zip(order, SUFFIXES[channel], strict=True)
         }
     unchanged = all(name in (column, "time") for column, name in named.items())
-    if proposal.clock == "timestamp" and unchanged and not found.header.repeated:
+    if proposal.clock == "timestamp" and unchanged and not header.repeated:
         return {"format": "rtde-csv"}
-    columns = _shortened([named.get(column, SKIPPED) for column in found.header.columns])
+    columns = _shortened([named.get(column, SKIPPED) for column in header.columns])
     return {"columns": columns} | _units(proposal) | _time(proposal)
 
 
 def _shortened(columns: Sequence[str]) -> list[str]:
-    """Return a channel once for its columns where they stand together and in order."""
+    """Return columns with one name for those of a channel that are adjacent and in order."""
     short: list[str] = []
     rest = [*columns]
     while rest:
@@ -77,9 +77,9 @@ def _of_arrays(proposal: Proposal) -> dict[str, Any]:
     sensor = {}
     if proposal.sensor:
         force, torque = (_named([block]) for block in proposal.sensor)
-        its = {"time": proposal.sensor[0].clock, "ft_f": force, "ft_t": torque}
-        turned = {"units": {"ft_f": OPPOSITE, "ft_t": OPPOSITE}} if proposal.opposite else {}
-        sensor = {"force_sensor": {"channels": its} | turned | _time(proposal)}
+        parts = {"time": proposal.sensor[0].clock, "ft_f": force, "ft_t": torque}
+        sign = {"units": {"ft_f": OPPOSITE, "ft_t": OPPOSITE}} if proposal.opposite else {}
+        sensor = {"force_sensor": {"channels": parts} | sign | _time(proposal)}
     order = {"joints": joints} if proposal.order != IN_ORDER else {}
     return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
 
@@ -109,7 +109,7 @@ def study_yaml(name: str, title: str, entries: Sequence[Commented]) -> str:
 def entries_yaml(entries: Sequence[Commented]) -> str:
     """Return entries as a study lists them, each with comments above it."""
     parts = []
-    for one, comments in entries:
-        text = yaml.safe_dump([one], sort_keys=False, width=WRAPPED, allow_unicode=True)
+    for recording, comments in entries:
+        text = yaml.safe_dump([recording], sort_keys=False, width=WRAPPED, allow_unicode=True)
         parts.append("".join(f"{printable(line)}\n" for line in comments) + text)
     return "\n".join(parts)

@@ -1,4 +1,4 @@
-"""Import of recordings: each file looked into, read back through its entry, and checked."""
+"""Import of recordings: each file is analysed, read back through its entry, and checked."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,38 +16,38 @@ from ur5lib.tables import write_text
 
 @dataclass(frozen=True)
 class Imported:
-    """A recording's entry in a study, and what is known about it, as comments."""
+    """A recording's entry in a study, and the evidence for it as comments."""
 
     entry: dict[str, Any]
     comments: list[str]
 
 
 def import_files(paths: Sequence[Path], arms: Sequence[str]) -> list[Imported]:
-    """Return the entries of recordings, each read back and checked; arms: those they may be of.
+    """Return the entries of recordings, each read back and checked; arms: the possible ones.
 
     Raises InputError, with all reasons, where a file cannot be read, is ambiguous, or contradicts
     its entry.
     """
-    found = [contents(path) for path in paths]
+    files = [contents(path) for path in paths]
     imported, refused = {}, {}
-    for one in found:
+    for file in files:
         try:
-            proposal = propose(one, arms)
-            imported[one.path] = Imported(entry(proposal), proposal.account.lines())
+            proposal = propose(file, arms)
+            imported[file.path] = Imported(entry(proposal), proposal.evidence.lines())
         except InputError as error:
-            refused[one.path] = error
-    for one in found:
-        if one.path in refused and (other := _of_same_columns(one, found, imported)):
-            imported[one.path] = _like(other, one)
-            del refused[one.path]
+            refused[file.path] = error
+    for file in files:
+        if file.path in refused and (other := _of_same_columns(file, files, imported)):
+            imported[file.path] = _like(other, file)
+            del refused[file.path]
     complaints = [str(error) for error in refused.values()]
-    for path, its in imported.items():
-        imported[path], contradicted = _checked(its)
+    for path, recording in imported.items():
+        imported[path], contradicted = _checked(recording)
         complaints += contradicted
     if complaints:
         raise InputError("\n".join(complaints))
-    _number_names([imported[one.path].entry for one in found])
-    return [imported[one.path] for one in found]
+    _number_names([imported[file.path].entry for file in files])
+    return [imported[file.path] for file in files]
 
 
 def as_entries(imported: Sequence[Imported]) -> str:
@@ -66,7 +66,7 @@ def write_study(imported: Sequence[Imported], path: Path) -> None:
 
 
 def _checked(one: Imported) -> tuple[Imported, list[str]]:
-    """Return an entry, as `validate` where only the role `fit` is contradicted, and complaints."""
+    """Return an entry and complaints about it; if only the role `fit` is wrong, use `validate`."""
     complaints = contradictions(one.entry)
     other = one.entry | {"role": "validate"}
     if not complaints or one.entry["role"] != "fit" or contradictions(other):
@@ -76,32 +76,34 @@ def _checked(one: Imported) -> tuple[Imported, list[str]]:
     return Imported(other, [*comments, f"# assumed: role validate, as {reason}"]), []
 
 
-def contradictions(its: dict[str, Any]) -> list[str]:
-    """Return what contradicts an entry when the recording is read through it."""
-    study = parse_study({"study": "import", "title": "Import", "recordings": [its]}, "the entry")
+def contradictions(recording: dict[str, Any]) -> list[str]:
+    """Return the stop signs and errors of a recording that is read through an entry."""
+    plain = {"study": "import", "title": "Import", "recordings": [recording]}
+    study = parse_study(plain, "the entry")
     quality, _ = look_through(study.recordings[0], study)
-    return [f"{Path(its['folder'], its['file'])}: {detail}" for detail in severe(quality)]
+    path = Path(recording["folder"], recording["file"])
+    return [f"{path}: {detail}" for detail in severe(quality)]
 
 
 def _of_same_columns(
-    one: Contents, found: Sequence[Contents], imported: Mapping[Path, Imported]
+    file: Contents, files: Sequence[Contents], imported: Mapping[Path, Imported]
 ) -> Imported | None:
-    """Return what was understood and has the same columns as a file that tells too little."""
-    columns = one.header.columns
-    alike = (o for o in found if columns and o.header.columns == columns and o.path in imported)
+    """Return an imported recording with the same columns as an ambiguous file, if any."""
+    columns = file.header.columns
+    alike = (f for f in files if columns and f.header.columns == columns and f.path in imported)
     return next((imported[other.path] for other in alike), None)
 
 
-def _like(other: Imported, one: Contents) -> Imported:
-    """Return the entry of a recording like another's."""
-    own = {"name": identifier(one.path.name), "folder": str(one.path.parent), "file": one.path.name}
-    source = Path(other.entry["folder"], other.entry["file"])
+def _like(other: Imported, file: Contents) -> Imported:
+    """Return the entry of a file with the columns, units, robot and role of another one."""
+    path, source = file.path, Path(other.entry["folder"], other.entry["file"])
+    place = {"name": identifier(path.name), "folder": str(path.parent), "file": path.name}
     assumed = f"columns, units, robot and role as in {source}: too little moves to prove them here"
-    return Imported(other.entry | own, [f"# assumed: {assumed}"])
+    return Imported(other.entry | place, [f"# assumed: {assumed}"])
 
 
 def _number_names(entries: Sequence[dict[str, Any]]) -> None:
-    """Give each recording a name of its own."""
-    for place, its in enumerate(entries):
-        if its["name"] in {other["name"] for other in entries[:place]}:
-            its["name"] = f"{its['name']}_{place + 1}"
+    """Give each recording a unique name."""
+    for place, recording in enumerate(entries):
+        if recording["name"] in {other["name"] for other in entries[:place]}:
+            recording["name"] = f"{recording['name']}_{place + 1}"

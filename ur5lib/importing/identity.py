@@ -1,4 +1,4 @@
-"""Which arm a file is of, and in which order its joints are: by names, a pose, or gravity."""
+"""The arm of a file and the order of its joints: by names, a pose, or gravity."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -7,9 +7,9 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing import poses
-from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block, names_joints
 from ur5lib.importing.contents import Contents
+from ur5lib.importing.evidence import Evidence
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
@@ -17,95 +17,95 @@ from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.readings import IN_ORDER, SURE, Order, Reading
 from ur5lib.robots.description import Robot, robot_names
 
-UNNAMED = "unnamed joints"  # the finding of a bag whose messages do not name an arm's joints
+UNNAMED = "unnamed joints"  # the finding for a bag whose messages do not name an arm's joints
 PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 
 
 def identified(
-    found: Contents,
+    file: Contents,
     moving: ImportedMotion,
     means: BlockMeans,
     efforts: Sequence[str],
     names: Sequence[str],
-    account: Account,
+    evidence: Evidence,
 ) -> Reading:
     """Return the arm and the column of each joint.
 
-    names: arms that it may be of, all described ones where empty. Raises InputError where they are
-    ambiguous: the readings, and what would settle it.
+    names: possible arms, empty for all described ones. Raises InputError with the alternatives and
+    a remedy where they are ambiguous.
     """
     arms = [described(name) for name in names or robot_names()]
-    by_name = names_order(moving.position, found)
+    by_name = names_order(moving.position, file)
     orders = [IN_ORDER] if by_name else readings.all_orders()
-    by_pose = _by_pose(found, moving, arms, orders, account)
+    by_pose = _by_pose(file, moving, arms, orders, evidence)
     weighed = efforts and (by_name or not by_pose)
     likely = readings.likeliest(means, efforts, arms) if weighed else []
     if by_name:
-        account.proven.append(f"the joints' order, by their names in {moving.position.title}")
-        _expect_agreement(likely, found)
+        evidence.proven.append(f"the joints' order, by their names in {moving.position.title}")
+        _expect_agreement(likely, file)
     if by_pose:
-        return _of_pose(found, by_pose, means, efforts, account)
+        return _of_pose(file, by_pose, means, efforts, evidence)
     if by_name:
         order = IN_ORDER
     elif likely:
-        order = _by_gravity(found, likely, means, efforts, account)
+        order = _by_gravity(file, likely, means, efforts, evidence)
     else:
         raise ambiguous(
-            found, "the joints' order", "base to wrist", "any other", "name the joints in the file"
+            file, "the joints' order", "base to wrist", "any other", "name the joints in the file"
         )
-    return _sure_arm(found, readings.readings(means, efforts, arms, [order]), bool(names), account)
+    return _sure_arm(file, readings.readings(means, efforts, arms, [order]), bool(names), evidence)
 
 
-def ambiguous(found: Contents, what: str, one: str, other: str, remedy: str) -> InputError:
-    """Return the error of what a file does not tell."""
+def ambiguous(file: Contents, what: str, one: str, other: str, remedy: str) -> InputError:
+    """Return the error for a property of a file that two readings explain equally well."""
     return InputError(
-        f"{found.path}: {what} is ambiguous: {one} and {other} explain it as well; {remedy}"
+        f"{file.path}: {what} is ambiguous: {one} and {other} explain it as well; {remedy}"
     )
 
 
-def names_order(position: Block, found: Contents) -> bool:
-    """Return whether names tell the joints' order: a driver's, or RTDE's."""
-    if found.format == "rosbag":
-        return not any(finding.finding == UNNAMED for finding in found.findings)
+def names_order(position: Block, file: Contents) -> bool:
+    """Return whether names determine the joints' order: a driver's, or RTDE's."""
+    if file.format == "rosbag":
+        return not any(finding.finding == UNNAMED for finding in file.findings)
     single = len(position.names) == 6
     return single and (names_joints(position.names[0]) or position.names[0] == "actual_q_0")
 
 
-def _expect_agreement(likely: Sequence[Reading], found: Contents) -> None:
+def _expect_agreement(likely: Sequence[Reading], file: Contents) -> None:
     """Raise InputError where gravity contradicts the names."""
     named = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
     if likely and likely[0].score - named > 3 * SURE:
         raise ambiguous(
-            found,
+            file,
             "the joints' order",
             "that of the names",
-            f"{in_words(likely[0].order)} (by gravity, better by far)",
+            f"{in_words(likely[0].order)} (far better by gravity)",
             "check the names and the units against the recorder",
         )
 
 
 def _by_pose(
-    found: Contents,
+    file: Contents,
     moving: ImportedMotion,
     arms: Sequence[Robot],
     orders: Sequence[Order],
-    account: Account,
+    evidence: Evidence,
 ) -> list[poses.Placed]:
-    """Return the readings that put the flange where a recorded pose has it."""
+    """Return the readings whose flange agrees with a recorded pose, none without one."""
     clock = moving.position.clock
-    pose = next((block for block in found.blocks if block.meaning() == "actual_TCP_pose"), None)
+    pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
     if pose is None or len(pose.rows) != len(moving.position.rows):
         return []
-    if not np.allclose(found.clocks[pose.clock], found.clocks[clock], atol=1e-3):
+    if not np.allclose(file.clocks[pose.clock], file.clocks[clock], atol=1e-3):
         return []
-    every, bare = poses.placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
-    good = poses.fitting(every)
+    placed, bare = poses.placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
+    good = poses.fitting(placed)
     if not good:
-        account.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")
+        evidence.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")
     elif len({one.order for one in good}) == 1:
         best = good[0]
         place = "the flange" if bare else "a tool fixed to the flange"
-        account.proven.append(
+        evidence.proven.append(
             f"the joints' order, {in_words(best.order)}: it puts {place} of {best.arm} within "
             f"{1000 * best.miss:.1f} mm of {pose.title}"
         )
@@ -113,40 +113,40 @@ def _by_pose(
 
 
 def _of_pose(
-    found: Contents,
+    file: Contents,
     good: Sequence[poses.Placed],
     means: BlockMeans,
     efforts: Sequence[str],
-    account: Account,
+    evidence: Evidence,
 ) -> Reading:
-    """Return the reading of a pose; where it leaves several, the one that gravity prefers."""
+    """Return the reading that fits a pose; among several, the one that gravity prefers."""
     arms, orders = ({getattr(one, key) for one in good} for key in ("arm", "order"))
-    every = readings.readings(means, efforts, [described(a) for a in sorted(arms)], [*orders])
+    likely = readings.readings(means, efforts, [described(a) for a in sorted(arms)], [*orders])
     allowed = {(one.arm, one.order) for one in good}
-    every = [one for one in every if (one.arm, one.order) in allowed]
+    likely = [one for one in likely if (one.arm, one.order) in allowed]
     if len(orders) > 1:
-        _expect_gap(found, "the joints' order", every, lambda one: in_words(one.order))
+        _expect_gap(file, "the joints' order", likely, lambda one: in_words(one.order))
     if len(arms) == 1:
-        account.proven.append(f"robot {every[0].arm}: no other described arm fits the pose")
-        return every[0]
-    return _sure_arm(found, every, False, account)
+        evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
+        return likely[0]
+    return _sure_arm(file, likely, False, evidence)
 
 
 def _by_gravity(
-    found: Contents,
+    file: Contents,
     likely: list[Reading],
     means: BlockMeans,
     efforts: Sequence[str],
-    account: Account,
+    evidence: Evidence,
 ) -> Order:
     """Return the order that explains the efforts."""
     order = likely[0].order
-    _expect_gap(found, "the joints' order", likely, lambda one: in_words(one.order))
+    _expect_gap(file, "the joints' order", likely, lambda one: in_words(one.order))
     base = readings.base_first(means, efforts, order)
     if base is None:
         swapped = (order[5], *order[1:5], order[0])
         raise ambiguous(
-            found,
+            file,
             "which of two joints is the base",
             in_words(order),
             in_words(swapped),
@@ -154,22 +154,22 @@ def _by_gravity(
         )
     if not base:
         order = (order[5], *order[1:5], order[0])
-    account.proven.append(
-        f"the joints' order, {in_words(order)}: gravity explains the efforts of no other as well; "
-        "joint 1 bears the larger rotor"
+    evidence.proven.append(
+        f"the joints' order, {in_words(order)}: in no other does gravity explain the efforts as "
+        "well; joint 1 bears the larger rotor"
     )
     return order
 
 
 def _expect_gap(
-    found: Contents, what: str, likely: Sequence[Reading], words: Callable[[Reading], str]
+    file: Contents, what: str, likely: Sequence[Reading], words: Callable[[Reading], str]
 ) -> None:
-    """Raise InputError where a reading that differs in words is about as likely as the best."""
+    """Raise InputError where a reading with other words is about as likely as the best one."""
     best = likely[0]
     rival = next((one for one in likely if words(one) != words(best)), None)
     if rival and best.score - rival.score < SURE:
         raise ambiguous(
-            found,
+            file,
             what,
             words(best),
             words(rival),
@@ -177,37 +177,39 @@ def _expect_gap(
         )
 
 
-def _sure_arm(found: Contents, likely: Sequence[Reading], given: bool, account: Account) -> Reading:
+def _sure_arm(
+    file: Contents, likely: Sequence[Reading], given: bool, evidence: Evidence
+) -> Reading:
     best = likely[0]
     rival = next((one for one in likely if one.arm != best.arm), None)
     if rival is None and given:
-        account.assumed.append(f"robot {best.arm}, as given")
-    elif named := _named(found, likely):
-        account.assumed.append(
-            f"robot {named.arm}, as the file's name says: the efforts fit others about as well"
+        evidence.assumed.append(f"robot {best.arm}, as given")
+    elif named := _named(file, likely):
+        evidence.assumed.append(
+            f"robot {named.arm}, by the file's name: the efforts fit others about as well"
         )
         return named
     elif rival and best.score - rival.score < SURE:
         raise ambiguous(
-            found,
+            file,
             "the arm",
             f"`robot: {best.arm}`",
             f"`robot: {rival.arm}`",
             f"name it, as with --robot {best.arm}",
         )
     else:
-        account.proven.append(f"robot {best.arm}: no other described arm fits the efforts as well")
+        evidence.proven.append(f"robot {best.arm}: no other described arm fits the efforts as well")
     return best
 
 
-def _named(found: Contents, likely: Sequence[Reading]) -> Reading | None:
-    """Return the only one of several likely arms that the file's name names."""
+def _named(file: Contents, likely: Sequence[Reading]) -> Reading | None:
+    """Return the reading of the only likely arm that occurs in the file's name, if any."""
     near = [one for one in likely if likely[0].score - one.score < SURE]
-    words = {*re.split(r"[^a-z0-9]+", found.path.name.lower())}
+    words = {*re.split(r"[^a-z0-9]+", file.path.name.lower())}
     named = [one for one in near if one.arm in words]
     return named[0] if len(named) == 1 and len(near) > 1 else None
 
 
 def in_words(order: Order) -> str:
-    """Return the joints in the order of the file's columns."""
+    """Return the names of the joints in the order of the file's columns."""
     return ", ".join(PARTS[order.index(column)] for column in range(6))

@@ -1,4 +1,4 @@
-"""Which blocks are positions and velocities: velocities are the derivatives of positions."""
+"""The blocks that are positions and velocities: the latter are derivatives of the former."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents
+from ur5lib.importing.evidence import Evidence
 from ur5lib.timeseries.arrays import Array
 
-MOVES = 0.05  # rad/s; a slower column says nothing
-AGREE = 0.9  # correlation of a slope with the velocity that it is
-RATIO = (0.8, 1.25)  # of a slope to the velocity that it is
+MOVES = 0.05  # rad/s; slower columns are not compared
+AGREE = 0.9  # least correlation of a slope with its velocity
+RATIO = (0.8, 1.25)  # of a slope to its velocity
 DEGREES = 180 / np.pi
 LONGEST = 0.1  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
@@ -50,9 +50,10 @@ class ImportedMotion:
 
 
 def agreement(position: Block, velocity: Block, time: Array) -> tuple[float, float, int]:
-    """Return how well a block is the derivative of another: share of columns, ratio, how many.
+    """Return how well a block is the derivative of another.
 
-    The share is of the columns that move; the ratio is velocity by slope.
+    Share of the moving columns that agree, median ratio of velocity to slope, and number of moving
+    columns.
     """
     ratios = [ratio for ratio in column_ratios(position, velocity, time) if ratio is not None]
     good = [ratio for ratio in ratios if np.isfinite(ratio)]
@@ -62,22 +63,21 @@ def agreement(position: Block, velocity: Block, time: Array) -> tuple[float, flo
 
 
 def column_ratios(position: Block, velocity: Block, time: Array) -> list[float | None]:
-    """Return velocity by slope of each column; None where it rests, NaN where they disagree."""
+    """Return the ratio of velocity to slope by column; None if it rests, NaN if they disagree."""
     slope, rate = slopes_and_rates(position.rows, velocity.rows, time)
     return [_ratio(*pair) for pair in zip(slope.T, rate.T, strict=True)]
 
 
 def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Array, Array]:
-    """Return the slopes of positions (N, k) and the velocities beside them (M, k), smoothed."""
+    """Return smoothed slopes of positions (N, k) and velocities at the same times (M, k)."""
     step = np.diff(time)
     width = max(1, round(SMOOTHED / max(float(np.median(step)), 1e-4)))
     whole = (step > 0) & (step < LONGEST) & np.isfinite(np.diff(position, axis=0)).all(axis=1)
     slope = np.diff(position, axis=0)[whole] / step[whole, None]
     rate = (velocity[1:] + velocity[:-1])[whole] / 2
     count = len(slope) // width * width
-    smooth = (v[:count].reshape(-1, width, v.shape[1]).mean(axis=1) for v in (slope, rate))
-    first, second = smooth
-    return first, second
+    slopes, rates = (v[:count].reshape(-1, width, v.shape[1]).mean(axis=1) for v in (slope, rate))
+    return slopes, rates
 
 
 def _ratio(slope: Array, rate: Array) -> float | None:
@@ -90,79 +90,79 @@ def _ratio(slope: Array, rate: Array) -> float | None:
     return float(slope @ rate / (slope @ slope))
 
 
-def find_motion(found: Contents, account: Account) -> ImportedMotion:
+def find_motion(file: Contents, evidence: Evidence) -> ImportedMotion:
     """Return the positions, the velocities, and the targets of both.
 
-    By their names, and proven by each other; without names, by each other alone. Raises InputError
-    where no block or more than one may be the positions.
+    By their names, and proven by the derivative; without names, by the derivative alone. Raises
+    InputError where no block or more than one may be the positions.
     """
-    named = {block.meaning(): block for block in reversed(found.blocks)}
+    named = {block.meaning(): block for block in reversed(file.blocks)}
     if "actual_q" in named:
         position = named["actual_q"]
-        velocity = _beside(named.get("actual_qd"), position)
+        velocity = _on_clock_of(position, named.get("actual_qd"))
     else:
-        position, velocity = _nameless(found)
-    time = found.clocks[position.clock]
+        position, velocity = _nameless(file)
+    time = file.clocks[position.clock]
     targets = {
         name: block
         for name in ("target_q", "target_qd", "target_qdd")
-        if (block := _beside(named.get(name), position)) is not None
+        if (block := _on_clock_of(position, named.get(name))) is not None
     }
-    units = _units(found, position, velocity, time, account)
+    units = _units(file, position, velocity, time, evidence)
     return ImportedMotion(position, velocity, targets, units)
 
 
-def _beside(block: Block | None, position: Block) -> Block | None:
+def _on_clock_of(position: Block, block: Block | None) -> Block | None:
     """Return a block if it has the clock of the positions."""
     return block if block is not None and block.clock == position.clock else None
 
 
-def _nameless(found: Contents) -> tuple[Block, Block]:
-    pairs = [*_pairs(found)]
+def _nameless(file: Contents) -> tuple[Block, Block]:
+    pairs = [*_pairs(file)]
     if len(pairs) != 1:
         several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
         raise InputError(
-            f"{found.path}: which columns are the positions cannot be told: "
+            f"{file.path}: the columns of the positions are ambiguous: "
             + (f"{several} may be; name the columns" if pairs else NO_PAIR)
         )
     return pairs[0]
 
 
-def _pairs(found: Contents) -> Iterator[tuple[Block, Block]]:
+def _pairs(file: Contents) -> Iterator[tuple[Block, Block]]:
     """Yield the blocks of six columns of which one is the derivative of the other."""
-    six = [block for block in found.blocks if block.rows.shape[1] == 6]
+    six = [block for block in file.blocks if block.rows.shape[1] == 6]
     for one in six:
         for other in six:
             if one is not other and one.clock == other.clock:
-                share, ratio, count = agreement(one, other, found.clocks[one.clock])
+                share, ratio, count = agreement(one, other, file.clocks[one.clock])
                 if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
                     yield one, other
 
 
 def _units(
-    found: Contents, position: Block, velocity: Block | None, time: Array, account: Account
+    file: Contents, position: Block, velocity: Block | None, time: Array, evidence: Evidence
 ) -> dict[str, str]:
     """Return the units of positions and velocities that are not SI."""
     degrees = float(np.nanmedian(np.nanmax(np.abs(position.rows), axis=0))) > TURN
     units = {"actual_q": "deg"} if degrees else {}
     if degrees:
-        account.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
+        evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")
     if velocity is None:
-        account.assumed.append("no velocities: differences of the positions take their place")
+        evidence.assumed.append("no velocities: differences of the positions take their place")
         return units
     share, ratio, count = agreement(position, velocity, time)
     if not count:
-        account.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
+        evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
         return units
     known = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}
     near = min(known, key=lambda factor: abs(np.log(abs(ratio) / factor)) if ratio else np.inf)
     if share < 1.0 or not RATIO[0] < ratio / near < RATIO[1]:
         raise InputError(
-            f"{found.path}: {velocity.title} is not the derivative of {position.title}, column by "
-            "column: their joints are in different orders, or one of both is another quantity; "
+            f"{file.path}: {velocity.title} is not the derivative of {position.title}, column by "
+            "column: their joints are in different orders, or one of them is another quantity; "
             "bring them into one order, or write the entry by hand (raw/README.md)"
         )
-    account.proven.append(
+    evidence.proven.append(
         f"{velocity.title} is the velocity of {position.title} ({count} joints move)"
     )
     return units | ({"actual_qd": "deg/s"} if known[near] else {})

@@ -1,4 +1,4 @@
-"""Which arm and which order of the joints put the flange where a recorded pose has it."""
+"""The arm and the order of the joints by a recorded pose: whose flange is at its position."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,12 +11,12 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
 FITS = 0.004  # m; a calibrated arm misses its nominal kinematics by less
-WORSE = 3.0  # times the miss of the best; readings that miss by more are excluded
-MOST = 12  # postures that are looked at
+WORSE = 3.0  # times the distance of the best; readings farther away are excluded
+MOST = 12  # postures that are compared
 
 
 class Placed(NamedTuple):
-    """How far (root mean square [m]) a reading puts the flange from where the pose has it."""
+    """A reading, and the root mean square distance [m] of its flange from the recorded pose."""
 
     arm: str
     order: Order
@@ -26,10 +26,10 @@ class Placed(NamedTuple):
 def placed(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
 ) -> tuple[list[Placed], bool]:
-    """Return the readings, the best first, and whether the pose is the flange's own.
+    """Return the readings, the best first, and whether the pose is that of the flange.
 
-    q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. A tool is
-    allowed for only where no reading puts the bare flange there.
+    q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
+    pose is taken as that of a tool with a constant offset from the flange.
     """
     rows = np.unique(np.linspace(0, len(q) - 1, MOST).astype(int))
     bare = _misses(q[rows], position[rows], arms, orders, tool=False)
@@ -39,7 +39,7 @@ def placed(
 
 
 def fitting(found: Sequence[Placed]) -> list[Placed]:
-    """Return the readings about as good as the best; none where even that does not fit."""
+    """Return the readings about as good as the best; none if even that does not fit."""
     best = found[0].miss
     return [] if best > FITS else [one for one in found if one.miss <= WORSE * best + 1e-4]
 

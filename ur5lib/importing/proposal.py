@@ -1,4 +1,4 @@
-"""What the channels of a file are: the joints' order, the arm, the units, the wrench's frame."""
+"""The proposed entry of a file: channels, joints' order, arm, units, and the wrench's frame."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -7,10 +7,10 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents
 from ur5lib.importing.efforts import name_efforts
+from ur5lib.importing.evidence import Evidence
 from ur5lib.importing.identity import identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.wrenches import Frame, wrench_frame
@@ -35,11 +35,11 @@ PUSHED = 10.0  # N; a wrench that changes by more is a contact
 
 @dataclass(frozen=True)
 class Proposal:
-    """A file's channels, and what is known about them.
+    """A file's channels, and the evidence for them.
 
-    clock: the name of the robot's stamps; order: the column of joints 1 to 6; channels: the blocks
-    of each; units: by channel, those that are not SI; sensor: the blocks of the force sensor;
-    opposite: whether it reads the force of the arm on its surroundings.
+    clock: name of the robot's time stamps; order: columns of joints 1 to 6; channels: blocks of
+    each; units: by channel, those that are not SI; sensor: blocks of the force sensor; opposite:
+    whether it reads the force of the arm on its surroundings; pushed: whether there is a contact.
     """
 
     contents: Contents
@@ -48,54 +48,54 @@ class Proposal:
     order: Order
     channels: dict[str, list[Block]]
     units: dict[str, str]
-    account: Account
+    evidence: Evidence
     sensor: list[Block] = field(default_factory=list)
     opposite: bool = False
     pushed: bool = False
 
 
-def propose(found: Contents, arms: Sequence[str] = ()) -> Proposal:
-    """Return what a file's blocks are; arms: those that it may be of, by default all described.
+def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
+    """Return the proposal for a file; arms: possible ones, by default all described.
 
-    Raises InputError where that is ambiguous, with the readings and what would settle it.
+    Raises InputError with the alternatives and a remedy where it is ambiguous.
     """
-    account = Account()
-    moving = find_motion(found, account)
+    evidence = Evidence()
+    moving = find_motion(file, evidence)
     clock = moving.position.clock
-    efforts = {f"effort{k}": block for k, block in enumerate(_efforts(found, moving))}
-    wrench = _wrench(found, clock)
-    means = _means(found, moving, efforts, wrench)
-    reading = identified(found, moving, means, [*efforts], arms, account)
+    efforts = {f"effort{k}": block for k, block in enumerate(_efforts(file, moving))}
+    wrench = _wrench(file, clock)
+    means = _means(file, moving, efforts, wrench)
+    reading = identified(file, moving, means, [*efforts], arms, evidence)
     channels = moving.channels()
-    named = name_efforts(efforts, means, described(reading.arm), reading.order, account)
+    named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
     channels |= {name: [block] for name, block in named.items()}
     for name in OTHERS:
-        block = _of_meaning(found, name, clock)
+        block = _of_meaning(file, name, clock)
         if block is not None and block.rows.shape[1] == 6:
             channels[name] = [block]
-    pushed = _pushed(wrench, account)
+    pushed = _pushed(wrench, evidence)
     sensor: list[Block] = []
     opposite = False
     measured = [block for name, block in named.items() if name.startswith("actual")]
-    telling = [name for name, block in efforts.items() if any(block is its for its in measured)]
+    usable = [name for name, block in efforts.items() if any(block is one for one in measured)]
     if wrench:
-        frame = _frame(wrench, telling, means, reading, account, pushed)
+        frame = _frame(wrench, usable, means, reading, evidence, pushed)
         sensor = wrench if frame and frame.axes == "flange" else []
         channels |= {"actual_TCP_force": wrench} if frame and frame.axes == "base" else {}
-        opposite = frame is not None and _opposite(frame, wrench, described(reading.arm), account)
-    _account_for_columns(found, account)
+        opposite = frame is not None and _opposite(frame, wrench, described(reading.arm), evidence)
+    _report_columns(file, evidence)
     if opposite and not sensor:
         moving.units["actual_TCP_force"] = OPPOSITE
-    known = found, clock, reading.arm, reading.order, channels, moving.units, account
-    return Proposal(*known, sensor, opposite, pushed)
+    parts = file, clock, reading.arm, reading.order, channels, moving.units, evidence
+    return Proposal(*parts, sensor, opposite, pushed)
 
 
-def _efforts(found: Contents, moving: ImportedMotion) -> list[Block]:
+def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
     """Return the blocks that may be currents or torques."""
     taken = [block for blocks in moving.channels().values() for block in blocks]
     return [
         block
-        for block in found.blocks
+        for block in file.blocks
         if block.clock == moving.position.clock
         and block.rows.shape[1] == 6
         and not any(block is other for other in taken)
@@ -103,35 +103,35 @@ def _efforts(found: Contents, moving: ImportedMotion) -> list[Block]:
     ]
 
 
-def _of_meaning(found: Contents, meaning: str, clock: str) -> Block | None:
-    """Return the block of a meaning with the stamps of a clock."""
-    for block in found.blocks:
-        same = np.array_equal(found.clocks[block.clock], found.clocks[clock])
+def _of_meaning(file: Contents, meaning: str, clock: str) -> Block | None:
+    """Return the block with a meaning and the time stamps of a clock."""
+    for block in file.blocks:
+        same = np.array_equal(file.clocks[block.clock], file.clocks[clock])
         if block.meaning() == meaning and same:
             return block
     return None
 
 
-def _wrench(found: Contents, clock: str) -> list[Block]:
-    parts = [_of_meaning(found, meaning, clock) for meaning in ("force", "torque")]
+def _wrench(file: Contents, clock: str) -> list[Block]:
+    parts = [_of_meaning(file, meaning, clock) for meaning in ("force", "torque")]
     return [block for block in parts if block is not None] if None not in parts else []
 
 
 def _means(
-    found: Contents, moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
+    file: Contents, moving: ImportedMotion, efforts: Mapping[str, Block], wrench: Sequence[Block]
 ) -> BlockMeans:
     """Return the means over blocks of time, columns as in the file."""
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
     if wrench:
         values["wrench"] = np.hstack([block.rows for block in wrench])
-    columns = {f"{name}_{k}": its[:, k] for name, its in values.items() for k in range(6)}
-    stamps = found.clocks[moving.position.clock]
+    columns = {f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(6)}
+    stamps = file.clocks[moving.position.clock]
     table = pd.DataFrame({"time": stamps - stamps[0], **columns})
-    positions = [f"actual_q_{k}" for k in range(6)]  # whose unit the motion has told
-    robot, timing, _ = repair_frames(table, None, 0.1, str(found.path), positions)
+    positions = [f"actual_q_{k}" for k in range(6)]  # in rad since `find_motion`
+    robot, timing, _ = repair_frames(table, None, 0.1, str(file.path), positions)
     means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     if len(means.q) < FEWEST:
-        raise InputError(f"{found.path}: too short to tell anything; record two seconds or more")
+        raise InputError(f"{file.path}: too short to analyse; record two seconds or more")
     return means
 
 
@@ -140,7 +140,7 @@ def _frame(
     efforts: Sequence[str],
     means: BlockMeans,
     reading: Reading,
-    account: Account,
+    evidence: Evidence,
     pushed: bool,
 ) -> Frame | None:
     """Return the frame of a wrench, None where the efforts do not prove it."""
@@ -150,28 +150,28 @@ def _frame(
     if pushed and efforts:
         frame, apart = wrench_frame(means, efforts[0], values, arm, reading.order)
     if frame is None:
-        account.ambiguous.append(
+        evidence.ambiguous.append(
             f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
             f"log-likelihoods are {apart:.1f} apart, changes up to {_change(wrench):.0f} N); left "
             "out: record a push in several postures"
         )
         return None
-    account.proven.append(f"{title} in the {frame.axes}'s frame: only so it explains the efforts")
+    evidence.proven.append(f"{title} in the {frame.axes}'s frame: only so it explains the efforts")
     return frame
 
 
-def _opposite(frame: Frame, wrench: Sequence[Block], arm: Robot, account: Account) -> bool:
-    """Return whether the sign of a wrench is not that of the channel that it becomes.
+def _opposite(frame: Frame, wrench: Sequence[Block], arm: Robot, evidence: Evidence) -> bool:
+    """Return whether the sign of a wrench is opposite to that of its channel.
 
-    Where a hand leads an arm that follows the force, efforts have the sign of the force on the arm,
-    so that only the other sign, of motors that work against it, proves the sensor's in a wrist.
+    Where a hand leads a compliant arm, efforts have the sign of the force on the arm. With a wrist
+    sensor, the sign is therefore proven only by motors that work against the force.
     """
     title = " and ".join(block.title for block in wrench)
     if frame.axes == "base" and arm.wrist_sensor and frame.by_arm:
-        account.assumed.append(f"{title} has the sign of actual_TCP_force, as where a hand leads")
+        evidence.assumed.append(f"{title} has the sign of actual_TCP_force, as where a hand leads")
         return False
-    whose = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
-    account.proven.append(f"{title} is the force {whose}, by the efforts")
+    actor = "of the arm on its surroundings" if frame.by_arm else "of the surroundings on the arm"
+    evidence.proven.append(f"{title} is the force {actor}, by the efforts")
     return frame.by_arm == (frame.axes == "flange" or arm.wrist_sensor)
 
 
@@ -180,23 +180,23 @@ def _change(wrench: Sequence[Block]) -> float:
     return float(np.nanmax(np.linalg.norm(force - np.nanmedian(force, axis=0), axis=1)))
 
 
-def _pushed(wrench: Sequence[Block], account: Account) -> bool:
-    """Return whether something touches the arm, by a wrench."""
+def _pushed(wrench: Sequence[Block], evidence: Evidence) -> bool:
+    """Return whether a wrench shows a contact."""
     if wrench and (change := _change(wrench)) > PUSHED:
-        account.proven.append(f"role contact: the force changes by {change:.0f} N")
+        evidence.proven.append(f"role contact: the force changes by {change:.0f} N")
         return True
-    account.assumed.append("role fit: nothing touches the arm; otherwise write contact")
+    evidence.assumed.append("role fit: nothing touches the arm; otherwise write contact")
     return False
 
 
-def _account_for_columns(found: Contents, account: Account) -> None:
-    """Tell what of a file is left out, and on whose word a table's columns were named."""
-    if found.header.layout:
-        account.assumed.append(f"columns as of {found.header.layout}")
-    for name in found.header.repeated:
+def _report_columns(file: Contents, evidence: Evidence) -> None:
+    """Add the columns that are left out, and the assumed layout of a table, to the evidence."""
+    if file.header.layout:
+        evidence.assumed.append(f"columns as of {file.header.layout}")
+    for name in file.header.repeated:
         first = name.split(AGAIN)[0]
-        account.proven.append(f"{first} appears twice in the header; read once, the first")
-    silent = [block.title for block in found.silent]
+        evidence.proven.append(f"{first} appears twice in the header; read once, the first")
+    silent = [block.title for block in file.silent]
     if silent:
         more = ", ..." if len(silent) > 5 else ""
-        account.proven.append(f"{', '.join(silent[:5])}{more}: zero throughout, so not recorded")
+        evidence.proven.append(f"{', '.join(silent[:5])}{more}: zero throughout, so not recorded")

@@ -1,4 +1,4 @@
-"""In which axes and of which sign a wrench is: those by which it explains the efforts."""
+"""Axes and sign of a wrench: those with which it explains the efforts."""
 
 from typing import Any, NamedTuple
 
@@ -10,7 +10,7 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
 
-SURE = 6.0  # difference of log-likelihoods, of independent samples, that proves a frame
+SURE = 6.0  # difference of log-likelihoods of independent samples that proves a frame
 
 
 class Frame(NamedTuple):
@@ -23,10 +23,10 @@ class Frame(NamedTuple):
 def wrench_frame(
     means: BlockMeans, effort: str, wrench: Array, arm: Robot, order: Order
 ) -> tuple[Frame | None, float]:
-    """Return the frame of a wrench, None where none is proven, and the difference to the next.
+    """Return the frame of a wrench, None if not proven, and its lead in log-likelihood.
 
-    wrench: force and torque (M, 6) at the blocks. A wrench of the arm on its surroundings adds to
-    the efforts, that of these on the arm takes from them.
+    wrench: force and torque (M, 6) [N, Nm] at the blocks. Efforts increase with the wrench of the
+    arm on its surroundings, and decrease with the wrench of the surroundings on the arm.
     """
     q = means.q[:, order]
     rotation, origin = link_frames(arm, q)
@@ -47,26 +47,26 @@ def wrench_frame(
 
 
 def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:
-    """Return the log-likelihood that torques (M, 6) [Nm] add to what explains the efforts."""
+    """Return the log-likelihood that torques (M, 6) [Nm] add to a model of the efforts."""
     gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
     total = 0.0
     for joint, column in enumerate(order):
-        own = means.currents[effort][:, column]
-        columns = [gravity[:, joint], *means.friction(column).T, *means.qdd.T, np.ones(len(own))]
-        without = _solved(np.column_stack(columns), own)[1]
-        solution, left = _solved(np.column_stack([*columns, torque[:, joint]]), own)
+        measured = means.currents[effort][:, column]
+        terms = [gravity[:, joint], *means.friction(column).T, *means.qdd.T, np.ones(len(measured))]
+        without = _solved(np.column_stack(terms), measured)[1]
+        solution, left = _solved(np.column_stack([*terms, torque[:, joint]]), measured)
         if solution[-1] > 0:
             total += _independent(left) * np.log(size(without) / size(left))
     return float(total)
 
 
 def _independent(error: Array) -> float:
-    """Return the number of independent errors among (M,) that are correlated, by an AR(1)."""
+    """Return the number of independent samples in correlated errors (M,), by an AR(1)."""
     rho = float(np.clip(error[1:] @ error[:-1] / size(error) ** 2, 0.0, 1.0))
     return len(error) * min(BLOCK / INDEPENDENT, (1 - rho) / (1 + rho))
 
 
 def _solved(columns: Any, values: Any) -> tuple[Array, Array]:
-    """Return the coefficients of least squares, and what they leave of values."""
+    """Return the coefficients of least squares, and the residuals."""
     solution = np.linalg.lstsq(columns, values, rcond=None)[0]
     return solution, np.asarray(values - columns @ solution)

@@ -1,1 +1,1 @@
-"""Arms as data, and what follows from it."""
+"""Arms as data: descriptions, statics, inverse kinematics, collisions, exports."""

@@ -1,8 +1,8 @@
-"""The kinematic calibration of one individual arm, as its controller or the ROS driver states it.
+"""The kinematic calibration of one individual arm, from its controller or the ROS driver.
 
-Both describe where the axes of the joints lie. Their own frames cannot be used: where two axes are
-almost parallel, their common normal, and with it a Denavit-Hartenberg frame, can lie 100 m away.
-Each frame is therefore placed on its calibrated axis, as close as possible to the nominal frame.
+Both describe the axes of the joints. Their frames cannot be used: where two axes are almost
+parallel, the common normal, and with it a Denavit-Hartenberg frame, can lie 100 m away. Each frame
+is therefore placed on its calibrated axis, as close as possible to the nominal frame.
 """
 
 import math
@@ -22,8 +22,8 @@ from ur5lib.timeseries.arrays import Array
 
 DELTAS = ("delta_theta", "delta_d", "delta_a", "delta_alpha")
 ROS_LINKS = ("shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3")
-FAR, TURNED = 0.05, 0.05  # m, rad; farther from the nominal frame, it is another arm's calibration
-UPRIGHT = 1e-6  # m, rad; the first axis is that of the base
+FAR, TURNED = 0.05, 0.05  # m, rad; a calibration farther from the nominal frames is another arm's
+UPRIGHT = 1e-6  # m, rad, tolerance of the first axis to that of the base
 
 
 def calibrated(robot: Robot, path: str | Path) -> Robot:
@@ -60,17 +60,17 @@ def link_matrix(pose: Pose) -> Array:
 def _from_controller(
     text: str, links: Sequence[DenavitHartenberg], path: str | Path
 ) -> list[Array]:
-    """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; none where it has no deltas."""
+    """Return frames 0 to 6 at q = 0 from deltas of θ, d, a, α; none without deltas."""
     lines = [line.split("#")[0].split("=") for line in text.splitlines() if "=" in line]
-    given = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
-    if not set(DELTAS) & set(given):
+    entries = {parts[0].strip(): parts[1].strip().strip("[]") for parts in lines}
+    if not set(DELTAS) & set(entries):
         return []
-    deltas = [_six(given.get(name, ""), name, path) for name in DELTAS]
+    deltas = [_six(entries.get(name, ""), name, path) for name in DELTAS]
     steps = []
     for link, theta, d, a, alpha in zip(links, *deltas, strict=True):
         turn = link_matrix(Pose(position=(0, 0, 0), rpy=(0, 0, theta)))
-        own = DenavitHartenberg(a=link.a + a, d=link.d + d, alpha=link.alpha + alpha)
-        steps.append(turn @ link_matrix(own.pose()))
+        calibrated_link = DenavitHartenberg(a=link.a + a, d=link.d + d, alpha=link.alpha + alpha)
+        steps.append(turn @ link_matrix(calibrated_link.pose()))
     return chain(steps)
 
 
@@ -102,7 +102,7 @@ def _from_ros(text: str, path: str | Path) -> list[Array]:
     if np.abs(np.concatenate([first[0] - [0, 0, 1], first[1]])).max() > UPRIGHT:
         raise InputError(
             f"{path}: the first axis is not the base's z axis; give the file as the ROS driver "
-            "writes it, and say how the arm is mounted by `mounting` in the study"
+            "writes it, and describe how the arm is mounted by `mounting` in the study"
         )
     return [*frames, frames[-1]]
 

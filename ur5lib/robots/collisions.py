@@ -1,7 +1,7 @@
 """Collisions of an arm with itself and its surroundings, by capsules around its links, in MuJoCo.
 
 A capsule reaches from one Denavit-Hartenberg frame to the next, as thick as the joint's housing:
-coarse, and meant for a warning before an arm moves, not for planning close to things.
+coarse, for a warning before an arm moves, not for planning close to obstacles.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from ur5lib.strict import Strict
 from ur5lib.timeseries.arrays import Array
 
 THICKNESS = 0.09  # radius of a capsule as a share of the longest link, at joint 1
-HOUSING = 0.02  # m, by which the housings of joints stand out of the capsules
-THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # of the further links
+HOUSING = 0.02  # m, by which the joints' housings protrude from the capsules
+THINNER = (1.0, 1.0, 0.8, 0.65, 0.65, 0.65)  # factor of the radius by link
 TABLE = "table"
 
 
 class Box(Strict):
-    """Something that stands around an arm: a box with edges along the base axes [m]."""
+    """An obstacle near an arm: a box with edges along the base axes [m]."""
 
     model_config = ConfigDict(allow_inf_nan=False)
 
@@ -33,7 +33,7 @@ class Box(Strict):
 
 
 class Surroundings(Strict):
-    """What an arm must not touch, in the base frame.
+    """The obstacles near an arm, in the base frame.
 
     table: height of a horizontal plane [m], None for none.
     """
@@ -46,10 +46,10 @@ class Surroundings(Strict):
 
 @dataclass(frozen=True)
 class Clearances:
-    """Pairs of parts that come near each other along a path, M in all.
+    """M pairs of parts that are near each other along a path.
 
     sample: (M,); distance: (M,) [m], negative where they overlap; gradient: (M, 6) [m/rad], of the
-    distance, empty where it was not asked for; pairs: (M,), names of the parts.
+    distance, empty if not requested; pairs: (M,), names of the parts.
     """
 
     sample: NDArray[np.intp]
@@ -59,18 +59,17 @@ class Clearances:
 
 
 def collisions(robot: Robot, q: Array, table: float | None) -> list[tuple[int, str, str]]:
-    """Return the collisions along a path: sample, and the two parts, each pair of these once.
+    """Return the first collision of each pair of parts along a path: sample and both parts.
 
-    Parts collide that come nearer to each other than HOUSING.
-
-    q: (N, 6) [rad], so dense that nothing is skipped; table: height of a horizontal plane in the
-    base frame [m], None for none. Links are `link_1` to `link_6`; `table` is the plane.
+    q: (N, 6) [rad], so dense that no collision is skipped; table: height of a horizontal plane in
+    the base frame [m], None for none. Parts collide that are closer than HOUSING: `link_1` to
+    `link_6`, and the plane `table`.
     """
-    found = dict[tuple[str, str], int]()
+    first = dict[tuple[str, str], int]()
     near = Capsules(robot, Surroundings(table=table), reach=HOUSING).near(q)
     for sample, pair in zip(near.sample, near.pairs, strict=True):
-        found.setdefault(pair, int(sample))
-    return [(sample, *pair) for pair, sample in found.items()]
+        first.setdefault(pair, int(sample))
+    return [(sample, *pair) for pair, sample in first.items()]
 
 
 class Capsules:
@@ -94,7 +93,7 @@ class Capsules:
                 distance.append(contacts.dist.copy())
                 geoms.append(contacts.geom.copy())
                 if gradient:
-                    mujoco.mj_comPos(self._model, self._data)  # what Jacobians need
+                    mujoco.mj_comPos(self._model, self._data)  # needed by Jacobians
                     slopes += map(self._gradient, contacts)
         return Clearances(
             np.repeat(np.arange(len(q)), count),
@@ -114,7 +113,7 @@ class Capsules:
         return np.asarray(contact.frame[:3] @ (second - first))
 
     def _jacobian(self, geom: int, point: Array) -> Array:
-        """Return J_v (3, 6) of a point [m] that a part carries."""
+        """Return J_v (3, 6) of a point [m] fixed to a part."""
         jacobian = np.zeros((3, 6))
         mujoco.mj_jac(self._model, self._data, jacobian, None, point, self._model.geom_bodyid[geom])
         return jacobian
@@ -155,12 +154,12 @@ def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings) -> None:
 
 
 def _far_end(near: Array) -> Array:
-    """Return the far end of a capsule: the frame's origin, or just beside where both coincide."""
+    """Return the far end of a capsule: the frame's origin, or 1 mm off where both coincide."""
     return np.zeros(3) if np.linalg.norm(near) > 1e-3 else np.array([0.0, 0.0, 1e-3])
 
 
 def _exclude_neighbours(spec: mujoco.MjSpec, names: list[str]) -> None:
-    """Links that a joint joins, or two, at the wrist three, overlap by construction."""
+    """Exclude neighbouring links, in the wrist up to three apart, which overlap by construction."""
     for first, second in combinations(range(6), 2):
         if second - first <= (3 if first >= 2 else 1):
             spec.add_exclude(bodyname1=names[first], bodyname2=names[second])

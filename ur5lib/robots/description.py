@@ -14,7 +14,7 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 JOINT_SIZES = FOLDER / "joint_sizes.yaml"
-OWN_FOLDER = Path("robots")  # of the project, for arms that are not described here
+PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID = "is not a valid description of an arm (docs/robots.md)"
 
 Vector3 = tuple[float, float, float]
@@ -122,7 +122,9 @@ class Payload(Strict):
         """Return xx yy zz xy xz yz [kg m²] about a point of frame 6 [m] (parallel-axis theorem)."""
         x, y, z = (c - p for c, p in zip(self.center_of_mass, point, strict=True))
         shift = [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z]
-        return [own + self.mass * shifted for own, shifted in zip(self.inertia, shift, strict=True)]
+        return [
+            entry + self.mass * steiner for entry, steiner in zip(self.inertia, shift, strict=True)
+        ]
 
 
 class Model(Strict):
@@ -263,14 +265,14 @@ class Robot(Strict):
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
     def position_limits(self) -> list[float]:
-        """Return how far each joint turns to either side [rad], infinity where without end."""
+        """Return the largest angle of each joint to either side [rad], infinity if endless."""
         endless = self.endless_joints or []
         return [
             math.inf if k in endless else self.motor(k).position_max for k in self.joint_numbers
         ]
 
     def with_rotors(self) -> Self:
-        """Return the arm with the model "<chosen>+rotors", if its joints' sizes tell the rotors."""
+        """Return the arm with the model "<chosen>+rotors", if its joints' rotors are known."""
         name = f"{self.chosen_model}+rotors"
         rotors = [self.motor(joint).reflected_rotor() for joint in self.joint_numbers]
         if name in self.models or None in rotors:
@@ -318,13 +320,13 @@ class Robot(Strict):
 def robot_names() -> list[str]:
     """Return the names of the arms described here, and in the folder `robots` of the project."""
     described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
-    return sorted({path.stem for path in [*described, *OWN_FOLDER.glob("*.yaml")]})
+    return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 
 def robot_path(name: str) -> Path:
-    """Return the YAML file that describes an arm: the project's own, or the one here."""
-    own = OWN_FOLDER / f"{name}.yaml"
-    return own if own.is_file() else FOLDER / f"{name}.yaml"
+    """Return the YAML file that describes an arm: that of the project, else the one here."""
+    project = PROJECT_FOLDER / f"{name}.yaml"
+    return project if project.is_file() else FOLDER / f"{name}.yaml"
 
 
 def load_robot(path: str | Path) -> Robot:
@@ -366,15 +368,15 @@ def robot_yaml(robot: Robot) -> str:
 
 
 def with_motors(description: Any) -> Any:
-    """Return an arm's description with the motors of its joints' sizes, where it lacks them."""
+    """Return an arm's description completed by the motors of its joints' sizes."""
     if not isinstance(description, dict) or not isinstance(description.get("joints"), list):
         return description
-    own = description.get("motors", {})
-    if not isinstance(own, dict):
+    described = description.get("motors", {})
+    if not isinstance(described, dict):
         return description
-    missing = [size for size in map(str, description["joints"]) if size not in own]
+    missing = [size for size in map(str, description["joints"]) if size not in described]
     shared = {size: joint_sizes()[size] for size in missing if size in joint_sizes()}
-    return description | {"motors": shared | own} if shared else description
+    return description | {"motors": shared | described} if shared else description
 
 
 @cache

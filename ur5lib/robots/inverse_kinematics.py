@@ -13,9 +13,9 @@ from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
 
-SINGULAR_VALUE = 0.03  # smallest allowed of J_g, in which a metre counts as much as a radian
-NEWTON_STEPS = 3  # a calibration moves frames by millimetres
-EXACT = 1e-6  # m, rad; a solution that misses its pose by more is none
+SINGULAR_VALUE = 0.03  # smallest allowed of J_g, with rows in m and rad
+NEWTON_STEPS = 3  # suffice for calibrations, which move frames by millimetres
+EXACT = 1e-6  # m, rad; largest error of a solution
 
 
 def geometric_jacobian(robot: Robot, q: Array) -> Array:
@@ -81,21 +81,21 @@ def _turned(q5: Array, q6: Array) -> Array:
 
 
 def _refined(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
-    """Return the angles (M, 6) of the arm's own frames, NaN where they do not reach the pose."""
+    """Return the angles (M, 6) for the arm's calibrated frames, NaN if they miss the pose."""
     result = np.full_like(q, np.nan)
     rows = np.flatnonzero(np.isfinite(q).all(axis=1))
     q, rotation, position = q[rows], rotation[rows], position[rows]
     for _ in range(NEWTON_STEPS if robot.calibration else 0):
         # Δq = J⁺ Δx
-        off = _off(robot, q, rotation, position)
-        q = q + np.matvec(np.linalg.pinv(geometric_jacobian(robot, q), rcond=1e-3), off)
-    reached = np.abs(_off(robot, q, rotation, position)).max(axis=1, initial=0) < EXACT
+        error = _pose_error(robot, q, rotation, position)
+        q = q + np.matvec(np.linalg.pinv(geometric_jacobian(robot, q), rcond=1e-3), error)
+    reached = np.abs(_pose_error(robot, q, rotation, position)).max(axis=1, initial=0) < EXACT
     result[rows[reached]] = q[reached]
     return result
 
 
-def _off(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
-    """Return what is missing to poses (M, 6) [m, rad], base frame."""
+def _pose_error(robot: Robot, q: Array, rotation: Array, position: Array) -> Array:
+    """Return the differences of poses from those at q, (M, 6) [m, rad], base frame."""
     rotations, origins = link_frames(robot, q)
     turn = Rotation.from_matrix(rotation @ rotations[:, 6].mT).as_rotvec()
     return np.hstack([position - origins[:, 6], turn])

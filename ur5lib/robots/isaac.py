@@ -1,4 +1,4 @@
-"""Export of an arm's joints as Isaac Lab's actuators have them."""
+"""Export of an arm's joints as actuators of Isaac Lab."""
 
 import math
 from collections.abc import Mapping, Sequence

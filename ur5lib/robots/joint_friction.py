@@ -1,4 +1,4 @@
-"""Friction of the joints as simulators know it."""
+"""Friction of the joints in the form of simulators."""
 
 import math
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ from ur5lib.timeseries.arrays import Array
 
 @dataclass(frozen=True)
 class JointFriction:
-    """Friction as simulators know it, (6,) each: coulomb [Nm], viscous [Nm s/rad].
+    """Friction in the form of simulators, (6,) each: coulomb [Nm], viscous [Nm s/rad].
 
-    NaN of a joint that moved too little to tell.
+    NaN for joints that moved too little.
     """
 
     coulomb: Array
@@ -18,5 +18,5 @@ class JointFriction:
 
     def coefficients(self, joint: int) -> tuple[float, float] | None:
         """Return coulomb and viscous friction of joint 1 to 6, None where it is unknown."""
-        known = float(self.coulomb[joint - 1]), float(self.viscous[joint - 1])
-        return None if any(map(math.isnan, known)) else known
+        pair = float(self.coulomb[joint - 1]), float(self.viscous[joint - 1])
+        return None if any(map(math.isnan, pair)) else pair

@@ -11,8 +11,8 @@ from ur5lib.robots.urdf import link_tail, thick
 from ur5lib.timeseries.arrays import Array
 
 TOOL = "tool"
-ROUNDED = 1e-5  # share of an inertia, beyond the six digits with which it is written
-POINT = 1e-12  # kg m², inertia that stands for a point mass
+ROUNDED = 1e-5  # share of an inertia that survives rounding to six digits
+POINT = 1e-12  # kg m², inertia of a point mass
 
 
 def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:

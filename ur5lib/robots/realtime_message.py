@@ -59,8 +59,8 @@ OLD_FROM_1_7 = {"actual_tool_accelerometer": (396, 3)}  # raw counts up to 1.6
 def fields(size: int) -> dict[str, tuple[int, int]]:
     """Return first byte and number of doubles of each field, in the order sent.
 
-    size: of the messages [bytes], which decides on their layout.
+    size: of the messages [bytes], which determines their layout.
     """
-    own = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
-    found = {name: at for name, at in (ALWAYS | own).items() if at[0] < size}
-    return dict(sorted(found.items(), key=lambda field: field[1]))
+    further = NEW if size >= FROM_3 else OLD if size < FROM_1_7 else OLD | OLD_FROM_1_7
+    present = {name: at for name, at in (ALWAYS | further).items() if at[0] < size}
+    return dict(sorted(present.items(), key=lambda field: field[1]))

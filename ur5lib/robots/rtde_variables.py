@@ -74,7 +74,7 @@ def exists(output: str, major: int, minor: int) -> bool:
 
 
 def size(kind: str) -> int:
-    """Return how many numbers a variable of this type holds."""
+    """Return the number of values in a variable of this type."""
     return int(FORMATS[kind][:-1] or 1)
 
 
@@ -90,5 +90,5 @@ def all_columns(names: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def layout(kinds: list[str]) -> struct.Struct:
-    """Return how variables of these types lie in a data package: big-endian, without gaps."""
+    """Return the layout of variables of these types in a data package: big-endian, no padding."""
     return struct.Struct(">" + "".join(FORMATS[kind] for kind in kinds))

@@ -15,10 +15,9 @@ VERSION = "1.9"
 def sdf(robot: Robot, model: str, friction: JointFriction | None) -> str:
     """Return an arm with one of its link models as an SDF model, fixed to the world.
 
-    Links, joints and frames have the names that they have in URDF: `joint_k` turns `link_k` about
-    its z axis, and the Denavit-Hartenberg frame `frame_k` lies at the far end of the link. Gravity
-    is a property of the world, so that an arm on a wall has to be turned there. SDF has no element
-    for rotor inertias.
+    Names are those of the URDF: `joint_k` turns `link_k` about its z axis, and the
+    Denavit-Hartenberg frame `frame_k` lies at the far end of the link. Gravity belongs to the
+    world, in which an arm on a wall has to be turned. SDF has no element for rotor inertias.
     """
     bodies = rigid_bodies(robot, model)
     root = Element("sdf", version=VERSION)

@@ -1,6 +1,6 @@
-"""Poses of the links and torques of gravity in NumPy, for checks that cannot wait for torch.
+"""Poses of the links and torques of gravity in NumPy, for checks that do not load torch.
 
-`ur5lib/dynamics` computes the same, and all that moves; the tests compare both.
+`ur5lib/dynamics` computes the same, and motion as well; the tests compare both.
 """
 
 import numpy as np
@@ -41,8 +41,8 @@ def gravity_torque(robot: Robot, model: str, q: Array) -> Array:
 
 
 def load_torque(robot: Robot, q: Array) -> Array:
-    """Return the torque (N, n, 4) that holds a load on the flange, per mass [kg] and per first
-    moments [kg m] in frame n; q: (N, n) [rad].
+    """Return the torque (N, n, 4) that holds a load on the flange, per mass [Nm/kg] and per first
+    moment in frame n [Nm/(kg m)]; q: (N, n) [rad].
     """
     rotation, origin = link_frames(robot, q)
     gravity = np.array(robot.gravity)

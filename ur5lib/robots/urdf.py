@@ -28,9 +28,9 @@ def link_tail(pose: Pose) -> tuple[Array, Array]:
 def thick(inertia: Array, share: float = 1e-12) -> Array:
     """Return an inertia tensor that obeys the triangle inequality of a rigid body.
 
-    Principal moments obey A + B >= C. For a flat plate A + B = C, which rounded digits can violate;
-    MuJoCo then rejects the link. In that case all moments are raised by a share of their sum, those
-    of a point mass by so many kg m².
+    Principal moments obey A + B >= C. For a flat plate A + B = C, which rounding can violate, and
+    MuJoCo rejects the link. In that case all moments are raised by `share` of their sum, or, for a
+    point mass, by `share` kg m².
     """
     slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
     margin = share * (np.trace(inertia) or 1.0)
@@ -55,7 +55,7 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Return numbers as XML has them, with all of their digits."""
+    """Return numbers as text for XML, with all digits."""
     return " ".join(repr(float(value)) for value in values)
 
 

@@ -1,6 +1,6 @@
-"""URScript as far as programs are straight: one call with plain numbers in every line.
+"""Straight-line URScript: one call with plain numbers in every line.
 
-Source: Universal Robots' script manual. Without loops, conditions and variables.
+Source: Universal Robots' script manual. Loops, conditions and variables are not supported.
 """
 
 import ast
@@ -12,7 +12,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array
 
-FRAME = ("def ", "sec ", "end", "global ")  # lines that command nothing
+FRAME = ("def ", "sec ", "end", "global ")  # lines without a command
 
 
 @dataclass(frozen=True)
@@ -31,19 +31,19 @@ class Command:
     named: dict[str, Any]
 
     def arguments(self, **defaults: Any) -> list[Any]:
-        """Return the arguments in the order of their names, with defaults for those missing.
+        """Return the arguments in the order of `defaults`, which replace missing ones.
 
-        Raises ValueError for others.
+        Raises ValueError for unknown ones.
         """
         unknown = [name for name in self.named if name not in defaults]
         if unknown or len(self.values) > len(defaults):
             raise ValueError(f"arguments of {self.name}")
-        given = dict(zip(defaults, self.values, strict=False)) | self.named
-        return [given.get(name, default) for name, default in defaults.items()]
+        arguments = dict(zip(defaults, self.values, strict=False)) | self.named
+        return [arguments.get(name, default) for name, default in defaults.items()]
 
 
 def calls(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield the lines that command something, without remarks, with their numbers from 1."""
+    """Yield the lines with commands, without comments, and their numbers from 1."""
     for number, line in enumerate(lines, start=1):
         text = line.split("#")[0].strip()
         if text and not text.startswith(FRAME):
@@ -51,7 +51,7 @@ def calls(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
 
 
 def parse(line: str) -> Command:
-    """Return the command in a line. Raises ValueError when it is no plain call."""
+    """Return the command in a line. Raises ValueError when it is not a plain call."""
     try:
         call = ast.parse(line, mode="eval").body
         if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):

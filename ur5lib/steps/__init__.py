@@ -1,1 +1,1 @@
-"""Steps of the workflow: how a rule runs its script in a process that is warm already."""
+"""Steps of the workflow: rules run their scripts in warm processes."""

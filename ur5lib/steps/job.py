@@ -1,4 +1,4 @@
-"""One job of a step: its log, its benchmark and its one sentence on an error."""
+"""One job of a step, with its log, its benchmark and a sentence on its error."""
 
 import importlib.util
 import os
@@ -34,9 +34,9 @@ class Names(dict[str, Any]):
 class Job:
     """A step, the files that it reads and writes, and its settings.
 
-    log: what it prints, and the traceback of an unexpected error; benchmark: its wall time [s],
-    its largest memory [MB], and its processor time [s], of which start-up is the time in which
-    Python and packages were loaded for it.
+    log: file of its output, and of the traceback of an unexpected error; benchmark: file of its
+    wall time [s], largest memory [MB], start-up time [s], in which Python and packages were loaded
+    for it, and processor time [s], which includes start-up.
     """
 
     step: str
@@ -47,10 +47,10 @@ class Job:
     benchmark: str
 
     def run(self, start_up: float = 0.0) -> str:
-        """Run the step in this process; return one sentence on why it failed, empty if it did not.
+        """Run the step in this process; return its error as one sentence, empty on success.
 
-        What the process prints from now on goes to the log, that of its libraries included.
-        start_up: processor time that was spent on loading packages for this job before [s].
+        From now on, all output of the process goes to the log, also that of libraries.
+        start_up: processor time [s] that was spent on loading packages for this job.
         """
         Path(self.log).parent.mkdir(parents=True, exist_ok=True)
         with open(self.log, "w", encoding="utf-8") as log:

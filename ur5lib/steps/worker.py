@@ -1,6 +1,6 @@
-"""A process that stays warm: it loads a step's packages once, and forks a process for each job.
+"""A warm process: it loads a step's packages once, and forks a process for each job.
 
-A job begins with all packages loaded, and shares nothing else with the jobs before it.
+A job starts with all packages loaded, and shares nothing else with earlier jobs.
 """
 
 import contextlib
@@ -17,20 +17,20 @@ FORK = multiprocessing.get_context("fork")
 
 def serve(connection: Connection) -> None:
     """Run jobs until the other side closes; answer each with its error, empty if it succeeded."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the job is interrupted, the answer is not
-    counted = 0.0
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # interrupts the job, but not the answer
+    before = 0.0
     with contextlib.suppress(EOFError):
         while True:
             job: Job = connection.recv()
-            with contextlib.suppress(Exception):  # the job itself says what is wrong
+            with contextlib.suppress(Exception):  # the job reports the error
                 load_step(job.step)
             now = time.process_time()
-            connection.send(run_in_fork(job, now - counted))
-            counted = now
+            connection.send(run_in_fork(job, now - before))
+            before = now
 
 
 def run_in_fork(job: Job, start_up: float) -> str:
-    """Run a job in a process of its own; return one sentence on why it failed, or nothing."""
+    """Run a job in a forked process; return its error as one sentence, empty on success."""
     receiver, sender = FORK.Pipe(duplex=False)
 
     def run() -> None:

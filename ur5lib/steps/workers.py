@@ -1,4 +1,4 @@
-"""The warm processes of a run: one for each job that runs at the same time."""
+"""The warm processes of a run: one for each simultaneous job."""
 
 import atexit
 import os
@@ -13,13 +13,13 @@ from ur5lib.steps.job import Job, Names
 
 
 class StepError(Exception):
-    """A step failed; the message says which, and why."""
+    """A step failed; the message has its name and the reason."""
 
 
 class Worker:
     """A process of `ur5lib.steps.worker`, and the connection to it.
 
-    Jobs share the cores already, so that each keeps to one.
+    It uses a single core, since jobs run in parallel.
     """
 
     def __init__(self) -> None:
@@ -32,12 +32,12 @@ class Worker:
         other.close()
 
     def run(self, job: Job) -> str:
-        """Return one sentence on why a job failed, empty if it did not."""
+        """Run a job; return its error as one sentence, empty on success."""
         self.connection.send(job)
         return str(self.connection.recv())
 
 
-FOR_PAPER = "_for_paper"  # a rule that runs the script of another, with other outputs
+FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
 IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
 
 
@@ -69,20 +69,20 @@ def run_step(
 
 @atexit.register
 def end_idle() -> None:
-    """End the processes that wait for a job, so that their time counts as that of this one."""
+    """End idle processes, so that their processor time is added to that of this one."""
     while not IDLE.empty():
         worker = IDLE.get()
         worker.process.terminate()
         worker.process.wait()
 
 
-def names(given: Mapping[str, Any]) -> Names:
+def names(values: Mapping[str, Any]) -> Names:
     """Return Snakemake's files or settings by name, as plain strings, numbers and lists."""
-    return Names({name: plain(value) for name, value in given.items()})
+    return Names({name: plain(value) for name, value in values.items()})
 
 
 def plain(value: Any) -> Any:
-    """Return a value without Snakemake's own types, which would take long to load elsewhere."""
+    """Return a value without Snakemake's types, which other processes would load slowly."""
     if isinstance(value, str):
         return str(value)
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""The arm of a recording: its description, and what is its own: numbers, mounting, tool."""
+"""The arm of a recording: its description, with individual numbers, mounting and tool."""
 
 import math
 from typing import Annotated, Any, Literal
@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from ur5lib.robots.description import (
     FOLDER,
-    OWN_FOLDER,
+    PROJECT_FOLDER,
     Gravity,
     Payload,
     Robot,
@@ -39,8 +39,10 @@ def _described(name: str) -> str:
     if name not in robot_names():
         message = "no description of `{name}`; docs/robots.md shows how to add one"
         raise PydanticCustomError("no_description", message, {"name": name})
-    if (FOLDER / f"{name}.yaml").is_file() and (OWN_FOLDER / f"{name}.yaml").is_file():
-        raise ValueError(f"another name to {OWN_FOLDER}/{name}.yaml: ur5lib describes a {name} too")
+    if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
+        raise ValueError(
+            f"another name to {PROJECT_FOLDER}/{name}.yaml: ur5lib describes a {name} too"
+        )
     return name
 
 
@@ -79,7 +81,8 @@ def base_gravity(mounting: Any, size: float) -> Vector3:
     """Return gravity in the base frame [m/s²] of a mounted arm; size: its magnitude.
 
     A tilt θ about the base's x axis turns the base's acceleration against gravity to
-    g [0, sin θ, cos θ], as in URScript's `set_gravity`; a turn φ about z before it turns it back.
+    g [0, sin θ, cos θ], as in URScript's `set_gravity`; a preceding turn φ about z rotates that
+    vector by −φ.
     """
     if isinstance(mounting, tuple):
         return mounting
@@ -132,7 +135,7 @@ class Arm(Strict):
 
     @property
     def known_as(self) -> str:
-        """Return its name in results."""
+        """Return the arm's name in results."""
         return self.name or self.arm
 
     def itself(self) -> "Arm":
@@ -140,12 +143,12 @@ class Arm(Strict):
         return self.model_copy(update={"mounting": None, "tool": None})
 
     def description(self) -> Robot:
-        """Return its description. Raises InputError where it is invalid."""
+        """Return the arm's description. Raises InputError where it is invalid."""
         path, override = robot_path(self.arm), self.override or {}
         return individual_robot(path, self.known_as, override, self.calibration)
 
     def gravity(self, mounting: Any) -> Vector3 | None:
-        """Return gravity in its base frame [m/s²] where it is mounted so; None: as described."""
+        """Return gravity in the base frame [m/s²] of a mounting; None: as described."""
         if mounting is None:
             return None
         return base_gravity(mounting, math.hypot(*load_robot(robot_path(self.arm)).gravity))

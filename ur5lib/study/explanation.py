@@ -78,8 +78,8 @@ def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
     """Return the schema node of a key, or of an entry of a list."""
     if isinstance(part, str):
         return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
-    each = node.get("prefixItems", [])
-    return each[part] if part < len(each) else node.get("items", {})
+    entries = node.get("prefixItems", [])
+    return entries[part] if part < len(entries) else node.get("items", {})
 
 
 def _near(value: object, candidates: Iterable[str]) -> str:
@@ -88,7 +88,7 @@ def _near(value: object, candidates: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as messages show it, shortened where it is long."""
+    """Return a value for messages, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -98,7 +98,7 @@ def _choices(node: dict[str, Any]) -> list[str]:
 
 
 def allowed(node: dict[str, Any]) -> str:
-    """Return what a JSON schema node allows, in words: "a number above 0 and below 1000"."""
+    """Return the values that a JSON schema node allows, in words: "a number above 0"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
     bounds = {

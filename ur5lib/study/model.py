@@ -21,7 +21,7 @@ from ur5lib.study.arms import Arm, Mounting, Name, NamedArm, Tool
 
 
 def _day(value: Any) -> datetime.date:
-    """Return the day that YAML or a text states, whatever the hour."""
+    """Return the day of a date or time from YAML."""
     try:
         stated = value if isinstance(value, datetime.date) else datetime.date.fromisoformat(value)
     except (TypeError, ValueError):
@@ -38,8 +38,8 @@ class Part(Strict):
     name: Name
     robot: NamedArm | None = Field(
         None,
-        description="the arm, as described in ur5lib/robots/ or robots/, or a mapping that says "
-        "what is its own; default: `robot` of the study",
+        description="the arm, as described in ur5lib/robots/ or robots/, or a mapping with its "
+        "differences; default: `robot` of the study",
     )
     folder: str = Field(description="the folder that holds the device files")
     role: Literal["fit", "validate", "contact"] = Field(
@@ -80,7 +80,7 @@ class Part(Strict):
 
     @cached_property
     def arm(self) -> Arm:
-        """Return the arm, also where it is only named."""
+        """Return the arm, also where the entry has its name alone."""
         assert self.robot is not None, "`parse_study` gives each recording its arm"
         return Arm(arm=self.robot) if isinstance(self.robot, str) else self.robot
 
@@ -89,20 +89,20 @@ class Part(Strict):
         return self.gravity or self.arm.gravity(self.mounting or self.arm.mounting)
 
     def known_tool(self) -> Tool | None:
-        """Return what is mounted on the flange, if the study says so."""
+        """Return the tool on the flange, None where the study declares none."""
         return self.tool or self.arm.tool
 
     def known_payload(self) -> Payload | None:
-        """Return all that the flange carries, as the study declares it."""
+        """Return the declared load on the flange, tool included."""
         tool, load = self.known_tool(), self.declared_load()
         return load.joined(tool.payload() if tool else None) if load else tool and tool.payload()
 
     def declared_load(self) -> Payload | None:
-        """Return the payload that the study declares beside the tool."""
+        """Return the payload that the study declares in addition to the tool."""
         return self.payload
 
     def file_names(self) -> list[str]:
-        """Return the files in its folder that it names; none when it uses all of them."""
+        """Return the files that the entry names; none when it uses all of its folder."""
         parts = [self, getattr(self, "force_sensor", None), getattr(self, "imu", None)]
         names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
         return [name for name in names if name is not None]
@@ -194,7 +194,7 @@ class Simulable(Part):
         return self.simulate.payload
 
     def plan(self) -> SimulatedRecording:
-        """Return what is to be simulated, the tool included; of a simulated recording only."""
+        """Return the plan of a simulated recording, with the tool as payload."""
         assert self.simulate is not None, f"{self.name} is not simulated"
         tool, load = self.known_tool(), self.simulate.payload
         if tool is None:
@@ -454,7 +454,7 @@ class Study(Strict):
 
     def arms(self) -> dict[str, Arm]:
         """Return the arms by their names in results, without mountings and tools."""
-        arms = [one.arm for one in self.recordings]
+        arms = [recording.arm for recording in self.recordings]
         return {arm.known_as: arm.itself() for arm in reversed(arms)}  # the first of a name counts
 
     def devices_of_hosts(self) -> dict[str, list[str]]:

@@ -43,7 +43,7 @@ RENAMED = {  # settings of earlier versions, by step and key
 
 
 def read_study(path: Path) -> Study:
-    """Read a study from its YAML file. Raises InputError with all that is wrong in it."""
+    """Read a study from its YAML file. Raises InputError with all its mistakes."""
     return parse_study(read_plain(path), str(path))
 
 
@@ -116,8 +116,8 @@ def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
-    given = raw.get("compare_with")
-    for name in filter(_is_text, given if isinstance(given, list) else []):
+    studies = raw.get("compare_with")
+    for name in filter(_is_text, studies if isinstance(studies, list) else []):
         if name == raw.get("study"):
             yield f"`compare_with` names {shown(name)}, this study itself; name another"
         elif not Path("results", name, "tables").is_dir():
@@ -192,7 +192,7 @@ def _two_gravities(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _different_arms(study: Study) -> Iterator[str]:
-    """Find two arms of one name: what is fitted is fitted for all recordings of a name."""
+    """Yield errors for different arms of one name, whose recordings would be fitted together."""
     arms = study.arms()
     for recording in study.recordings:
         if recording.arm.itself() != arms[recording.arm.known_as]:
@@ -204,7 +204,7 @@ def _different_arms(study: Study) -> Iterator[str]:
 
 
 def _wrong_arms(study: Study) -> Iterator[str]:
-    """Yield what is wrong with the numbers of arms of their own."""
+    """Yield the errors of arms with overridden numbers or a calibration."""
     for arm in study.arms().values():
         if arm.override or arm.calibration:
             try:
@@ -220,7 +220,7 @@ def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
-    """Find recordings of the same frames: validating on data of the fit proves nothing."""
+    """Yield errors for recordings of the same frames: validating on fit data proves nothing."""
     files: dict[str, list[dict[str, Any]]] = {}
     for _, entry in _entries(raw):
         if isinstance(entry.get("folder"), str):
@@ -237,7 +237,7 @@ def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _extent(entry: Mapping[str, Any]) -> tuple[float, float]:
-    """Return from when to when [s] an entry uses its file."""
+    """Return start and end [s] of the part of its file that an entry uses."""
     start, end = entry.get("from_s"), entry.get("to_s")
     return (
         float(start) if isinstance(start, int | float) else 0.0,
@@ -266,30 +266,29 @@ def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _renamed_settings(raw: Mapping[str, Any]) -> Iterator[str]:
-    """Yield a sentence for each setting of an earlier version: what it is called now."""
+    """Yield a sentence with the present name for each setting of an earlier version."""
     settings = raw.get("settings")
     for step, keys in RENAMED.items():
-        given = settings.get(step) if isinstance(settings, dict) else None
-        given = given if isinstance(given, dict) else {}
-        for key in (key for key in given if key in keys):
+        old = settings.get(step) if isinstance(settings, dict) else None
+        for key in (key for key in (old if isinstance(old, dict) else {}) if key in keys):
             yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
 
 
 def _is_explained(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
     """Return whether an error is explained elsewhere: at its new name, or for the whole study."""
-    return _is_renamed(raw, location) or _is_study_s_arm(raw, location)
+    return _is_renamed(raw, location) or _is_inherited_arm(raw, location)
 
 
-def _is_study_s_arm(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
-    """Return whether an error is that of the study's arm, which a recording only inherits."""
+def _is_inherited_arm(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+    """Return whether an error is that of the study's arm, inherited by a recording."""
     if location[0] != "recordings" or "robot" not in location[:4]:
         return False
     return raw["recordings"][location[1]].get("robot") is None
 
 
 def _is_renamed(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
-    """Return whether an unknown key is an earlier step of which all keys have a new name."""
+    """Return whether an unknown key is a step of an earlier version, with renamed keys only."""
     if len(location) != 2 or location[0] != "settings":
         return False
-    keys, given = RENAMED.get(str(location[1])), raw["settings"].get(location[1])
-    return keys is not None and isinstance(given, dict) and given.keys() <= keys.keys()
+    keys, old = RENAMED.get(str(location[1])), raw["settings"].get(location[1])
+    return keys is not None and isinstance(old, dict) and old.keys() <= keys.keys()

@@ -30,11 +30,11 @@ def _parts(schema: Schema) -> Iterator[tuple[str, str, Schema]]:
     for path, kind, part in waiting:  # the loop appends to this list
         yield path, kind, part
         for key, node in part["properties"].items():
-            for suffix, its, name in _named(node):
+            for suffix, variant, name in _named(node):
                 if name not in seen:
                     seen.add(name)
                     place = f"{path}.{key}{suffix}".lstrip(".")
-                    waiting.append((place, its, schema["$defs"][name]))
+                    waiting.append((place, variant, schema["$defs"][name]))
 
 
 def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
@@ -45,9 +45,9 @@ def _named(node: Schema) -> Iterator[tuple[str, str, str]]:
     for kind, option in branches(node).items():
         if "$ref" in option:
             kinds.setdefault(option["$ref"].rsplit("/", 1)[-1], []).append(kind)
-    for name, its in kinds.items():
+    for name, tags in kinds.items():
         chosen_by = node.get("discriminator", {}).get("propertyName")
-        yield "", f", {chosen_by}: {', '.join(its)}" if chosen_by else "", name
+        yield "", f", {chosen_by}: {', '.join(tags)}" if chosen_by else "", name
     for option in node.get("anyOf", []):
         yield from _named(option)
     if "items" in node:
@@ -80,14 +80,14 @@ def _default(key: str, node: Schema, part: Schema) -> str:
 
 
 def _allowed(node: Schema) -> str:
-    """Return what a key may hold, without the null that stands for omitting it."""
+    """Return the values that a key allows, without null, which means omitting it."""
     present = [option for option in node.get("anyOf", [node]) if option.get("type") != "null"]
     types = [] if "discriminator" in present[0] else present[0].get("oneOf", [])
     return ", or ".join(map(_allowed_type, types or present[:1]))
 
 
 def _allowed_type(node: Schema) -> str:
-    """Return what one type of value may hold."""
+    """Return the values that one type allows."""
     if "$ref" in node:
         return "a mapping, below"
     return allowed(node) + (", below" if any(_named(node)) else "")

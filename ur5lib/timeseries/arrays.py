@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FromLists:
-    """How an array is read from a summary: its rows are lists there, and null stands for NaN."""
+    """Reads an array from JSON, where its rows are lists and null stands for NaN."""
 
     dtype: type
 
@@ -23,7 +23,7 @@ class FromLists:
 
 
 class FromNull:
-    """How a number is read from a summary, where null stands for NaN."""
+    """Reads a number from JSON, where null stands for NaN."""
 
     def __get_pydantic_core_schema__(self, kind: Any, handler: Any) -> "CoreSchema":
         from pydantic_core.core_schema import no_info_before_validator_function as before

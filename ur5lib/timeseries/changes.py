@@ -5,16 +5,16 @@ recorded; an effect c of a covariate x, such as the temperature; and changes of 
 rises evenly from 0 to 1 for a drift, and is 0 before and 1 after a jump. A change that comes
 together with another group or covariate cannot be separated from it.
 
-What is left is correlated from date to date, as of an autoregression of first order,
-y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates hardly tell ρ.
-Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
+The residuals are correlated from date to date, as of an autoregression of first order,
+y(t) = ρ y(t-1) + noise. Slow noise looks like a drift or a jump, and twenty dates hardly determine
+ρ. Therefore every likelihood is a mean over a range of ρ, all equally likely a priori.
 
-Changes are added one by one, each the likeliest of all candidates. Whether any is there is decided
-by the ratio of the likelihoods with a change and without one. Without any change, the distribution
-of that ratio depends on the dates, the weights and ρ alone. It is simulated with the WORST ρ, which
-makes large ratios the most frequent, and twice: with noise as the weights say, and with the same
-noise on all dates, since weights are estimates. So the chance of a false change is at most the
-stated one, although many jumps are tried.
+Changes are added one by one, each the likeliest of all candidates. A change is accepted by the
+ratio of the likelihoods with and without it. Without any change, the distribution of that ratio
+depends on the dates, the weights and ρ alone. It is simulated with the WORST ρ, for which large
+ratios are most frequent, and twice: with noise according to the weights, and with equal noise on
+all dates, since weights are estimates. So the chance of a false change is at most the stated one,
+although many jumps are tried.
 """
 
 from collections.abc import Sequence
@@ -31,15 +31,15 @@ FREEDOM = 3  # smallest degrees of freedom of the residuals
 FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
 BESIDE = 2  # fewest dates on either side of a jump: one alone may be an outlier
 MOST = 3  # changes of one series
-WORST = 0.5  # correlation of neighbouring dates that a false change is guarded against
+WORST = 0.5  # largest correlation of neighbouring dates at which the chance of a false change holds
 CORRELATIONS = np.linspace(0.0, WORST, 6)  # of neighbouring dates, where changes are searched
-WIDER = np.linspace(0.0, 0.75, 6)  # likewise, where sizes are estimated: residuals seem less slow
+WIDER = np.linspace(0.0, 0.75, 6)  # for sizes: residuals look less correlated than the noise is
 DRAWS, BATCH = 20_000, 1_000  # of noise: in all, and at a time
 COVERED = 0.95
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 LEAST = 1e-12  # smallest divisor, relative to its scale
-SAME = 1e-9  # range of a covariate within the groups, up to which they explain it
-APART = 1e-6  # share of a change that the other columns leave, above which they are separable
+SAME = 1e-9  # largest range of a covariate within the groups that counts as constant
+APART = 1e-6  # least share of a change that other columns do not explain
 
 
 @dataclass(frozen=True)
@@ -64,9 +64,9 @@ class Change:
 
     kind: a drift rises evenly from the day `first` to the day `last`; a jump happened at some time
     between them, with a probability of 95 %; before: the value on the first date, mean of all
-    groups; size: of the change, with std_error and 95 % interval (low, high); explained: what the
-    covariate contributed in the same time; chance: the probability that noise alone shows a change
-    as clear as this one.
+    groups; size: of the change, with std_error and 95 % interval (low, high); explained: the
+    covariate's contribution in the same time; chance: the probability that noise alone shows a
+    change as clear as this one.
     """
 
     kind: Literal["drift", "jump"]
@@ -98,7 +98,7 @@ class _Problem:
 
     @classmethod
     def from_series(cls, series: Series) -> "_Problem":
-        # stated errors are uncertain: a date with a very small one would weigh too much
+        # Standard errors are uncertain: a date with a very small one would weigh too much.
         error = np.maximum(series.std_error, np.median(series.std_error))
         variance = error**2 + variation(series.value, error)
         root = 1 / np.sqrt(np.maximum(variance, LEAST * np.mean(series.value**2)))[:, None]
@@ -164,10 +164,10 @@ def whitened(rows: Array, correlation: float) -> Array:
 def _chance(
     problem: _Problem, chosen: Sequence[int], found: float, noise: Array, level: float
 ) -> float:
-    """Return the chance that noise (B, n) alone makes the odds of any further change as large.
+    """Return the chance that noise (B, n) alone gives as large odds of any further change.
 
-    The larger chance of two kinds of noise: as the weights say, and the same on all dates. It stops
-    when the chance is certain to exceed the level.
+    The larger chance of two kinds of noise: according to the weights, and equal on all dates. The
+    simulation stops once the chance exceeds the level.
     """
     alike = noise * problem.base[:, 0]
     above = np.ones(2)
@@ -281,8 +281,8 @@ def _change(
     """Return one of the chosen changes, its size fitted together with all others."""
     columns = problem.columns(chosen)
     value, std_error, freedom = _generalised_least_squares(columns, problem.value)
-    own = problem.base.shape[1] + place
-    half = std_error[own] * float(stdtrit(freedom, 0.5 + COVERED / 2))
+    column = problem.base.shape[1] + place
+    half = std_error[column] * float(stdtrit(freedom, 0.5 + COVERED / 2))
     is_drift = chosen[place] == 0
     when = (0, len(series.day) - 1) if is_drift else _jump_dates(problem, chosen, place)
     effect = value[problem.base.shape[1] - 1] if problem.adjusts else 0.0
@@ -291,10 +291,10 @@ def _change(
         first=float(series.day[when[0]]),
         last=float(series.day[when[1]]),
         before=float(value[0]),
-        size=float(value[own]),
-        std_error=float(std_error[own]),
-        low=float(value[own] - half),
-        high=float(value[own] + half),
+        size=float(value[column]),
+        std_error=float(std_error[column]),
+        low=float(value[column] - half),
+        high=float(value[column] + half),
         explained=float(effect * _covariate_change(series, problem, chosen[place])),
         chance=chance,
     )
@@ -303,8 +303,8 @@ def _change(
 def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Array, int]:
     """Return coefficients (P,), their standard errors from the residuals, degrees of freedom.
 
-    They are means over correlations (WIDER), each weighted by its likelihood; the standard errors
-    include what the coefficients differ by between correlations.
+    Means over correlations (WIDER), weighted by likelihood; the standard errors include the
+    differences of the coefficients between correlations.
     """
     fits = []
     for correlation in WIDER:

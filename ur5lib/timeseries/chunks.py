@@ -1,4 +1,4 @@
-"""Long recordings in chunks: what is computed on the way to a result takes the same memory."""
+"""Long recordings in chunks, so that intermediate results take constant memory."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -13,12 +13,12 @@ SIZE = 1 << 14  # samples
 
 
 def chunks(count: int, size: int = SIZE) -> list[slice]:
-    """Return successive chunks of so many samples."""
+    """Return slices of `size` successive samples that cover `count`."""
     return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
 def in_chunks(function: Callable[..., NDArray[T]], *arrays: Array) -> NDArray[T]:
-    """Return function(*arrays), of samples (N, ...) that do not depend on one another."""
+    """Return function(*arrays), computed in chunks of independent samples (N, ...)."""
     first, *others = chunks(len(arrays[0])) or [slice(0)]
     part = function(*(array[first] for array in arrays))
     if not others:

@@ -8,9 +8,9 @@ from ur5lib.timeseries.arrays import Array, Labels
 def interpolated(
     at: Array | Labels, known: Array | Labels, values: Array, outside: float | None = None
 ) -> Array:
-    """Return values (N, M), known at ascending places (N,), interpolated linearly at others (K,).
+    """Return values (N, M) at ascending places `known` (N,) interpolated linearly at `at` (K,).
 
-    outside: what stands beyond both ends; the values of the ends, if None.
+    outside: value beyond both ends; None: the values of the ends.
     """
     columns = [np.interp(at, known, column, outside, outside) for column in values.T]
     return np.stack(columns, axis=1)

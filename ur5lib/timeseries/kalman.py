@@ -1,4 +1,4 @@
-"""Kalman smoother of linear time-varying systems, in chunks: its memory stays the same."""
+"""Kalman smoother of linear time-varying systems, in chunks of constant memory."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ CHUNK = 2048  # samples
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v, at N samples, of B parts that are independent.
+    """x_k = F_k x_{k-1} + w, z_k = H_k x_k + v at N samples, for B independent systems.
 
-    F, Q: (N, B, X, X), into each sample from the one before; H: (N, B, M, X); z: (N, B, M), NaN
-    where nothing was measured; R: (N, B, M), variances.
+    F, Q: (N, B, X, X), from the previous sample to each; H: (N, B, M, X); z: (N, B, M), NaN where
+    nothing was measured; R: (N, B, M), variances.
     """
 
     F: Array
@@ -53,16 +53,16 @@ def smooth(system: System, count: int) -> Iterator[Smoothed]:
         before.append(_filter(system(rows), before[-1])[1].at(-1).copy())
     after: tuple[Array, Gaussians, Gaussians] | None = None  # F, prior, result of the next sample
     for rows, begin in zip(reversed(parts), reversed(before), strict=True):
-        own = system(rows)
-        F, (prior, posterior) = own.F[1:], _filter(own, begin)
+        part = system(rows)
+        F, (prior, posterior) = part.F[1:], _filter(part, begin)
         later, earlier, end = prior.at(slice(1, None)), posterior.at(slice(-1)), posterior.at(-1)
         if after is not None:
             F, later = np.concatenate([F, after[0][None]]), later.followed_by(after[1])
             earlier, end = posterior, after[2]
         # cov(x_k+1, x_k) = F_k+1 P_k
-        states = rts_pass(F @ earlier.covariance, later, earlier, end).at(slice(len(own.z)))
-        yield Smoothed(rows, states, _innovations(own, prior))
-        after = own.F[0], prior.at(0), states.at(0)
+        states = rts_pass(F @ earlier.covariance, later, earlier, end).at(slice(len(part.z)))
+        yield Smoothed(rows, states, _innovations(part, prior))
+        after = part.F[0], prior.at(0), states.at(0)
 
 
 def _filter(system: LinearSystem, before: Gaussians | None) -> tuple[Gaussians, Gaussians]:

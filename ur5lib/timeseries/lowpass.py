@@ -1,7 +1,7 @@
 """Butterworth low-pass filters, designed in Hz as second-order sections.
 
-A record contains nothing beyond its Nyquist frequency, half its rate: there, a filter with a
-cut-off at or beyond it changes nothing. Records of different rates can thus share a cut-off.
+A record contains nothing beyond its Nyquist frequency, half its rate: a filter with a cut-off at or
+beyond it changes nothing. Records of different rates can thus share a cut-off.
 """
 
 from typing import NamedTuple
@@ -64,7 +64,7 @@ def slow_delay(design: Butterworth) -> float:
 
 
 def frequency_response(frequency: Array, rate: float, order: int, cutoff: float) -> Array:
-    """Return the gain (K,) of one pass at frequencies (K,) [Hz] (Equation 5.12); two: its square.
+    """Return the gain (K,) of one pass at frequencies (K,) [Hz] (5.12); two passes have its square.
 
     rate, cutoff: [Hz]. Raises ValueError for a cut-off not above zero.
     """

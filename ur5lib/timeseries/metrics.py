@@ -5,7 +5,7 @@ from scipy.special import ndtri
 
 from ur5lib.timeseries.arrays import Array
 
-NORMAL95 = 1.96  # standard deviations to either side of the mean that hold 95 %
+NORMAL95 = 1.96  # standard deviations to either side of the mean that contain 95 %
 
 
 def mean_absolute_error(estimate: Array, reference: Array) -> Array:
@@ -68,7 +68,7 @@ def interval_score(estimate: Array, std: Array, reference: Array, stated: float 
 
 
 def zero_interval_score(reference: Array, stated: float = 0.95) -> Array:
-    """Return the score of the band around zero with `stated` of each column's references inside."""
+    """Return the score of the band around zero that contains a share `stated` of the references."""
     half = np.nanquantile(np.abs(reference), stated, axis=0)
     scale = ndtri(0.5 + stated / 2)
     return interval_score(np.zeros_like(reference), half / scale, reference, stated)

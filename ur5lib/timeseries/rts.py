@@ -14,18 +14,17 @@ class Gaussians(NamedTuple):
     covariance: Array
 
     def at(self, rows: slice | int) -> "Gaussians":
-        """Return those of some samples."""
+        """Return the states of some samples."""
         return Gaussians(self.mean[rows], self.covariance[rows])
 
     def copy(self) -> "Gaussians":
-        """Return them in memory of their own, which holds no others."""
+        """Return a copy, which does not keep the arrays of other samples alive."""
         return Gaussians(self.mean.copy(), self.covariance.copy())
 
     def followed_by(self, last: "Gaussians") -> "Gaussians":
-        """Return these and those of one sample more."""
-        return Gaussians(
-            *(np.concatenate([own, more[None]]) for own, more in zip(self, last, strict=True))
-        )
+        """Return the states with that of one more sample appended."""
+        pairs = zip(self, last, strict=True)
+        return Gaussians(*(np.concatenate([arrays, more[None]]) for arrays, more in pairs))
 
 
 def rts_pass(cross: Array, prior: Gaussians, posterior: Gaussians, end: Gaussians) -> Gaussians:

@@ -1,4 +1,4 @@
-"""Unbroken stretches of a recording, and what divides them: gaps, blocks of time, rest."""
+"""Unbroken stretches of a recording, divided by gaps, blocks of time, and rest."""
 
 from collections.abc import Callable, Iterable
 from itertools import pairwise
@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-BLOCK = 2.0  # s, several times as long as residuals stay correlated (0.3 to 1 s on both arms)
+BLOCK = 2.0  # s, several correlation times of residuals (0.3 to 1 s on both arms)
 DEAD_ZONE = 0.02  # rad/s (Equation 6.4): below it, a joint rests and friction is stiction
 
 

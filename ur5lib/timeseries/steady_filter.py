@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from ur5lib.timeseries.arrays import Array
 
-# Most rounds, and the relative change of P after which no further one is needed.
+# Largest number of rounds, and relative change of P at which they end.
 DOUBLINGS, CONVERGED = 60, 1e-12
 
 
@@ -29,11 +29,11 @@ class SteadyFilter(NamedTuple):
 
     def innovations(self, z: Array) -> Array:
         """Return one filter's innovations (N, M) of measurements z (N, M), from a state of zero."""
-        each = [
+        channels = [
             sum(lfilter(zeros, self.poles, column) for zeros, column in zip(row, z.T, strict=True))
             for row in self.zeros
         ]
-        return np.stack(each, axis=1)
+        return np.stack(channels, axis=1)
 
 
 def steady_filter(F: Array, Q: Array, H: Array, R: Array) -> SteadyFilter:

@@ -1,4 +1,4 @@
-"""Grouping of recordings by trajectory: those of one path are not independent."""
+"""Grouping of recordings by trajectory: recordings of one path are not independent."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
 SLOW = 0.03  # rad/s, below which a joint counts as resting
-SAME = 0.9  # least common share of two runs of one path
+SAME = 0.9  # least share of common states of two runs along one path
 
 
 def place(q: Array, qd: Array) -> Array:
@@ -23,18 +23,18 @@ def place(q: Array, qd: Array) -> Array:
     return np.concatenate([q / NEAR_POSITION, qd / NEAR_VELOCITY], axis=1)
 
 
-def nearest(places: Array, of: Array) -> tuple[Mask, NDArray[np.intp]]:
+def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
     """Return whether each state (N, 12) is near one of others (M, 12), and the nearest (N,)."""
-    distance, index = cKDTree(of).query(places, distance_upper_bound=1.0)
+    distance, index = cKDTree(others).query(places, distance_upper_bound=1.0)
     return np.isfinite(distance), index
 
 
 @dataclass(frozen=True)
 class Passed:
-    """States on the path of a run: `place` at samples in motion, or all if the run rests.
+    """States (`place`) on the path of a run: at samples in motion, or at all if it rests.
 
-    every: step of the samples that are searched in another run. The other run is not thinned,
-    because thinned samples of fast runs are further apart than 1.
+    moves: whether the run moves; every: step of the samples that are searched in another run, which
+    is not thinned, because thinned samples of fast runs are further apart than 1.
     """
 
     places: Array
@@ -69,7 +69,7 @@ class Passed:
 def group_by_path(runs: Sequence[Passed]) -> Labels:
     """Return labels (R,) of runs by trajectory, from 0.
 
-    Part of a longer run belongs to its trajectory; being of one trajectory is transitive.
+    A part of a longer run belongs to its trajectory; the relation is transitive.
     """
     labels = np.arange(len(runs))
     for one in range(len(runs)):

@@ -1,4 +1,4 @@
-"""Moves with trapezoidal speed, as a controller of Universal Robots plans them."""
+"""Moves with trapezoidal speed, as Universal Robots' controllers plan them."""
 
 import numpy as np
 

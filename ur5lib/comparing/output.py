@@ -1,4 +1,4 @@
-"""A comparison of two results as lines of text, as rows of a table and as JUnit XML."""
+"""Output of comparisons: lines of text, rows of a table, JUnit XML."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -11,37 +11,38 @@ from ur5lib.tables import write_text
 COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 
 
-def account(found: Sequence[Comparison]) -> Iterator[str]:
+def lines(comparisons: Sequence[Comparison]) -> Iterator[str]:
     """Yield lines of text: for each topic the number of comparisons, then each change."""
     for topic in TOPICS:
-        its = [one for one in found if one.topic == topic]
-        if not its:
+        in_topic = [one for one in comparisons if one.topic == topic]
+        if not in_topic:
             yield f"{topic}: nothing to compare"
             continue
-        differ = sum(one.differs for one in its)
-        changed = [one for one in its if one.changed]
-        yield f"{topic}: {len(its)} compared, {differ} beyond their error, {len(changed)} changed"
+        differ = sum(one.differs for one in in_topic)
+        changed = [one for one in in_topic if one.changed]
+        count = len(in_topic)
+        yield f"{topic}: {count} compared, {differ} beyond their error, {len(changed)} changed"
         yield from (f"  {one.sentence()}" for one in changed)
 
 
-def rows(study: str, found: Sequence[Comparison]) -> Iterator[dict[str, str]]:
+def rows(study: str, comparisons: Sequence[Comparison]) -> Iterator[dict[str, str]]:
     """Yield each comparison as a row of changes.csv; study: name of the study compared with."""
-    for one in found:
+    for one in comparisons:
         row = {"study": study, "topic": one.topic, "name": one.name}
-        told = {"before": one.before, "after": one.after}
-        known = {"differs": one.differs, "changed": one.changed}
-        yield row | told | {name: "yes" if holds else "no" for name, holds in known.items()}
+        row |= {"before": one.before, "after": one.after}
+        verdicts = {"differs": one.differs, "changed": one.changed}
+        yield row | {name: "yes" if holds else "no" for name, holds in verdicts.items()}
 
 
-def write_junit(found: Sequence[Comparison], path: Path) -> None:
+def write_junit(comparisons: Sequence[Comparison], path: Path) -> None:
     """Write JUnit XML with one test case per comparison, which fails if the number has changed."""
     suites = ElementTree.Element("testsuites")
     for topic in TOPICS:
-        its = [one for one in found if one.topic == topic]
-        failures = str(sum(one.changed for one in its))
-        counts = {"tests": str(len(its)), "failures": failures}
+        in_topic = [one for one in comparisons if one.topic == topic]
+        failures = str(sum(one.changed for one in in_topic))
+        counts = {"tests": str(len(in_topic)), "failures": failures}
         suite = ElementTree.SubElement(suites, "testsuite", {"name": topic} | counts)
-        for one in its:
+        for one in in_topic:
             case = ElementTree.SubElement(suite, "testcase", classname=topic, name=one.name)
             if one.changed:
                 ElementTree.SubElement(case, "failure", message=one.sentence())

@@ -1,11 +1,11 @@
-"""What an import found: proven, assumed, ambiguous."""
+"""The evidence of an import: what is proven, assumed or ambiguous."""
 
 from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
-class Account:
-    """Sentences about a file. ambiguous: parts of it that the entry therefore leaves out."""
+class Evidence:
+    """Sentences about a file; ambiguous: parts that the entry therefore leaves out."""
 
     proven: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
