@@ -311,12 +311,12 @@ def singularities(
     arm = _load(robot)
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
     with Console(stderr=True).status(f"trying {count} configurations"):
-        found = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
-    for kind, share in found.share.items():
+        singular = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
+    for kind, share in singular.share.items():
         typer.echo(f"{kind}: {100 * share:.2f} % of {count} configurations are singular")
-    worst = found.sigma_min.argmin()
-    place = ", ".join(f"{angle:.3f}" for angle in found.q[worst])
-    typer.echo(f"smallest singular value: {found.sigma_min[worst]:.2g}, at q = {place} rad")
+    worst = singular.sigma_min.argmin()
+    place = ", ".join(f"{angle:.3f}" for angle in singular.q[worst])
+    typer.echo(f"smallest singular value: {singular.sigma_min[worst]:.2g}, at q = {place} rad")
 
 
 def _load(robot: str) -> "Robot":

@@ -60,11 +60,11 @@ def _mass(mass: float, low: float, high: float) -> str:
 
     If the interval reaches below zero, its end farther from zero bounds an undetectable load.
     """
-    most = max(high, -low)
-    if most > HEAVIEST:
-        return f"the currents do not determine the mass (error up to {most:.0f} kg)"
+    bound = max(high, -low)
+    if bound > HEAVIEST:
+        return f"the currents do not determine the mass (error up to {bound:.0f} kg)"
     if low <= 0:
-        return f"by the currents no certain load, at most {most:.2f} kg"
+        return f"by the currents no certain load, at most {bound:.2f} kg"
     return f"by the currents {mass:.2f} kg ({low:.2f} to {high:.2f})"
 
 

@@ -62,19 +62,19 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     if folder.exists() and not folder.is_dir():
         raise InputError(f"--write {folder} is a file; name a folder")
     task = task_of(options)
-    found = _design(task, options.seed, effort)
-    worth = Worth.along(task, found.path)
+    planned = _design(task, options.seed, effort)
+    worth = Worth.along(task, planned.path)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
-    summary = asked | summary_of(task, found, worth)
-    drawing = excitation_figure(task.cell.robot, found.path, found.margins, task.problem, worth)
-    write_files(folder, options.robot, options.payload, task, found.path, summary)
+    summary = asked | summary_of(task, planned, worth)
+    drawing = excitation_figure(task.cell.robot, planned.path, planned.margins, task.problem, worth)
+    write_files(folder, options.robot, options.payload, task, planned.path, summary)
     drawn = folder / "excitation.svg"
     save(drawing, drawn)
     command = f"ur5 record STUDY NAME --move {folder}/trajectory.csv --speed 1"
     before = [] if options.payload is None else [_mounting(options.payload)]
-    page = excitation_page(asked, [*before, BEFORE], command, found, task.problem, worth, drawn)
+    page = excitation_page(asked, [*before, BEFORE], command, planned, task.problem, worth, drawn)
     write_html(page, folder / "excitation.html")
-    yield from found.margins.lines()
+    yield from planned.margins.lines()
     yield from _worth_lines(task.problem, worth)
     yield from before
     yield f"{folder} written; next: {command}"

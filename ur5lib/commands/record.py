@@ -1,4 +1,4 @@
-"""`ur5 record`: a session with the devices of a study, and the entry of what it recorded."""
+"""`ur5 record`: a session with the devices of a study, and the entry of the recording."""
 
 import time
 from collections.abc import Iterator

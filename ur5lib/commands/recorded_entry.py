@@ -28,13 +28,13 @@ def enter(
     """Check an entry, then append it to the study, or print it; returns stop signs and errors."""
     alone = {"study": plain["study"], "title": plain.get("title", "")}
     study = parse_study(alone | {"robot": plain["robot"], "recordings": [entry]}, str(path))
-    found = print_findings_of(study)
+    severe = print_findings_of(study)
     text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
     if add and _append(text, entry, path, plain):
         console.print(f"{path}: {entry['name']} added; next: snakemake --configfile {path}")
     else:
         console.print(f"add to `recordings` of {path}:\n{text}", soft_wrap=True)
-    return found
+    return severe
 
 
 def _append(text: str, entry: dict[str, Any], path: Path, plain: dict[str, Any]) -> bool:

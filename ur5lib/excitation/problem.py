@@ -178,10 +178,6 @@ class Problem:
         rotated = self.to_physical()
         return np.sqrt(np.diag(rotated @ np.linalg.inv(information) @ rotated.T))
 
-    def shares_of_prior(self, information: Array) -> Array:
-        """Return the standard errors (P,) as shares of those of the prior, which are 1."""
-        return self.standard_errors(information) / self.standard_errors(self.prior)
-
     def to_physical(self) -> Array:
         """Return ∂physical/∂θ (P, P): k = 1/a, and b, c, v, l times k."""
         D = np.eye(len(self.theta))
@@ -240,7 +236,7 @@ def build_problem(robot: Robot, model: LinkModel, maps: Maps, has_payload: bool)
 
 
 def _prior(robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool) -> Array:
-    """Return the information before any recording: that of the priors of the fits."""
+    """Return the information of the priors of the fits, before any recording."""
     spread = base.groups * prior_width(len(PARAMETERS))
     blocks = [np.linalg.inv(spread @ spread.T)]
     for joint, (inverse, *_) in enumerate(maps.coefficients, start=1):

@@ -106,9 +106,9 @@ def read_header(path: Path) -> Header:
     """Return the columns of a table; without a header, they are named `column 1` and so on."""
     cells = first_cells(path)
     if all(_is_number(cell) for cell in cells):
-        known = expand(NIST)
-        if len(cells) == len(known):
-            return Header(known, layout="NIST's UR5 degradation measurements")
+        nist = expand(NIST)
+        if len(cells) == len(nist):
+            return Header(nist, layout="NIST's UR5 degradation measurements")
         return Header(nameless(len(cells)))
     first = {name: k for k, name in reversed([*enumerate(cells)])}
     names = [name if first[name] == k else f"{name}{AGAIN}{k + 1}" for k, name in enumerate(cells)]

@@ -68,12 +68,12 @@ def write_study(imported: Sequence[Imported], path: Path) -> None:
 def _checked(one: Imported) -> tuple[Imported, list[str]]:
     """Return an entry and complaints about it; if only the role `fit` is wrong, use `validate`."""
     complaints = contradictions(one.entry)
-    other = one.entry | {"role": "validate"}
-    if not complaints or one.entry["role"] != "fit" or contradictions(other):
+    as_validate = one.entry | {"role": "validate"}
+    if not complaints or one.entry["role"] != "fit" or contradictions(as_validate):
         return one, complaints
     reason = complaints[0].split(": ", 1)[-1]
     comments = [line for line in one.comments if not line.startswith("# assumed: role")]
-    return Imported(other, [*comments, f"# assumed: role validate, as {reason}"]), []
+    return Imported(as_validate, [*comments, f"# assumed: role validate, as {reason}"]), []
 
 
 def contradictions(recording: dict[str, Any]) -> list[str]:

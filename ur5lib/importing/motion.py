@@ -81,8 +81,8 @@ def slopes_and_rates(position: Array, velocity: Array, time: Array) -> tuple[Arr
 
 
 def _ratio(slope: Array, rate: Array) -> float | None:
-    known = np.isfinite(slope) & np.isfinite(rate)
-    slope, rate = slope[known], rate[known]
+    finite = np.isfinite(slope) & np.isfinite(rate)
+    slope, rate = slope[finite], rate[finite]
     if len(slope) < 10 or max(np.std(slope), np.std(rate)) < MOVES:
         return None
     if min(np.std(slope), np.std(rate)) == 0 or np.corrcoef(slope, rate)[0, 1] < AGREE:
@@ -154,8 +154,8 @@ def _units(
     if not count:
         evidence.assumed.append(f"{velocity.title}: nothing moves that could prove it a velocity")
         return units
-    known = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}
-    near = min(known, key=lambda factor: abs(np.log(abs(ratio) / factor)) if ratio else np.inf)
+    in_degrees = {1.0: degrees, DEGREES: True, 1 / DEGREES: False}
+    near = min(in_degrees, key=lambda factor: abs(np.log(abs(ratio) / factor)) if ratio else np.inf)
     if share < 1.0 or not RATIO[0] < ratio / near < RATIO[1]:
         raise InputError(
             f"{file.path}: {velocity.title} is not the derivative of {position.title}, column by "
@@ -165,4 +165,4 @@ def _units(
     evidence.proven.append(
         f"{velocity.title} is the velocity of {position.title} ({count} joints move)"
     )
-    return units | ({"actual_qd": "deg/s"} if known[near] else {})
+    return units | ({"actual_qd": "deg/s"} if in_degrees[near] else {})

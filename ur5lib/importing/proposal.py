@@ -146,13 +146,13 @@ def _frame(
     """Return the frame of a wrench, None where the efforts do not prove it."""
     title = " and ".join(block.title for block in wrench)
     values, arm = means.currents["wrench"], described(reading.arm)
-    frame, apart = None, 0.0
+    frame, lead = None, 0.0
     if pushed and efforts:
-        frame, apart = wrench_frame(means, efforts[0], values, arm, reading.order)
+        frame, lead = wrench_frame(means, efforts[0], values, arm, reading.order)
     if frame is None:
         evidence.ambiguous.append(
             f"{title}: in the base's frame or the flange's, by the arm or on it (the best two "
-            f"log-likelihoods are {apart:.1f} apart, changes up to {_change(wrench):.0f} N); left "
+            f"log-likelihoods are {lead:.1f} apart, changes up to {_change(wrench):.0f} N); left "
             "out: record a push in several postures"
         )
         return None

@@ -42,8 +42,8 @@ def wrench_frame(
     torques |= {Frame("flange", True): flange, Frame("flange", False): -flange}
     gains = {frame: _gain(means, effort, torque, arm, order) for frame, torque in torques.items()}
     best, second = sorted(gains, key=lambda frame: gains[frame], reverse=True)[:2]
-    apart = gains[best] - gains[second]
-    return (best if apart >= SURE else None), apart
+    lead = gains[best] - gains[second]
+    return (best if lead >= SURE else None), lead
 
 
 def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:

@@ -17,15 +17,15 @@ def identify(address: str) -> dict[str, str]:
     dashboard = dashboard_client.DashboardClient(address)
     try:
         dashboard.connect()
-        found = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
-        found["serial_number"] = _serial_number(dashboard)
+        identity = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
+        identity["serial_number"] = _serial_number(dashboard)
         dashboard.disconnect()
     except RuntimeError as error:
         raise InputError(
             f"the dashboard of {address}, port 29999, does not answer ({error}); check that the "
             "controller is switched on and in remote control"
         ) from error
-    return found
+    return identity
 
 
 def _serial_number(dashboard: object) -> str:

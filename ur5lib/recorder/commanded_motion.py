@@ -102,14 +102,14 @@ def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
 
 
 def _too_fast(motion: CommandedMotion, robot: Robot) -> Iterator[str]:
-    most = np.array([robot.motor(joint).velocity_max for joint in range(1, 7)])
+    limits = np.array([robot.motor(joint).velocity_max for joint in range(1, 7)])
     if motion.time is None:
         fastest = np.full(6, SPEED * motion.speed)
     else:
         steps = np.diff(motion.q, axis=0) / np.diff(motion.time)[:, None]
         fastest = np.abs(steps).max(axis=0) * motion.speed
-    for joint in np.flatnonzero(fastest > most):
+    for joint in np.flatnonzero(fastest > limits):
         yield (
             f"joint {joint + 1} turns at {fastest[joint]:.2f} rad/s, faster than its limit of "
-            f"{most[joint]:.2f}; lower --speed"
+            f"{limits[joint]:.2f}; lower --speed"
         )

@@ -20,10 +20,7 @@ def write_manifest(
     statuses: Mapping[str, Status] | None,
     moved: str | None,
 ) -> None:
-    """Write the manifest.
-
-    identities: of the devices; statuses: at the end, None before; moved: the commanded motion.
-    """
+    """Write the manifest; statuses: at the end, None before; moved: the commanded motion."""
     entries = {name: dict(identity) for name, identity in identities.items()}
     for name, status in (statuses or {}).items():
         file = folder / f"{name}.csv"

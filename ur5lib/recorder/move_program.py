@@ -135,11 +135,11 @@ def _goal_angles(move: Move, robot: Robot, near: Array) -> Array:
     if not isinstance(move.goal, ToolPose):
         return move.goal
     rotation, position = _pose(move.goal)
-    found = solutions(robot, rotation[None], position[None])[0]
-    found = _nearest_turn(found[np.isfinite(found).all(axis=1)], near, robot)
-    if not len(found):
+    candidates = solutions(robot, rotation[None], position[None])[0]
+    candidates = _nearest_turn(candidates[np.isfinite(candidates).all(axis=1)], near, robot)
+    if not len(candidates):
         raise InputError(f"{move.place}: the pose is out of the reach of {robot.name}; change it")
-    return np.asarray(found[np.abs(found - near).max(axis=1).argmin()])
+    return np.asarray(candidates[np.abs(candidates - near).max(axis=1).argmin()])
 
 
 def _pose(goal: ToolPose) -> tuple[Array, Array]:
@@ -196,10 +196,10 @@ def _along(move: Move, robot: Robot, origin: Array, rotations: Array, positions:
 
     Raises InputError where the arm cannot follow.
     """
-    found = solutions(robot, rotations, positions)
+    candidates = solutions(robot, rotations, positions)
     _expect_regular(move, robot, origin[None])
-    apart = np.abs(np.exp(1j * found[0]) - np.exp(1j * origin)).max(axis=1)
-    q = np.unwrap(found[:, np.nanargmin(apart)], axis=0)
+    distance = np.abs(np.exp(1j * candidates[0]) - np.exp(1j * origin)).max(axis=1)
+    q = np.unwrap(candidates[:, np.nanargmin(distance)], axis=0)
     if not np.isfinite(q).all():
         raise InputError(
             f"{move.place}: the straight line leaves the reach of {robot.name}; change it, or use "

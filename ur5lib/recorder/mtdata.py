@@ -78,8 +78,8 @@ def decode_mtdata(data: bytes, mode: int, settings: int) -> Measurement | None:
     size = struct.calcsize(LAYOUTS[precision])
     at = size // 3 if mode & TEMPERATURE else 0
     sent = [not settings & absent for absent in WITHOUT]
-    known = mode & ~TEMPERATURE == CALIBRATED and settings & SAMPLE_COUNTER
-    if not known or len(data) != at + size * sum(sent) + 2:
+    supported = mode & ~TEMPERATURE == CALIBRATED and settings & SAMPLE_COUNTER
+    if not supported or len(data) != at + size * sum(sent) + 2:
         return None
     vectors = []
     for is_sent in sent:

@@ -95,10 +95,10 @@ class RtdeClient:
         for _ in range(2):
             content = struct.pack(">d", rate) + ",".join(names).encode()
             kinds = self._ask(SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
-            known = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
-            if len(known) == len(names):
+            available = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
+            if len(available) == len(names):
                 return list(names), kinds
-            names = known
+            names = available
         raise ConnectionError("it refuses outputs that it offered")
 
     def _ask(self, kind: int, content: bytes = b"") -> bytes:

@@ -55,9 +55,9 @@ class Decoder:
 
 def _start(stream: bytes, at: int) -> int:
     """Return the offset of the next FA FF, or of an FA at the end; else the stream's length."""
-    found = stream.find(START, at)
-    if found >= 0:
-        return found
+    place = stream.find(START, at)
+    if place >= 0:
+        return place
     return len(stream) - int(stream.endswith(START[:1]) and len(stream) > at)
 
 

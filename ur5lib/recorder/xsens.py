@@ -136,10 +136,10 @@ class Xsens:
     def _configure_mtdata2(self, port: XbusPort) -> float:
         """Configure MTData2; return the rate [Hz] that the device chose, its nearest one."""
         rate = round(self._rate_hz)
-        wanted = [(mtdata.PACKET_COUNTER, WITH_EACH_SAMPLE)]
-        wanted += [(mtdata.SAMPLE_TIME_FINE, WITH_EACH_SAMPLE)]
-        wanted += [(vector, rate) for vector in mtdata.VECTORS]
-        data = b"".join(struct.pack(">HH", *item) for item in wanted)
+        items = [(mtdata.PACKET_COUNTER, WITH_EACH_SAMPLE)]
+        items += [(mtdata.SAMPLE_TIME_FINE, WITH_EACH_SAMPLE)]
+        items += [(vector, rate) for vector in mtdata.VECTORS]
+        data = b"".join(struct.pack(">HH", *item) for item in items)
         accepted = port.ask(SET_OUTPUT_CONFIGURATION, data)
         rates = dict(struct.iter_unpack(">HH", accepted[: len(accepted) // 4 * 4]))
         return float(rates.get(mtdata.ACCELERATION, rate))

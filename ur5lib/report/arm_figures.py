@@ -17,14 +17,14 @@ from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 UPRIGHT = [0.0, -np.pi / 2, 0.0, -np.pi / 2, 0.0, 0.0]  # rad, position 2 of Figure 4.1
-MARGIN = 0.03  # m, around what is drawn
-FARTHEST = 0.3  # m, of what is drawn from the joints
+MARGIN = 0.03  # m, around the drawing
+FARTHEST = 0.3  # m, largest distance from the joints that is drawn
 IN_A_ROW = 4  # panels
 TURN = np.linspace(0, 2 * np.pi, 48, endpoint=False)  # rad, along the edge of a circle
 SIDE = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])  # along x: y to the right, z up
 OBLIQUE = np.array([[-0.45, 1.0, 0.0], [-0.3, 0.0, 1.0]])  # the same, x towards the lower left
 AXES = {"x": "#D55E00", "y": "#009E73", "z": "#0072B2"}
-AXIS_LENGTH = 0.11  # of the largest extent of what is drawn
+AXIS_LENGTH = 0.11  # share of the drawing's largest extent
 LABEL_ASIDE = 8  # points from the tip of an axis
 PLACE, PARAMETERS = ["x [m]", "y [m]", "z [m]"], ["a [m]", "d [m]", "alpha [rad]"]
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ur5lib.report.document import Cell, Mark
 
-SMALLEST_DIFFERENCE = 5e-5  # what four decimals can show
+SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
 
 
 def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
@@ -60,8 +60,8 @@ def interval(low: float, high: float, digits: int) -> str:
 
 def joints(numbers: Iterable[float]) -> str:
     """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
-    known = [round(number) for number in numbers]
-    return f"joint{'s' if len(known) > 1 else ''} {numbered(known)}"
+    integers = [round(number) for number in numbers]
+    return f"joint{'s' if len(integers) > 1 else ''} {numbered(integers)}"
 
 
 def numbered(known: Sequence[int]) -> str:

@@ -54,10 +54,10 @@ def packed_lines(path: str | Path) -> str:
 
 
 def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, str]], list[str]]:
-    """Return name and unit of each panel, and the labels of so many lines."""
-    found = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
-    panels = [*dict.fromkeys((name, unit) for _, name, unit in found)]
-    return panels, [*dict.fromkeys(label for label, *_ in found)][:lines]
+    """Return name and unit of each panel, and the labels of the first `lines` lines."""
+    parts = [match.groups() for match in map(COLUMN.fullmatch, columns) if match]
+    panels = [*dict.fromkeys((name, unit) for _, name, unit in parts)]
+    return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
 
 
 def _line(label: str, style: str) -> dict[str, Any]:
@@ -70,14 +70,14 @@ def _line(label: str, style: str) -> dict[str, Any]:
 
 def _range(column: Array) -> tuple[float, float]:
     """Return the smallest and the largest value of a column (N,); zeros if it has none."""
-    known = column[np.isfinite(column)]
-    return (float(known.min()), float(known.max())) if len(known) else (0.0, 0.0)
+    finite = column[np.isfinite(column)]
+    return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
 
 
 def _time_steps(time: pd.Series) -> list[int | None]:
     """Return the steps of time [ms] from 0 on; None where a line is broken."""
-    known = (1000 * time.dropna()).round().astype(int)
-    steps = known.diff().fillna(known).astype(int).reindex(time.index)
+    milliseconds = (1000 * time.dropna()).round().astype(int)
+    steps = milliseconds.diff().fillna(milliseconds).astype(int).reindex(time.index)
     return [None if pd.isna(step) else int(step) for step in steps]
 
 

@@ -77,9 +77,7 @@ SENTENCE_END = re.compile(r"(?<=[.:]) (?=[A-Z@“])")
 
 
 class Draft(NamedTuple):
-    """A text, sentence by sentence; beside: label of the table or figure without which it is
-    omitted, if any.
-    """
+    """A text, sentence by sentence; beside: label of a table or figure that it requires, if any."""
 
     sentences: list[list[str | Reference]]
     beside: str
@@ -177,10 +175,7 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
 
 
 def _single(wanted: Block, results: Results, name: str = "") -> Iterator[Block | Draft]:
-    """Yield a block of the contents, filled from results; nothing where they have no data for it.
-
-    name: the recording, arm or study that a repeated block is about.
-    """
+    """Yield a block of the contents, filled from results; name: recording, arm or study of it."""
     arguments = (results, name) if name else (results,)
     match wanted:
         case Paragraph(sentences=sentences) if sentences:
@@ -263,11 +258,7 @@ def _is_evidence(block: Block | Draft) -> bool:
 
 def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
     """Return a notice of simulated recordings, if any."""
-    simulated = [
-        recording["name"]
-        for recording in recordings
-        if recording.get("simulate") or recording.get("truth")
-    ]
+    simulated = [r["name"] for r in recordings if r.get("simulate") or r.get("truth")]
     if not simulated:
         return ""
     some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)

@@ -48,7 +48,7 @@ GAP: Any = {"facecolor": "none", "edgecolor": "#999999", "hatch": "////", "linew
 SHADE: Any = {"color": "#000000", "alpha": 0.12, "linewidth": 0}
 WIDTH = 7.2  # inches, of A4 between margins
 LABELS = 0.6  # inches from a y-axis to its label, beside tick labels such as −0.0025
-DPI = 130  # of what is an image inside a figure
+DPI = 130  # of images inside a figure
 COLOURS = 256  # of such an image: a third of the size of one with all colours
 EMBEDDED = re.compile(rb"(?<=data:image/png;base64,)[A-Za-z0-9+/=\s]+")
 MOST_VERTICES = 9000  # of lines kept as such; with more, an image is smaller

@@ -52,14 +52,14 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
     simulated = getattr(closed_loop, state).get(gains)
     if simulated is None:
         return nothing_to_draw()
-    known = {
+    traces_by_label = {
         "measured": (getattr(signals, f"actual_{state}"), "measured"),
         "target": (getattr(signals, f"target_{state}"), "first"),
         f"closed loop, gains {gains}": (simulated, "second"),
     }
     series = {
         label: (with_breaks(values, signals.segment), style)
-        for label, (values, style) in known.items()
+        for label, (values, style) in traces_by_label.items()
     }
     traces = Traces(
         with_breaks(signals.time, signals.segment),
@@ -97,8 +97,8 @@ def older_torque_figure(
         series[label] = with_breaks(values, signals.segment), style
     time = with_breaks(signals.time, signals.segment)
     level = np.where(np.isnan(time), np.nan, 1.0)[:, None] * np.array(printed)
-    known = {"[21], printed mean": (level, "second")}
-    return draw_traces(Traces(time, series, (errors(series, reference) or {}) | known), TORQUE)
+    mean = {"[21], printed mean": (level, "second")}
+    return draw_traces(Traces(time, series, (errors(series, reference) or {}) | mean), TORQUE)
 
 
 def current_figure(signals: Signals, currents: Currents) -> Drawing:
@@ -139,10 +139,10 @@ def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Dra
 def _imu_figure(
     table: Accelerations, felt: Array | None, estimates: dict[str, tuple[Array | None, str]]
 ) -> Drawing:
-    known = {"IMU": (felt, "measured")} | estimates
+    traces = {"IMU": (felt, "measured")} | estimates
     series: Series = {
         label: (with_breaks(values, table.segment), style)
-        for label, (values, style) in known.items()
+        for label, (values, style) in traces.items()
         if values is not None
     }
     reference = series["IMU"][0] if series else None
@@ -166,17 +166,14 @@ def published_force_figure(
 
 
 def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
-    """Return the new estimates, the band of the first, and the sensor.
-
-    hidden: (N,), where some force causes no joint torque (shaded).
-    """
+    """Return the new estimates, the band of the first, and the sensor; hidden: see Traces."""
     measured = _wrench(sensor, sensor.wrench.get("compensated"))
     series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
-    known = {name: label for name, label in NEW.items() if name in forces.wrench}
-    for (name, label), style in zip(known.items(), DRAWN, strict=False):
+    labels = {name: label for name, label in NEW.items() if name in forces.wrench}
+    for (name, label), style in zip(labels.items(), DRAWN, strict=False):
         series[label] = with_breaks(forces.wrench[name], forces.segment), style
     band = None
-    if lead := next(iter(known), None):
+    if lead := next(iter(labels), None):
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
         band = low, high

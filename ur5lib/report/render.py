@@ -18,7 +18,7 @@ from ur5lib.tables import write_bytes, write_text
 
 TEMPLATES = Path(__file__).parent / "templates"
 EQUATION_PAGES = "#set page(width: auto, height: auto, margin: 1pt, fill: none)\n"
-PLAIN = " '!$()*+,-./:;=?@[]_~"  # what may stand in a data URI as it is
+PLAIN = " '!$()*+,-./:;=?@[]_~"  # characters that a data URI need not escape
 
 
 def write_html(document: Document, path: str | Path) -> None:

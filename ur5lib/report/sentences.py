@@ -34,9 +34,9 @@ class Sentence(str):
 
 def sentence(text: str, numbers: Iterable[Stated] = ()) -> Sentence:
     """Return a text with its numbers."""
-    found = Sentence(text)
-    found.numbers = tuple(numbers)
-    return found
+    numbered = Sentence(text)
+    numbered.numbers = tuple(numbers)
+    return numbered
 
 
 def joined(parts: Iterable[str], between: str = " ") -> Sentence:
@@ -77,8 +77,8 @@ def _fixed(value: float, digits: int = 0, unit: str = "") -> Sentence:
 
 def _rounded(value: float, digits: int = 0, unit: str = "") -> Sentence:
     """Format a value with some decimals, or as a bound if they would all be zeros."""
-    known = round(float(value), digits) or float(value)  # what is below its bound stays
-    return _with_unit(cells.rounded(value, digits), known, unit)
+    stated = round(float(value), digits) or float(value)  # a value given as a bound stays
+    return _with_unit(cells.rounded(value, digits), stated, unit)
 
 
 def _significant(value: float, digits: int, unit: str = "") -> Sentence:
@@ -126,8 +126,8 @@ def _each(
 
 def _joints(numbers: Iterable[float]) -> Sentence:
     """Format joint numbers: joint 2; joints 1, 3; joints 1 to 6."""
-    known = [*numbers]
-    return sentence(cells.joints(known), [Stated(float(joint)) for joint in known])
+    joints = [*numbers]
+    return sentence(cells.joints(joints), [Stated(float(joint)) for joint in joints])
 
 
 FILTERS = {

@@ -52,7 +52,7 @@ class Summary(Strict):
 def summary(document: Document, results: Results) -> dict[str, Any]:
     """Return the first section of a report as plain data that fit `summary_schema`."""
     recordings, blocks = results.study["recordings"], document.sections[0].blocks
-    found = {
+    plain = {
         "$schema": SCHEMA,
         "study": results.study["study"],
         "title": results.study["title"],
@@ -70,7 +70,7 @@ def summary(document: Document, results: Results) -> dict[str, Any]:
             if isinstance(above, Heading) and isinstance(block, Items)
         ],
     }
-    return Summary.model_validate(found).model_dump(by_alias=True)
+    return Summary.model_validate(plain).model_dump(by_alias=True)
 
 
 def summary_schema() -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Tables and text of a report as LaTeX; `booktabs` and `siunitx` (3) are what they need."""
+"""Tables and text of a report as LaTeX, which needs `booktabs` and `siunitx` (3)."""
 
 import re
 import unicodedata
@@ -141,11 +141,11 @@ def _number_format(column: Sequence[Cell]) -> str:
     """Return siunitx's options of a column of numbers; empty for other columns."""
     texts = [cell.text for cell in column if cell.text not in NO_NUMBER]
     matches = [NUMBER.fullmatch(text) for text in texts]
-    found = [match.groups(default="") for match in matches if match]
-    if not found or len(found) < len(texts):
+    parts = [match.groups(default="") for match in matches if match]
+    if not parts or len(parts) < len(texts):
         return ""
     sign, whole, part, error, error_part = (
-        max(len(digits.replace(",", "")) for digits in place) for place in zip(*found, strict=True)
+        max(len(digits.replace(",", "")) for digits in place) for place in zip(*parts, strict=True)
     )
     value = f"table-format={'-' * sign}{whole}.{part}"
     plus = ", retain-explicit-plus" if any("+" in text for text in texts) else ""
@@ -153,7 +153,7 @@ def _number_format(column: Sequence[Cell]) -> str:
 
 
 def _cell(cell: Cell, number: str) -> str:
-    """Return a cell as LaTeX; what is no number in a column of numbers stands in braces."""
+    """Return a cell as LaTeX, in braces if it is not a number in a column of numbers."""
     bold = "\\bfseries " if cell.mark == "lowest" else ""
     if not number:
         return bold + tex(cell.text)

@@ -171,7 +171,7 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
 
 
 def _unlike(traces: Traces) -> Series:
-    """Return the errors whose label is not that of a series."""
+    """Return the errors with a label that no series has."""
     return {k: v for k, v in (traces.errors or {}).items() if k not in traces.series}
 
 
@@ -204,8 +204,8 @@ def _gaps(time: Array) -> tuple[Array, Array]:
 
 def _stretches(time: Array, where: Mask) -> tuple[Array, Array]:
     """Return the times at which stretches begin and end."""
-    known = np.isfinite(time) & (where == 1)
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], known, [False]])))
+    inside = np.isfinite(time) & (where == 1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
     return time[edges[::2]], time[edges[1::2] - 1]
 
 

@@ -55,12 +55,12 @@ def recording_rows(files: Files, truth: Mapping[str, Any], design: Butterworth) 
     motion, fused = Motion.read(files["motion"]), FusedMotion.read(files["fused"])
     true = Truth.read(files["truth"]).at(motion.time)
     robot = load_robot(files["described"])
-    felt = true_acceleration(robot, true, motion.segment, design)
+    acceleration = true_acceleration(robot, true, motion.segment, design)
     motions = {"encoders": motion, "encoders+imu": fused}
     return [
         *truth_table.clock_rows(read_json(files["clocks"]), truth),
         *truth_table.joint_acceleration_rows(motions, true),
-        *truth_table.end_effector_rows(Accelerations.read(files["accelerations"]), felt),
+        *truth_table.end_effector_rows(Accelerations.read(files["accelerations"]), acceleration),
         *torque_rows(load_robot(files["fitted"]), truth, true),
         *truth_table.wrench_rows(Forces.read(files["forces"]), true),
     ]

@@ -43,19 +43,19 @@ def values(
     of the standard errors.
     """
     half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
-    for name, true, found, error, half in zip(index, truth, estimate, std, half_width, strict=True):
-        if found is None:
+    for name, true, value, error, half in zip(index, truth, estimate, std, half_width, strict=True):
+        if value is None:
             continue
-        known = np.isfinite(half)
-        inside = abs(found - true) <= half
+        stated = np.isfinite(half)
+        inside = abs(value - true) <= half
         yield {
             "quantity": quantity,
             "index": name,
             "unit": unit,
             "truth": true,
-            "estimate": found,
-            "std_error": error if known else None,
-            "within95": ("yes" if inside else "no") if known else None,
+            "estimate": value,
+            "std_error": error if stated else None,
+            "within95": ("yes" if inside else "no") if stated else None,
         }
 
 
@@ -82,27 +82,27 @@ def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[
 
     Sensors that were aligned by the host's stamps use the robot's clock: their drift has no truth.
     """
-    for device, found in clocks.items():
+    for device, clock in clocks.items():
         true = truth["clocks"][device]
         for quantity, unit, scale, key in (
             ("offset", "s", 1.0, "offset_s"),
             ("drift", "ppm", 1e6, "drift_ppm"),
         ):
-            if found[quantity] is not None and key in true:
-                number, std = scale * found[quantity], scale * found[f"{quantity}_std"]
+            if clock[quantity] is not None and key in true:
+                number, std = scale * clock[quantity], scale * clock[f"{quantity}_std"]
                 numbers = [true[key]], [number], [std]
                 for row in values(f"clock_{quantity}", [device], unit, *numbers):
-                    yield row | {"method": found["method"]}
+                    yield row | {"method": clock["method"]}
 
 
 def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
     """Yield the RMSE of q̈ by method, and the coverage of two standard deviations."""
     for method, motion in motions.items():
         if len(motion.time):
-            found, true = motion.qdd, truth.qdd
-            inside = coverage(found, motion.qdd_std, true, INSIDE2)
+            estimate, true = motion.qdd, truth.qdd
+            inside = coverage(estimate, motion.qdd_std, true, INSIDE2)
             rows = [
-                *errors("joint_acceleration", JOINTS, ["rad/s2"] * 6, true, found),
+                *errors("joint_acceleration", JOINTS, ["rad/s2"] * 6, true, estimate),
                 *shares("joint_acceleration_inside_2_std", JOINTS, INSIDE2, inside),
             ]
             yield from (row | {"method": method} for row in rows)
@@ -111,25 +111,25 @@ def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iter
 def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Row]:
     """Yield the RMSE of the end effector's acceleration; truth: (N, 6), low-passed alike."""
     felt = {} if accelerations.felt is None else {"imu": accelerations.felt}
-    for method, found in (felt | accelerations.acceleration).items():
+    for method, estimate in (felt | accelerations.acceleration).items():
         about = ("end_effector_acceleration", MOTION_COMPONENTS, ACCELERATION_UNITS)
-        yield from (row | {"method": method} for row in errors(*about, truth, found))
+        yield from (row | {"method": method} for row in errors(*about, truth, estimate))
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
     """Yield RMSE, MAE and coverage of the 95 % band of each estimate with a band."""
     true, index = truth.wrench, WRENCH
     for method, std in forces.std.items():
-        found = forces.wrench[method]
-        off, zero = (mean_absolute_error(array, true) for array in (found, np.zeros_like(true)))
+        estimate = forces.wrench[method]
+        off, zero = (mean_absolute_error(array, true) for array in (estimate, np.zeros_like(true)))
         rows = [
-            *errors("wrench", index, WRENCH_UNITS, true, found),
+            *errors("wrench", index, WRENCH_UNITS, true, estimate),
             *(
                 {"quantity": "wrench_mae", "index": c, "unit": u, "truth": 0.0}
                 | {"estimate": mae, "zero": baseline}
                 for c, u, mae, baseline in zip(index, WRENCH_UNITS, off, zero, strict=True)
             ),
-            *shares("wrench_coverage95", index, 0.95, coverage(found, std, true)),
+            *shares("wrench_coverage95", index, 0.95, coverage(estimate, std, true)),
         ]
         yield from (row | {"method": method} for row in rows)
 
@@ -165,8 +165,8 @@ def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[
     for row in identification.get("parameters", []):
         if row["determined"]:
             true = [float(np.array(row["weights"]) @ truth)]
-            found = [row["value"]], [row["std_error"]]
-            yield from values("base_parameter", [row["parameter"]], "", true, *found)
+            numbers = [row["value"]], [row["std_error"]]
+            yield from values("base_parameter", [row["parameter"]], "", true, *numbers)
 
 
 def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
@@ -176,7 +176,7 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
     Fitted terms that the stand's friction does not have are left out.
     """
     drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}
-    known = {
+    truths = {
         "torque_constant": ("Nm/A", drive["torque_constant"]),
         "offset": ("Nm", np.zeros(6)),
         "coulomb": ("Nm", true["coulomb"]),
@@ -188,8 +188,8 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
         "warming_viscous": ("Nm s/rad/K", true["viscous"] * true["viscous_warming"]),
     }
     for row in friction.get("parameters", []):
-        if row["name"] in known:
-            unit, of_joints = known[row["name"]]
+        if row["name"] in truths:
+            unit, of_joints = truths[row["name"]]
             true, (low, high) = of_joints[row["joint"] - 1], row["interval"]
             numbers = [true], [row["value"]], [row["std_error"]]
             inside = "yes" if low <= true <= high else "no"

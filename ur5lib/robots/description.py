@@ -306,8 +306,8 @@ class Robot(Strict):
     def with_force_sensor(self, position: Vector3 | None, turn_deg: Vector3 | None) -> Self:
         """Return the arm with its force sensor mounted elsewhere; None: as described."""
         place = {"force_sensor": position, "force_sensor_turn_deg": turn_deg}
-        given = {name: value for name, value in place.items() if value is not None}
-        return self.model_copy(update={"mounting": self.mounting.model_copy(update=given)})
+        changes = {name: value for name, value in place.items() if value is not None}
+        return self.model_copy(update={"mounting": self.mounting.model_copy(update=changes)})
 
     def mounted(self, gravity: Sequence[float] | None) -> Self:
         """Return the arm under another gravity (3,) [m/s²], base frame; None: as described."""

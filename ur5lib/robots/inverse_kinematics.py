@@ -34,7 +34,7 @@ def solutions(robot: Robot, rotation: Array, position: Array) -> Array:
     path without singularities, but for whole turns.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = np.stack(
+        q = np.stack(
             [
                 _closed_form(robot, rotation, position, *signs)
                 for signs in product((1, -1), repeat=3)
@@ -42,7 +42,7 @@ def solutions(robot: Robot, rotation: Array, position: Array) -> Array:
             axis=1,
         )
     goals = np.repeat(rotation, 8, axis=0), np.repeat(position, 8, axis=0)
-    return _refined(robot, found.reshape(-1, 6), *goals).reshape(found.shape)
+    return _refined(robot, q.reshape(-1, 6), *goals).reshape(q.shape)
 
 
 def _closed_form(

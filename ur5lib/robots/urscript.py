@@ -65,12 +65,12 @@ def parse(line: str) -> Command:
 def six(values: Any) -> Array:
     """Return six finite numbers (6,). Raises ValueError for anything else."""
     try:
-        found = np.array(values, np.float64)
+        numbers = np.array(values, np.float64)
     except (TypeError, ValueError):
-        found = np.zeros(0)
-    if found.shape != (6,) or not np.isfinite(found).all():
+        numbers = np.zeros(0)
+    if numbers.shape != (6,) or not np.isfinite(numbers).all():
         raise ValueError(f"{values!r} instead of six numbers")
-    return found
+    return numbers
 
 
 def _value(node: ast.expr) -> Any:

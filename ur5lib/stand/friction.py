@@ -92,9 +92,9 @@ class Friction:
         dry = parameters.dry(qd, load, warmth)
         if not dry.any():
             return dry
-        most = dry / self._stiffness * np.sign(qd)
+        limit = dry / self._stiffness * np.sign(qd)
         decay = np.exp(-np.abs(qd) * step * self._stiffness / dry)
-        self._deflection = most + (self._deflection - most) * decay
+        self._deflection = limit + (self._deflection - limit) * decay
         periodic = parameters.periodic * np.cos(q + parameters.phase)
         viscous = parameters.viscous * (1 + parameters.viscous_warming * warmth)
         return self._stiffness * self._deflection + viscous * qd + periodic

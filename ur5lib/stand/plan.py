@@ -1,4 +1,4 @@
-"""The plan of one simulated recording: what a study may request from the virtual test stand."""
+"""The plan of one recording of the virtual test stand, as a study requests it."""
 
 from typing import Annotated, Any, Literal, Self
 

@@ -49,13 +49,13 @@ def imu_readings(
     stamps, when = _samples(imu.clock, IMU_RATE, motion, random, noise)
     if noise:
         stamps = TICK * np.rint(stamps / TICK)
-    felt = interpolated(when, motion.time, motion.imu)
+    reading = interpolated(when, motion.time, motion.imu)
     turn = interpolated(when, motion.time, motion.rotation).reshape(-1, 3, 3)
-    acceleration = felt[:, :3] + imu.accelerometer_bias
+    acceleration = reading[:, :3] + imu.accelerometer_bias
     field = (
         EARTH_FIELD @ turn
     )  # axes of frame 6; the mounting is neglected because nothing uses the field
-    rate = felt[:, 3:] + imu.gyroscope_bias
+    rate = reading[:, 3:] + imu.gyroscope_bias
     if noise:
         acceleration += _coloured(ACCELEROMETER_NOISE, ACCELEROMETER_BANDWIDTH, len(when), random)
         field += MAGNETOMETER_NOISE * random.normal(size=field.shape)

@@ -40,9 +40,8 @@ def _described(name: str) -> str:
         message = "no description of `{name}`; docs/robots.md shows how to add one"
         raise PydanticCustomError("no_description", message, {"name": name})
     if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
-        raise ValueError(
-            f"another name to {PROJECT_FOLDER}/{name}.yaml: ur5lib describes a {name} too"
-        )
+        file = PROJECT_FOLDER / f"{name}.yaml"
+        raise ValueError(f"another name to {file}: ur5lib describes a {name} too")
     return name
 
 
@@ -94,7 +93,7 @@ def base_gravity(mounting: Any, size: float) -> Vector3:
 
 
 class Tool(Payload):
-    """What is mounted on the flange for good, as the controller knows it [kg, m, kg m²]; frame 6.
+    """The permanent tool on the flange, as configured at the controller [kg, m, kg m²]; frame 6.
 
     inertia: xx yy zz xy xz yz, about its centre of mass; tcp: pose of its tool centre point,
     position [m] and rotation vector [rad].
@@ -110,7 +109,7 @@ class Tool(Payload):
 
 
 class Arm(Strict):
-    """One individual arm: a described one, and what is its own."""
+    """One individual arm: a described arm and its differences."""
 
     arm: Described = Field(description="the arm as described in ur5lib/robots/ or robots/")
     name: Name | None = Field(

@@ -30,11 +30,11 @@ def explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
 def _explain_tag(error: ErrorDetails, key: str, tags: list[str]) -> str:
     """Explain a wrong or missing `format` or `kind`, which selects the kind of a part."""
     key = f"{key}.{error['ctx']['discriminator'].strip(QUOTE)}"
-    known = f"give one of {', '.join(tags)}"
+    remedy = f"give one of {', '.join(tags)}"
     if error["type"] == "union_tag_not_found":
-        return f"`{key}` is missing; {known}"
+        return f"`{key}` is missing; {remedy}"
     value = error["ctx"]["tag"]
-    return f"`{key}` is {value!r}{_near(value, tags)}; {known}"
+    return f"`{key}` is {value!r}{_near(value, tags)}; {remedy}"
 
 
 def _key(location: Iterable[str | int]) -> str:

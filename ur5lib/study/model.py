@@ -321,14 +321,14 @@ class Frames(Strict):
 
 
 class MotionLowpass(Strict):
-    """Of the controller's torque and the measured motion that it is identified from."""
+    """For the controller's torque and the measured motion, in the identification."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(10.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class CurrentLowpass(Strict):
-    """Of currents, of the motion that explains them, and of external torques."""
+    """For currents, the motion that explains them, and external torques."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
@@ -337,14 +337,14 @@ class CurrentLowpass(Strict):
 
 
 class AccelerationLowpass(Strict):
-    """Of accelerations by joints and IMU where they are compared."""
+    """For the comparison of accelerations by joints and IMU."""
 
     order: int = Field(4, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(2.0, gt=0, lt=1000, description=CUTOFF)
 
 
 class PublishedLowpass(Strict):
-    """Of the external torque in the thesis's estimates of a contact force."""
+    """For the external torque in the thesis's estimates of a contact force."""
 
     order: int = Field(5, ge=1, le=12, description=ORDER)
     cutoff_hz: float = Field(
@@ -353,7 +353,7 @@ class PublishedLowpass(Strict):
 
 
 class Lowpass(Strict):
-    """Butterworth low-pass filters, by what passes them; without delay."""
+    """Butterworth low-pass filters by filtered signal; without delay."""
 
     motion: MotionLowpass = MotionLowpass()
     currents: CurrentLowpass = CurrentLowpass()

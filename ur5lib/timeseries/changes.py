@@ -148,21 +148,21 @@ def coloured(noise: Array, correlation: float) -> Array:
 
     Its variance stays the same. correlation: of neighbours.
     """
-    found = np.sqrt(1 - correlation**2) * noise
-    found[:, 0] = noise[:, 0]
-    return np.asarray(lfilter([1.0], [1.0, -correlation], found, axis=1))
+    result = np.sqrt(1 - correlation**2) * noise
+    result[:, 0] = noise[:, 0]
+    return np.asarray(lfilter([1.0], [1.0, -correlation], result, axis=1))
 
 
 def whitened(rows: Array, correlation: float) -> Array:
     """Return rows (n, ...) without the correlation of neighbours; the inverse of `coloured`."""
-    found = rows.astype(float)
-    found[1:] -= correlation * rows[:-1]
-    found[1:] /= np.sqrt(1 - correlation**2)
-    return found
+    result = rows.astype(float)
+    result[1:] -= correlation * rows[:-1]
+    result[1:] /= np.sqrt(1 - correlation**2)
+    return result
 
 
 def _chance(
-    problem: _Problem, chosen: Sequence[int], found: float, noise: Array, level: float
+    problem: _Problem, chosen: Sequence[int], observed: float, noise: Array, level: float
 ) -> float:
     """Return the chance that noise (B, n) alone gives as large odds of any further change.
 
@@ -174,7 +174,7 @@ def _chance(
     for first in range(0, len(noise), BATCH):
         for kind, drawn in enumerate((noise, alike)):
             odds = _log_odds(problem, chosen, drawn[first : first + BATCH])
-            above[kind] += (_of_any(odds) >= found).sum()
+            above[kind] += (_of_any(odds) >= observed).sum()
         if above.max() > level * (1 + len(noise)):
             break
     return float(above.max()) / (1 + len(noise))
@@ -208,8 +208,8 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
     left = np.maximum((rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), LEAST)
     size, count = columns.shape
     volume = (size - 1) / 2 * np.log(1 - correlation**2) + np.log(abs(np.diag(triangle))).sum()
-    found: Array = -volume - (size - count) / 2 * np.log(left)
-    return found
+    result: Array = -volume - (size - count) / 2 * np.log(left)
+    return result
 
 
 def _of_any(log_odds: Array) -> Array:

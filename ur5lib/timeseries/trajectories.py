@@ -44,9 +44,9 @@ class Passed:
     @classmethod
     def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
-        known = np.isfinite(q + qd).all(axis=1)
-        moving = known & (np.abs(qd) > SLOW).any(axis=1)
-        rows = moving if moving.any() else known
+        finite = np.isfinite(q + qd).all(axis=1)
+        moving = finite & (np.abs(qd) > SLOW).any(axis=1)
+        rows = moving if moving.any() else finite
         return cls(place(q[rows], qd[rows]), bool(moving.any()), every)
 
     @cached_property

@@ -54,10 +54,10 @@ def _ppm(drift: float | None) -> float | None:
 
 def quality(source: Source) -> Iterator[Row]:
     """Yield the findings about a recording's files, clocks and sensors."""
-    found = source["contradictions"]
-    yield from map(worded, found.get("stop_signs", []))
+    contradictions = source["contradictions"]
+    yield from map(worded, contradictions.get("stop_signs", []))
     yield from map(worded, source["quality"]["findings"])
-    yield from map(worded, found.get("findings", []))
+    yield from map(worded, contradictions.get("findings", []))
     yield from _copies(source)
     yield from _poor_clocks(source)
     yield from _doubted_sensor(source)
@@ -88,9 +88,9 @@ def _doubted_sensor(source: Source) -> Iterator[Row]:
 
 def _copies(source: Source) -> Iterator[Row]:
     """Yield device files that are identical to those of another recording."""
-    known = {name: quality["files"] for name, quality in source.others("quality").items()}
+    checksums = {name: quality["files"] for name, quality in source.others("quality").items()}
     for device, checksum in source["quality"]["files"].items():
-        others = [name for name, files in known.items() if files.get(device) == checksum]
+        others = [name for name, files in checksums.items() if files.get(device) == checksum]
         if others:
             used = "used" if device in source["quality"]["devices"] else "not used"
             same = _finding(device, "same file", {"others": others, "used": used}, "note")

@@ -16,7 +16,7 @@ def force_mae(source: Source) -> Iterator[Row]:
     tables = {figure: source.published(f"force_{figure}") for figure in ("mae", "max")}
     for kind, estimates in source["forces"]["errors"].items():
         for estimate, periods in estimates.items():
-            known = _determined(periods.get("contact"))
+            determined = _determined(periods.get("contact"))
             for during, figures in periods.items():
                 printed = {
                     f"printed_{figure}": table[estimate]
@@ -27,7 +27,7 @@ def force_mae(source: Source) -> Iterator[Row]:
                 for i, component in enumerate(figures["mae"]):
                     yield about | {
                         "component": component,
-                        "determined": known.get(component),
+                        "determined": determined.get(component),
                         **{name: values[component] for name, values in figures.items()},
                         **{name: values[i] for name, values in printed.items()},
                     }
@@ -48,7 +48,7 @@ def contact_errors(source: Source) -> Iterator[Row]:
 
 
 def sensed(source: Source) -> Iterator[Row]:
-    """Yield what a force sensor reads, whether or not a force was estimated beside it."""
+    """Yield the largest reading of a force sensor, and its contacts."""
     if felt := source["forces"].get("felt"):
         yield {
             "largest_force_n": felt["largest"],
@@ -112,14 +112,14 @@ def fixed_threshold(source: Source) -> Iterator[Row]:
 def contacts(source: Source) -> Iterator[Row]:
     """Yield each alarm: when, the largest force in it, a load's mass, and where it may be."""
     for estimate, found in source["detection"].items():
-        known = {one["start"]: one["links"] for one in source["links"].get(estimate, [])}
+        links = {one["start"]: one["links"] for one in source["links"].get(estimate, [])}
         for alarm in found["raised"]:
             yield {
                 "estimate": estimate,
                 "kind": alarm.get("kind", "contact"),
                 **{name: alarm.get(name) for name in ("load_mass", "load_mass_std")},
                 **{f"{name}_s": alarm[name] for name in ("start", "end", "peak")},
-                **_place(known.get(alarm["start"])),
+                **_place(links.get(alarm["start"])),
                 **dict(zip(FORCES, alarm["force"], strict=True)),
                 **dict(zip(STDS, alarm["force_std"], strict=True)),
             }
@@ -155,7 +155,7 @@ def observability(source: Source) -> Iterator[Row]:
 
 
 def audit(source: Source) -> Iterator[Row]:
-    """Yield what is wrong with a wrist's force sensor; one row where little time is free."""
+    """Yield the audit of a wrist's force sensor; one row where the contact-free time is short."""
     if summary := source["audit"]:
         yield {"quantity": "free_time", "value": summary["free_s"], "unit": "s"}
         yield from summary["rows"]

@@ -33,10 +33,10 @@ def _known(friction: Mapping[str, Any], row: Mapping[str, Any]) -> Row:
     """Return the prior torque constant, and the fitted one where that contradicts it."""
     if row["name"] != "torque_constant":
         return {}
-    joint, known = row["joint"] - 1, friction["known_constants"]
+    joint, constants = row["joint"] - 1, friction["known_constants"]
     return {
-        "known": known["value"][joint],
-        "known_std": known["std_error"][joint],
+        "known": constants["value"][joint],
+        "known_std": constants["std_error"][joint],
         "contradicted": friction["fit"]["joints"][joint]["contradicted"],
     }
 
@@ -95,10 +95,7 @@ def payload(source: Source) -> Iterator[Row]:
                 for axis, value in zip("xyz", load[name], strict=True)
             }
             | {name: load[name] for name in ("mass", "std_error", "configured", "taken")}
-            | {
-                "low": low,
-                "high": high,
-            }
+            | {"low": low, "high": high}
         )
 
 

@@ -44,15 +44,15 @@ def gains(source: Source) -> Iterator[Row]:
     for joint, found in enumerate(source["gains"].get("joints", []), start=1):
         for name, unit in (("position", "1/s2"), ("velocity", "1/s")):
             gain = found[name]
-            known = gain["determined"]
+            determined = gain["determined"]
             bounds = gain["grid"][0], gain["grid"][-1]
             yield {
                 "joint": joint,
                 "gain": name,
                 "unit": unit,
-                "value": gain["best"] if known else None,
-                "std_error": gain["std_error"] if known else None,
-                "determined": known,
+                "value": gain["best"] if determined else None,
+                "std_error": gain["std_error"] if determined else None,
+                "determined": determined,
             } | {end: None if gain[end] in bounds else gain[end] for end in ("low", "high")}
 
 
@@ -133,14 +133,17 @@ def imu_calibration(source: Source) -> Iterator[Row]:
     described: place by the arm's description; held_out: error on recordings left out with the
     estimated place, divided by that with the described one; below 1, the estimate is used.
     """
-    found = source["calibration"].get("all", {})
-    for quantity, unit in CALIBRATED.items() if found else ():
-        values, errors = found[quantity], found[f"{quantity}_std"]
+    fit = source["calibration"].get("all", {})
+    for quantity, unit in CALIBRATED.items() if fit else ():
+        values, errors = fit[quantity], fit[f"{quantity}_std"]
         for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
             row = {"quantity": quantity, "axis": axis, "unit": unit}
             row |= {"value": value, "std_error": std}
             if quantity == "place":
-                row |= {"described": found["described"][i], "held_out": found["held_out"]}
+                row |= {
+                    "described": fit["described"][i],
+                    "held_out": fit["held_out"],
+                }
             yield row
 
 

@@ -16,19 +16,19 @@ STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": 
 
 def verdict(results: Results) -> Verdict:
     """Judge by the most serious finding, and name its file."""
-    found = results.tables["quality"]
-    serious = found[found["severity"] != "note"]
+    findings = results.tables["quality"]
+    serious = findings[findings["severity"] != "note"]
     states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
     lost = lost_shares(results)
     return Verdict(
         topic=TOPIC,
         state=states[0] if states else "good",
         sentence=worst(results),
-        evidence=_counts(found, len(lost)),
+        evidence=_counts(findings, len(lost)),
         drawing=bars(lost),
         caption=say("quality.caption"),
         numbers=tuple(
-            Number(f"findings of severity “{name}”", int((found["severity"] == name).sum()), "")
+            Number(f"findings of severity “{name}”", int((findings["severity"] == name).sum()), "")
             for name in SEVERITIES
         ),
     )
@@ -36,14 +36,14 @@ def verdict(results: Results) -> Verdict:
 
 def worst(results: Results) -> Sentence:
     """Return the most serious finding with its file; among equals, that of the most frames."""
-    found = group_findings(results.tables["quality"])
-    found = found[found["severity"] != "note"]
-    if found.empty:
+    findings = group_findings(results.tables["quality"])
+    findings = findings[findings["severity"] != "note"]
+    if findings.empty:
         return say("quality.perfect")
     frames = results.tables["recordings"].set_index("recording")["frames"]
-    rank = found["severity"].map(SEVERITIES.index)
-    share = found["count"] / found["recording"].map(frames)
-    ranked = found.assign(rank=rank, share=share).sort_values(
+    rank = findings["severity"].map(SEVERITIES.index)
+    share = findings["count"] / findings["recording"].map(frames)
+    ranked = findings.assign(rank=rank, share=share).sort_values(
         ["rank", "share"], ascending=[True, False], kind="stable"
     )
     first = ranked.iloc[0]

@@ -90,7 +90,7 @@ class Beside:
             baseline=float(row["zero"]),
             baseline_of=self.zero,
         )
-        most = Number(
+        worst_number = Number(
             name="largest error on a recording",
             value=float(self.largest["error"]),
             unit=self.unit,
@@ -98,7 +98,7 @@ class Beside:
             baseline=float(self.largest["zero"]),
             baseline_of=self.zero,
         )
-        return mean, most
+        return mean, worst_number
 
     def _ratios(self) -> "pd.Series[float]":
         return self.errors["error"] / self.errors["zero"]

@@ -42,10 +42,10 @@ class Worst(NamedTuple):
 
     def state(self) -> State:
         """Judge by the larger relative error, that of the axis or that of the recording."""
-        known = not pd.isna(self.error["mae_low"]) and self.error["estimate"] != UNCALIBRATED
+        has_interval = not pd.isna(self.error["mae_low"]) and self.error["estimate"] != UNCALIBRATED
         shares = [row["mae"] / row["mean_force"] for row in (self.error, self.share)]
         held = 1.0 if self.held is None else self.held["coverage95"]
-        return state(max(shares), 1.0, held, known)
+        return state(max(shares), 1.0, held, has_interval)
 
 
 def worst_of(rows: pd.DataFrame) -> Worst:
@@ -67,14 +67,14 @@ def verdict(results: Results) -> Verdict:
     if judged.empty:
         return _unjudged(results)
     worst = worst_of(judged)
-    row, known = worst.error, not pd.isna(worst.error["mae_low"])
+    row, has_interval = worst.error, not pd.isna(worst.error["mae_low"])
     return Verdict(
         topic=TOPIC,
         state=worst.state(),
         sentence=say("force.verdict", row=row, estimate=_named(row["estimate"])),
         evidence=joined(_evidence(worst)),
         drawing=error_bar(row["mae"], row["mae_low"], row["mae_high"], row["mean_force"]),
-        caption=say("force.caption", known=known),
+        caption=say("force.caption", known=has_interval),
         numbers=tuple(_numbers(worst)),
     )
 
@@ -92,12 +92,12 @@ def _evidence(worst: Worst) -> Iterator[Sentence]:
     band's coverage, and what is missing.
     """
     row, share, held = worst
-    known = not pd.isna(row["mae_low"])
-    yield say("force.where", row=row, known=known, zero=ZERO)
+    has_interval = not pd.isna(row["mae_low"])
+    yield say("force.where", row=row, known=has_interval, zero=ZERO)
     yield say("force.share", share=share)
     if held is not None:
         yield say("force.band", held=held)
-    if not known:
+    if not has_interval:
         yield say("force.no interval")
     if row["estimate"] == UNCALIBRATED:
         yield say("force.uncalibrated")
@@ -106,16 +106,16 @@ def _evidence(worst: Worst) -> Iterator[Sentence]:
 def _numbers(worst: Worst) -> Iterator[Number]:
     """Yield the numbers of the evidence."""
     row, share, held = worst
-    known = not pd.isna(row["mae_low"])
+    has_interval = not pd.isna(row["mae_low"])
     name = f"mean absolute error of {ESTIMATES[row['estimate']]}"
     yield Number(
         name=name,
         value=float(row["mae"]),
         unit="N",
         place=f"{row['recording']}, along {row['axis']}, in contact",
-        low=float(row["mae_low"]) if known else None,
-        high=float(row["mae_high"]) if known else None,
-        interval="95 %" if known else "",
+        low=float(row["mae_low"]) if has_interval else None,
+        high=float(row["mae_high"]) if has_interval else None,
+        interval="95 %" if has_interval else "",
         baseline=float(row["mean_force"]),
         baseline_of=ZERO,
     )

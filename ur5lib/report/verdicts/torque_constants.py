@@ -40,8 +40,8 @@ def _state(rows: pd.DataFrame) -> State:
 def _parts(rows: pd.DataFrame) -> list[Sentence]:
     """Return which constants come from the data, and on which joints the known ones are used."""
     refused = rows[rows["contradicted"].notna()]["joint"].unique()
-    known = rows[rows["determined"] == "yes"]["joint"].unique()
-    parts = [say("constants.known", known=known) if len(known) else say("constants.none")]
+    determined = rows[rows["determined"] == "yes"]["joint"].unique()
+    parts = [say("constants.known", known=determined) if len(determined) else say("constants.none")]
     return [*parts, say("constants.refused", refused=refused)] if len(refused) else parts
 
 

@@ -19,9 +19,9 @@ def printed(results: Results) -> list[str]:
 
 def drawn(results: Results) -> list[str]:
     """Return the recordings whose closed loop is drawn."""
-    known = [*results.tables["closed_loop_mae"]["recording"].unique()]
-    validated = [name for name in results.with_role("validate") if name in known]
-    return results.shown(printed(results)) or results.shown([*validated, *known], 1)
+    recordings = [*results.tables["closed_loop_mae"]["recording"].unique()]
+    validated = [name for name in results.with_role("validate") if name in recordings]
+    return results.shown(printed(results)) or results.shown([*validated, *recordings], 1)
 
 
 def older(results: Results) -> list[str]:
@@ -43,13 +43,13 @@ def _errors(rows: pd.DataFrame, digits: int) -> Body:
     """Return printed and rebuilt errors, and those of the estimated gains and the targets."""
     part = rows.set_index(["model", "joint"])
     models = part.index.unique("model")
-    known = [model for model in models if part.loc[model, "printed"].notna().any()]
-    header = [f"{model} {what}" for model in known for what in ("printed", "rebuilt")]
-    others = [model for model in models if model not in known]
+    printed = [model for model in models if part.loc[model, "printed"].notna().any()]
+    header = [f"{model} {what}" for model in printed for what in ("printed", "rebuilt")]
+    others = [model for model in models if model not in printed]
     body = []
     for joint in range(1, 7):
         line = [Cell(str(joint))]
-        for model in known:
+        for model in printed:
             row = part.loc[(model, joint)]
             line += [number(row["printed"], 4), number(row["mae"], digits)]
         body.append(line + [number(part.loc[(model, joint), "mae"], digits) for model in others])

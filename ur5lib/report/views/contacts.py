@@ -65,11 +65,11 @@ def undetermined_moments(force: pd.DataFrame) -> Iterator[Sentence]:
     """Report the moments that the leading estimate determines on no recording."""
     rows = leading(force[(force["kind"] == "compensated") & (force["during"] == "contact")])
     moments = rows[rows["component"].str.startswith("n")]
-    known = moments[moments["determined"] == "yes"]
-    unknown = [name for name in moments["component"].unique() if name not in {*known["component"]}]
-    if unknown:
-        words = {"several": len(unknown) > 1, "name": SPOKEN[rows["estimate"].iloc[0]]}
-        yield say("contacts.undetermined", moments=unknown, **words)
+    determined = {*moments.loc[moments["determined"] == "yes", "component"]}
+    names = [name for name in moments["component"].unique() if name not in determined]
+    if names:
+        words = {"several": len(names) > 1, "name": SPOKEN[rows["estimate"].iloc[0]]}
+        yield say("contacts.undetermined", moments=names, **words)
 
 
 def bands_held(force: pd.DataFrame) -> Iterator[Sentence]:
@@ -120,8 +120,8 @@ def _touched(links: list[int]) -> str:
         return say("contacts.on flange")
     if not links:
         return ""
-    known = "contacts.on some link" if FLANGE in links else "contacts.on link"
-    return say(known, links=numbered(links))
+    template = "contacts.on some link" if FLANGE in links else "contacts.on link"
+    return say(template, links=numbered(links))
 
 
 def elsewhere(results: Results) -> Iterator[Sentence]:
@@ -149,10 +149,10 @@ def detection(results: Results) -> Iterator[Sentence]:
 
 def _causal(rows: pd.DataFrame) -> Iterator[Sentence]:
     """Report the contacts found from past samples only; rows: those of the weakest contacts."""
-    known = rows.dropna(subset="causal_found")
-    if len(known):
-        found, count = (int(known[name].sum()) for name in ("causal_found", "contacts"))
-        delays = [*known["causal_delay_s"].dropna()]
+    rated = rows.dropna(subset="causal_found")
+    if len(rated):
+        found, count = (int(rated[name].sum()) for name in ("causal_found", "contacts"))
+        delays = [*rated["causal_delay_s"].dropna()]
         yield say("contacts.causal", found=found, count=count, delays=delays)
 
 

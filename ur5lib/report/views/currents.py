@@ -25,8 +25,8 @@ MODELS = {
 def predicted(results: Results) -> list[str]:
     """Return the validate recordings whose currents were predicted."""
     rows = results.tables["current_rmse"]
-    known = {*rows.loc[rows["model"] == "fitted", "recording"]}
-    return results.shown([name for name in results.with_role("validate") if name in known])
+    fitted = {*rows.loc[rows["model"] == "fitted", "recording"]}
+    return results.shown([name for name in results.with_role("validate") if name in fitted])
 
 
 def constants(results: Results) -> Body:
@@ -165,14 +165,9 @@ def prediction(results: Results, recording: str) -> Body:
     for joint in range(1, 7):
         values = {model: errors[joint, model] for model in models}
         marks = extremes(values)
-        body.append(
-            [
-                Cell(str(joint)),
-                *(number(values[model], 3, marks[model]) for model in models),
-                number(fitted.loc[joint, "r2"], 3),
-                number(100 * fitted.loc[joint, "coverage95"], 0),
-            ]
-        )
+        line = [Cell(str(joint)), *(number(values[model], 3, marks[model]) for model in models)]
+        r2, held = fitted.loc[joint, ["r2", "coverage95"]]
+        body.append([*line, number(r2, 3), number(100 * held, 0)])
     header = ["joint", *(MODELS[model] for model in models), "R² of fitted", "in 95 % band [%]"]
     return Body(header, body)
 

@@ -24,9 +24,9 @@ PUSHES = [f"smallest_force_95_{axis}" for axis in "xyz"]
 def compared(results: Results) -> list[str]:
     """Return recordings with printed errors, with a force sensor, then others with contact."""
     drawn = {*searched(results)["recording"]}
-    felt = [name for name in results.with_role("contact") if name in drawn]
+    touched = [name for name in results.with_role("contact") if name in drawn]
     beside = [*results.tables["force_mae"]["recording"], *results.tables["sensed"]["recording"]]
-    return results.shown([*printed(results), *beside, *felt])
+    return results.shown([*printed(results), *beside, *touched])
 
 
 def searched(results: Results) -> pd.DataFrame:
@@ -112,38 +112,36 @@ def with_interval(row: Any) -> str:
 
 def leading(rows: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of the leading estimate: the first in the report's order."""
-    known = {*rows["estimate"]}
-    first = next((name for name in [*NEW, *PUBLISHED] if name in known), None)
+    available = {*rows["estimate"]}
+    first = next((name for name in [*NEW, *PUBLISHED] if name in available), None)
     return rows[rows["estimate"] == first]
 
 
 def summary(results: Results) -> Body:
     """Return the error of each estimate in contact, and the mean force there."""
     rows = results.rows("force_mae", kind="compensated", during="contact")
-    known = _known(rows)
-    body = []
-    for (recording, component), part in rows.groupby(["recording", "component"], sort=False):
-        found = part.set_index("estimate")
-        body.append(
-            [
-                Cell(str(recording)),
-                _component(str(component)),
-                number(part["mean_force"].iloc[0], 2),
-                *_determined(found, known),
-            ]
-        )
-    return Body(["recording", "component", "mean in contact", *(ESTIMATES[x] for x in known)], body)
+    names = _estimates(rows)
+    body = [
+        [
+            Cell(str(recording)),
+            _component(str(component)),
+            number(part["mean_force"].iloc[0], 2),
+            *_determined(part.set_index("estimate"), names),
+        ]
+        for (recording, component), part in rows.groupby(["recording", "component"], sort=False)
+    ]
+    return Body(["recording", "component", "mean in contact", *(ESTIMATES[x] for x in names)], body)
 
 
-def _determined(found: pd.DataFrame, known: list[str]) -> Iterator[Cell]:
+def _determined(rows: pd.DataFrame, names: list[str]) -> Iterator[Cell]:
     """Yield a component's errors by estimate, "undetermined" for moments that are."""
-    marks = extremes(found["mae"].to_dict())
-    unknown = found["component"].str.startswith("n") & (found["determined"] == "no")
-    for name in known:
+    marks = extremes(rows["mae"].to_dict())
+    unknown = rows["component"].str.startswith("n") & (rows["determined"] == "no")
+    for name in names:
         if name in NEW and unknown.get(name, False):
             yield Cell(UNDETERMINED)
         else:
-            yield number(found["mae"].get(name, math.nan), 2, marks.get(name))
+            yield number(rows["mae"].get(name, math.nan), 2, marks.get(name))
 
 
 def errors(results: Results, recording: str) -> Body:
@@ -170,15 +168,15 @@ def largest_errors(results: Results, recording: str) -> Body:
 
 
 def _errors(rows: pd.DataFrame, figure: str) -> Body:
-    known = _known(rows)
+    names = _estimates(rows)
     values = rows.set_index(["component", "estimate"])[[figure, f"zero_{figure}"]]
     body = []
     for component in rows["component"].unique():
-        errors = {name: values.loc[(component, name), figure] for name in known}
+        errors = {name: values.loc[(component, name), figure] for name in names}
         marks = extremes(errors)
-        line = [_component(component), *(number(errors[x], 2, marks[x]) for x in known)]
-        body.append([*line, number(values.loc[(component, known[0]), f"zero_{figure}"], 2)])
-    return Body(["component", *(ESTIMATES[name] for name in known), "zero"], body)
+        line = [_component(component), *(number(errors[x], 2, marks[x]) for x in names)]
+        body.append([*line, number(values.loc[(component, names[0]), f"zero_{figure}"], 2)])
+    return Body(["component", *(ESTIMATES[name] for name in names), "zero"], body)
 
 
 def printed_errors(results: Results, recording: str) -> Body:
@@ -195,15 +193,15 @@ def printed_largest_errors(results: Results, recording: str) -> Body:
 
 def _printed(rows: pd.DataFrame, figure: str) -> Body:
     rows = rows[rows[f"printed_{figure}"].notna()]
-    known = _known(rows)
+    names = _estimates(rows)
     header = ["component"]
-    header += [f"{ESTIMATES[x]} {what}" for x in known for what in ("printed", "rebuilt", "diff.")]
+    header += [f"{ESTIMATES[x]} {what}" for x in names for what in ("printed", "rebuilt", "diff.")]
     body = []
     for component, group in rows.groupby("component", sort=False):
         part = group.set_index("estimate")
         line = [_component(component)]
         marks = extremes(part[figure].to_dict())
-        for name in known:
+        for name in names:
             printed, value = part.loc[name, [f"printed_{figure}", figure]]
             line += [
                 number(printed, 2),
@@ -295,13 +293,13 @@ def fixed_threshold(results: Results) -> Body:
     rows = results.rows("fixed_threshold", component="Fz")
     if "F*" not in {*rows["estimate"]}:
         return NOTHING
-    roles, known = results.roles(), _known(rows)
+    roles, names = results.roles(), _estimates(rows)
     cells = rows.set_index(["recording", "estimate"])
     body = [
-        [Cell(name), Cell(roles[name]), *(_above(cells, (name, x)) for x in known)]
+        [Cell(name), Cell(roles[name]), *(_above(cells, (name, x)) for x in names)]
         for name in rows["recording"].unique()
     ]
-    return Body(["recording", "role", *(ESTIMATES[x] for x in known)], body)
+    return Body(["recording", "role", *(ESTIMATES[x] for x in names)], body)
 
 
 def _above(rows: pd.DataFrame, key: tuple[str, str]) -> Cell:
@@ -335,49 +333,49 @@ def _load(row: Any) -> Cell:
 
 def likely(row: Any) -> list[int]:
     """Return the links that a contact may touch; empty where that was not estimated."""
-    known = {link: getattr(row, name) for link, name in enumerate(LINKS, start=1)}
-    return [] if math.isnan(known[6]) else likely_links(known)
+    probabilities = {link: getattr(row, name) for link, name in enumerate(LINKS, start=1)}
+    return [] if math.isnan(probabilities[6]) else likely_links(probabilities)
 
 
 def _links(row: Any) -> Cell:
-    found = likely(row)
-    return Cell(numbered(found) if found else "–")
+    links = likely(row)
+    return Cell(numbered(links) if links else "–")
 
 
 def alarms(results: Results) -> Body:
     """Return the alarms per minute of each estimate on recordings without a sensor."""
     rows = results.tables["detection"]
     rows = rows[rows["force_class_n"].isna()]
-    known, roles = _known(rows), results.roles()
+    names, roles = _estimates(rows), results.roles()
     alarms = rows.set_index(["recording", "estimate"])["alarms_per_min"]
     body = [
         [
             Cell(name),
             Cell(roles[name]),
-            *(number(alarms.get((name, x), math.nan), 1) for x in known),
+            *(number(alarms.get((name, x), math.nan), 1) for x in names),
         ]
         for name in rows["recording"].unique()
     ]
-    return Body(["recording", "role", *(f"{ESTIMATES[x]} [1/min]" for x in known)], body)
+    return Body(["recording", "role", *(f"{ESTIMATES[x]} [1/min]" for x in names)], body)
 
 
 def smallest_pushes(results: Results) -> Body:
     """Return the smallest push along each axis that is detected on contact-free motions."""
     rows = pushes_found(results)
     kinds = {"": "in motion", "rest_": "at rest"}
-    known = [
+    columns = [
         (where, axis)
         for where in kinds
         for axis in "xyz"
         if rows[f"smallest_force_95_{where}{axis}"].notna().any()
     ]
-    body = [[Cell(row["recording"]), *_limits(row, known)] for _, row in rows.iterrows()]
-    return Body(["recording", *(f"{kinds[where]}: {axis} [N]" for where, axis in known)], body)
+    body = [[Cell(row["recording"]), *_limits(row, columns)] for _, row in rows.iterrows()]
+    return Body(["recording", *(f"{kinds[where]}: {axis} [N]" for where, axis in columns)], body)
 
 
-def _limits(row: pd.Series, known: list[tuple[str, str]]) -> Iterator[Cell]:
+def _limits(row: pd.Series, columns: list[tuple[str, str]]) -> Iterator[Cell]:
     """Yield the smallest push found, with its error, at rest or in motion, along an axis."""
-    for where, axis in known:
+    for where, axis in columns:
         force, std = (row[f"smallest_force_{kind}_{where}{axis}"] for kind in ("95", "std"))
         yield with_error(force, std, 0)
 
@@ -388,7 +386,7 @@ def pushes_found(results: Results) -> pd.DataFrame:
     return rows[~rows["recording"].isin(loaded(results)["recording"])]
 
 
-def _known(rows: pd.DataFrame) -> list[str]:
+def _estimates(rows: pd.DataFrame) -> list[str]:
     """Return the available estimates, in the report's order."""
     return [name for name in ESTIMATES if name in {*rows["estimate"]}]
 

@@ -13,9 +13,9 @@ from ur5lib.report.sentences import Sentence, say
 def compared(results: Results) -> list[str]:
     """Return recordings with a table of torques: printed errors, and validate recordings."""
     torque = results.tables["torque_mae"]
-    known = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
-    others = [name for name in results.with_role("validate") if name in known]
-    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(known, 1)
+    recordings = [*torque.loc[torque["mae"].notna(), "recording"].unique()]
+    others = [name for name in results.with_role("validate") if name in recordings]
+    return results.shown([*results.printed("torque_mae"), *others]) or results.shown(recordings, 1)
 
 
 def mean_errors(results: Results) -> Body:

@@ -25,9 +25,7 @@ def printed(results: Results) -> list[str]:
 
 
 def filtered_first(results: Results) -> list[str]:
-    """Return the recordings whose IMU is also drawn filtered before rotation, as printed errors
-    require.
-    """
+    """Return the recordings whose IMU is drawn filtered before rotation, as printed errors need."""
     file = "accelerations_filtered_first.svg"
     return [name for name in printed(results) if (results.figures / name / file).is_file()]
 

@@ -84,7 +84,7 @@ def doubted_sensors(results: Results) -> Iterator[Sentence]:
 
 
 def missing_recordings(results: Results) -> Iterator[Sentence]:
-    """Ask for the recordings that would settle what is undetermined."""
+    """Ask for recordings that would determine the undetermined."""
     for row in results.tables["excitation"].dropna(subset="motion").itertuples():
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)

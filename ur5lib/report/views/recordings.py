@@ -39,13 +39,13 @@ def late(results: Results) -> list[str]:
 
 def counted(results: Results) -> Iterator[Sentence]:
     """Report how many findings there are, and the most frequent serious ones."""
-    found = results.tables["quality"]
-    serious = found[found["severity"] != "note"]["finding"].value_counts()
+    quality = results.tables["quality"]
+    serious = quality[quality["severity"] != "note"]["finding"].value_counts()
     worst = [
         say("quality.frequent", name=name, count=count)
         for name, count in serious[:MOST_NAMED].items()
     ]
-    yield say("quality.files", counts=count_findings(found), worst=worst)
+    yield say("quality.files", counts=count_findings(quality), worst=worst)
 
 
 def findings(results: Results) -> Body:

@@ -152,7 +152,7 @@ class EmulatedController:
         Path(self.truth.path).unlink(missing_ok=True)
 
     def touch(self, contact: Contact) -> None:
-        """Add a contact with the arm; its start counts from that of the controller."""
+        """Add a contact with the arm; its start counts from the controller's start."""
         self._ask("touch", contact)
 
     def time(self) -> float:

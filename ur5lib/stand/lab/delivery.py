@@ -86,7 +86,7 @@ class Delivery:
 
     def _enqueue(self, sample: int, part: bytes, when: float, fault: str = "") -> None:
         when += self._faults.late_s if fault == "late" else 0.0
-        if self._is_stream:  # what follows waits
+        if self._is_stream:  # later packets wait
             when = self._latest = max(when, self._latest)
         heapq.heappush(self._queue, (when, self._parts, sample, part))
         self._parts += 1

@@ -55,7 +55,7 @@ class Emulated(ABC):
 
     @abstractmethod
     def answer(self) -> None:
-        """Read what has arrived, and answer it."""
+        """Read and answer the requests that have arrived."""
 
     @abstractmethod
     def packet(self, sample: int) -> bytes | None:

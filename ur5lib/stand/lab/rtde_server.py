@@ -162,9 +162,9 @@ class RtdeClient(Connection):
             (frequency,), content = struct.unpack_from(">d", content), content[8:]
         names, software = _names(content), self.box.software[:2]
         kinds = [OUTPUTS[name] if exists(name, *software) else "NOT_FOUND" for name in names]
-        found = "NOT_FOUND" not in kinds and frequency > 0
-        self._outputs = recipe(names, kinds) if found else None
-        self._every = max(1, round(1 / (self.box.cycle * frequency))) if found else 1
+        accepted = "NOT_FOUND" not in kinds and frequency > 0
+        self._outputs = recipe(names, kinds) if accepted else None
+        self._every = max(1, round(1 / (self.box.cycle * frequency))) if accepted else 1
         return b"\x01" * (self._version > 1) + ",".join(kinds).encode()
 
     def _set_inputs(self, content: bytes) -> bytes:

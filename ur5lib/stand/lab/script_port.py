@@ -38,14 +38,14 @@ class ScriptClient(Connection):
             self.data_received(b"")
 
     def _take(self) -> str:
-        """Remove the first complete program from what was received, and return it."""
+        """Remove the first complete program from the received text, and return it."""
         self._text = self._text.lstrip()
         kind = WHOLE if re.match(r"(def|sec)\s", self._text) else LINE
-        found = kind.match(self._text)
-        if found is None:
+        program = kind.match(self._text)
+        if program is None:
             return ""
-        self._text = self._text[found.end() :]
-        return found[0]
+        self._text = self._text[program.end() :]
+        return program[0]
 
     def _start(self, text: str) -> None:
         if is_control_script(text):

@@ -49,7 +49,7 @@ class FaultyStream:
             self._transport.write(data)
 
     def flush(self) -> None:
-        """Send what was held back."""
+        """Send the delayed packets."""
         if self._held and not self._transport.is_closing():
             self._transport.write(self._held)
         self._held = b""

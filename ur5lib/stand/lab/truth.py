@@ -25,8 +25,8 @@ class Truth:
     def __init__(self, path: str | Path) -> None:
         """Open the file of an emulated arm; `Truth.new` makes one."""
         self.path = str(path)
-        kept = np.memmap(path, np.float64, "r+", shape=(ROWS + 1, WIDTH))
-        self._head, self._rows = kept[0], kept[1:]
+        rows = np.memmap(path, np.float64, "r+", shape=(ROWS + 1, WIDTH))
+        self._head, self._rows = rows[0], rows[1:]
 
     @classmethod
     def new(cls) -> "Truth":
