@@ -184,12 +184,12 @@ def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
     assert summary == {"dates": [], "changes": []}
     results = of_arm(summary)
     assert drift.verdict(results) is None
-    assert health.dated(results) == [*health.found(results)] == [*health.steps(results)] == []
+    assert health.dated(results) == [*health.sentences(results)] == [*health.steps(results)] == []
     assert health_figure([], []).data.empty
 
 
 def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
-    jump, slow = health.found(results)
+    jump, slow = health.sentences(results)
     assert jump.startswith("ur5, joint 4: Coulomb friction rose by 2")
     assert "% between 18 and 21 March 2026" in jump
     assert slow.startswith("ur5, joint 2: viscous friction slowly rose by ")

@@ -25,7 +25,7 @@ from ur5lib.report.reference import (
     read_reference,
 )
 from ur5lib.report.results import Results
-from ur5lib.report.views.printed import found, numbers, sources, unexplained, unexplained_heading
+from ur5lib.report.views.printed import numbers, sources, summary, unexplained, unexplained_heading
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -143,7 +143,7 @@ def results(rows: list[dict]) -> Results:
 def test_unexplained_numbers_are_findings() -> None:
     rows = [*compared(reference(), rebuilt([2.0, 2.5, 2, 2, 2, 2]), [])]
     shown = results(rows)
-    (counted,) = found(shown)
+    (counted,) = summary(shown)
     assert counted.startswith("5 of 6 ")
     (missed,) = unexplained(shown)
     assert missed.startswith("Table 1, torque_mae, A, joint 2: ")
@@ -168,7 +168,12 @@ def test_the_nearest_explanation_tells_the_per_cent() -> None:
 
 def test_nothing_is_said_without_published_numbers() -> None:
     shown = results([])
-    assert [*found(shown), *unexplained(shown), *unexplained_heading(shown), *sources(shown)] == []
+    assert [
+        *summary(shown),
+        *unexplained(shown),
+        *unexplained_heading(shown),
+        *sources(shown),
+    ] == []
 
 
 def test_what_errata_of_the_thesis_explain_is_printed() -> None:

@@ -45,6 +45,7 @@ from ur5lib.report.views.contacts import (
 )
 from ur5lib.report.views.currents import payloads as payload_table
 from ur5lib.report.views.currents import remarks
+from ur5lib.report.views.findings import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.forces import (
     PUSHES,
     VARIANTS,
@@ -58,7 +59,6 @@ from ur5lib.report.views.forces import (
     smallest_pushes,
     summary,
 )
-from ur5lib.report.views.found import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.provenance import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'

@@ -26,7 +26,7 @@ from ur5lib.report.truth_table import (
     wrench_rows,
 )
 from ur5lib.report.views import truth
-from ur5lib.report.views.found import beside_truth
+from ur5lib.report.views.findings import beside_truth
 from ur5lib.timeseries.arrays import Array
 
 TRUTH: dict[str, Any] = {

@@ -23,7 +23,7 @@ from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views import claimed
 from ur5lib.report.views.currents import constants, cross_validation, next_recordings
-from ur5lib.report.views.found import findings, left_out
+from ur5lib.report.views.findings import findings, left_out
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
 from ur5lib.report.views.models import excitation, identified
 from ur5lib.report.views.next_steps import steps

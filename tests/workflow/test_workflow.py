@@ -188,7 +188,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/report/house_style.py",
          jobs("draw_figures", "draw_tracking") | DRAWINGS | DOCUMENT),
         ("ur5lib/report/paper.py", {}),  # made on demand
-        ("ur5lib/report/views/found.py", {"write_report": 1}),
+        ("ur5lib/report/views/findings.py", {"write_report": 1}),
         ("ur5lib/cli.py", {}),
         ("workflow/scripts/make_tables.py", REPORT),
         ("ur5lib/report/tables/friction.py", REPORT),

@@ -12,7 +12,7 @@ TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 
 def recordings(source: Source) -> Iterator[Row]:
-    """Yield how long a recording is, how regular its frames, and which joints move."""
+    """Yield a recording's size, duration, time steps, devices and moving joints."""
     quality = source["quality"]
     yield {
         "rows_read": quality["rows"],
@@ -35,7 +35,7 @@ def files(source: Source) -> Iterator[Row]:
 
 
 def clocks(source: Source) -> Iterator[Row]:
-    """Yield how each device's clock runs against the robot's."""
+    """Yield offset and drift of each device's clock against the robot's."""
     for device, clock in source["clocks"].items():
         yield {
             "device": device,
@@ -69,7 +69,7 @@ def _finding(device: str, finding: str, values: Row, severity: str = "warning") 
 
 
 def _poor_clocks(source: Source) -> Iterator[Row]:
-    """Yield devices whose clock is known from start stamps only."""
+    """Yield a warning for each clock without a measured drift."""
     for device, clock in source["clocks"].items():
         if clock["warning"]:
             yield _finding(device, "clock by stamps alone", clock)

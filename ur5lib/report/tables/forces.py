@@ -42,7 +42,7 @@ def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, bool]:
 
 
 def contact_errors(source: Source) -> Iterator[Row]:
-    """Yield the errors of each estimate in each contact that the sensor saw."""
+    """Yield the errors of each estimate by contact at the sensor."""
     for estimate, contacts in source["forces"].get("contacts", {}).items():
         yield from ({"estimate": estimate} | row for row in contacts)
 
@@ -66,7 +66,7 @@ def ablation(source: Source) -> Iterator[Row]:
 
 
 def detection(source: Source) -> Iterator[Row]:
-    """Yield contacts detected by each estimate, by the force they reach.
+    """Yield contacts detected by each estimate, by the force that they reach.
 
     Without a force sensor, one row an estimate and no force.
     """
@@ -110,7 +110,7 @@ def fixed_threshold(source: Source) -> Iterator[Row]:
 
 
 def contacts(source: Source) -> Iterator[Row]:
-    """Yield each alarm: when, the largest force in it, a load's mass, and where it may be."""
+    """Yield each alarm: times, largest force, mass of a load, probabilities of the links."""
     for estimate, found in source["detection"].items():
         links = {one["start"]: one["links"] for one in source["links"].get(estimate, [])}
         for alarm in found["raised"]:

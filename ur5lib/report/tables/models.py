@@ -41,7 +41,7 @@ def torque_mae(source: Source) -> Iterator[Row]:
 
 
 def rotor_inertia(source: Source) -> Iterator[Row]:
-    """Yield rotor inertias, and the terms beside them that should be zero."""
+    """Yield rotor inertias, and further fitted terms that should be zero."""
     rotors = source["rotors"]
     if rotors["from"]:
         value, std = rotors["value"], rotors["std_error"]
@@ -57,7 +57,7 @@ def parameters(source: Source) -> Iterator[Row]:
 
 
 def excitation(source: Source) -> Iterator[Row]:
-    """Yield how well the recordings excite an arm."""
+    """Yield the excitation of an arm's parameters by the recordings, and advice."""
     if found := source["identification"].get("excitation"):
         advice = found["advice"]
         yield {

@@ -26,7 +26,7 @@ class Source:
         return self.kinds[kind].get(self.name, {})
 
     def others(self, kind: str) -> dict[str, Any]:
-        """Return the results of a kind of all other recordings."""
+        """Return the results of a kind of all other recordings, by name."""
         return {name: result for name, result in self.kinds[kind].items() if name != self.name}
 
     def published(self, table: str) -> dict[str, Any]:

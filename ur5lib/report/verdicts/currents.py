@@ -12,7 +12,7 @@ CONSTANT = "a constant current"
 
 
 def verdict(results: Results) -> Verdict:
-    """Judge the prediction by its worst joint, and its band by where it holds least."""
+    """Judge the prediction by its worst joint, and its band by the smallest coverage."""
     rows = unseen(results)
     rows = rows[rows["model"] == "fitted"]
     errors = by_joint(rows, "rmse_2hz", "zero")
@@ -39,7 +39,7 @@ def verdict(results: Results) -> Verdict:
 
 
 def _reason(results: Results) -> str:
-    """Return the sentence on why currents are not judged."""
+    """Return the name of the sentence on why currents are not judged."""
     if results.tables["friction"].empty:
         return "no friction"
     return "no motion" if results.with_role("validate") else "no validate"

@@ -57,7 +57,7 @@ class Beside:
         return state(row["error"], row["zero"], held, tested)
 
     def percent(self) -> Sentence:
-        """Return the worst error in per cent of that of zero."""
+        """Return the worst error in per cent of zero's."""
         return say("error.worst", error=100 * float(self._ratios()[self.worst]))
 
     def shown(self) -> Sentence:

@@ -88,8 +88,8 @@ def _named(estimate: str) -> str:
 
 
 def _evidence(worst: Worst) -> Iterator[Sentence]:
-    """Yield the error with its interval and baseline, the recording that is worst beside zero, the
-    band's coverage, and what is missing.
+    """Yield the largest error with interval and baseline, the recording with the largest relative
+    error, the band's coverage, and reservations.
     """
     row, share, held = worst
     has_interval = not pd.isna(row["mae_low"])

@@ -78,6 +78,6 @@ def verdict(results: Results) -> Verdict:
 
 
 def _reason(results: Results) -> str:
-    """Return the sentence on why no link model is judged."""
+    """Return the name of the sentence on why no link model is judged."""
     unknown = results.tables["torque_mae"].dropna(subset="mae").empty
     return "no torques" if unknown else "at rest"

@@ -32,7 +32,7 @@ def audited(results: Results) -> list[str]:
     return [*map(str, results.tables["audit"]["recording"].unique())][:MOST_SHOWN]
 
 
-def found(results: Results, recording: str) -> Iterator[Sentence]:
+def sentences(results: Results, recording: str) -> Iterator[Sentence]:
     """Yield the verdicts on a recording's sensor, a sentence each."""
     for text in verdicts(results.rows("audit", recording=recording)):
         yield capital(joined([text, "."], ""))

@@ -8,11 +8,11 @@ from ur5lib.report.sentences import Sentence, say
 
 
 def others(results: Results) -> list[str]:
-    """Return the studies that are compared with."""
+    """Return the studies to which this one is compared."""
     return [*results.tables["changes"]["study"].unique()]
 
 
-def found(results: Results) -> Iterator[Sentence]:
+def summary(results: Results) -> Iterator[Sentence]:
     """Report for each other study how much changed, and in which topics."""
     for study in others(results):
         rows = results.rows("changes", study=study)

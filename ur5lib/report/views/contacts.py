@@ -94,7 +94,7 @@ def found_without_sensor(results: Results) -> dict[str, int]:
 
 
 def counted(results: Results) -> Iterator[Sentence]:
-    """Report how many contacts recordings without a sensor hold, also if there are none."""
+    """Report the number of contacts on each recording without a sensor, also zero."""
     for name, count in [*found_without_sensor(results).items()][:MOST_SHOWN]:
         yield say("contacts.counted", name=name, estimate=ESTIMATES["Fmap"], count=count)
 

@@ -72,7 +72,7 @@ def _is_known(row: Any, moved: set[int]) -> bool:
 
 
 def _constant(row: Any) -> list[Cell]:
-    """Return a constant, its interval, and where it comes from."""
+    """Return a constant, its interval, its prior, and its main source."""
     return [
         with_error(row.value, row.std_error, 3),
         Cell(interval(row.low, row.high, 2)),
@@ -83,7 +83,7 @@ def _constant(row: Any) -> list[Cell]:
 
 
 def _source(row: Any) -> str:
-    """Return where a parameter comes from mainly: data, prior, or neither determines its sign."""
+    """Return the main source of a parameter, "undetermined" if neither determines its sign."""
     if row.determined == "yes":
         return "data"
     return "prior" if row.prior_share > UNDETERMINED else "undetermined"
@@ -173,7 +173,7 @@ def prediction(results: Results, recording: str) -> Body:
 
 
 def cross_validation(results: Results, robot: str) -> Body:
-    """Return the RMSE of a fit to one recording, tested on each: mean over the joints."""
+    """Return the RMSE, averaged over joints, of fits to one recording tested on each other."""
     rows = results.rows("cross_validation", robot=robot)
     mean = rows.pivot_table("rmse_2hz", "fitted_on", "tested_on", aggfunc="mean", sort=False)
     names = [*mean.index][:MOST_COMPARED]

@@ -30,7 +30,7 @@ def compared(results: Results) -> list[str]:
 
 
 def searched(results: Results) -> pd.DataFrame:
-    """Return the rows of detections by the study's own estimates."""
+    """Return the detections by the estimates of this study, without published ones."""
     rows = results.tables["detection"]
     return rows[rows["estimate"].isin(GATED)]
 
@@ -281,7 +281,7 @@ def _share(row: pd.Series, total: str = "contacts") -> Cell:
 
 
 def _causal(row: pd.Series) -> Cell:
-    """Return the contacts that causal alarms find, and after how long."""
+    """Return the number of contacts that causal alarms find, and their delay."""
     if math.isnan(row["causal_found"]):
         return Cell("–")
     after = f", {row['causal_delay_s']:.2f} s" if row["causal_found"] else ""
@@ -374,7 +374,7 @@ def smallest_pushes(results: Results) -> Body:
 
 
 def _limits(row: pd.Series, columns: list[tuple[str, str]]) -> Iterator[Cell]:
-    """Yield the smallest push found, with its error, at rest or in motion, along an axis."""
+    """Yield the smallest detected push with its error, by state (rest or motion) and axis."""
     for where, axis in columns:
         force, std = (row[f"smallest_force_{kind}_{where}{axis}"] for kind in ("95", "std"))
         yield with_error(force, std, 0)

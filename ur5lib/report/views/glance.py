@@ -34,17 +34,17 @@ def verdicts(results: Results) -> list[Verdict]:
 
 
 def force_drawn(results: Results) -> list[str]:
-    """Return the recording whose forces are drawn first, if forces are."""
+    """Return the recording of the first figure, if that shows forces."""
     return _drawn(results, "forces")
 
 
 def current_drawn(results: Results) -> list[str]:
-    """Return the recording whose currents are drawn first, if currents are."""
+    """Return the recording of the first figure, if that shows currents."""
     return _drawn(results, "currents")
 
 
 def torque_drawn(results: Results) -> list[str]:
-    """Return the recording whose torques are drawn first, if torques are."""
+    """Return the recording of the first figure, if that shows torques."""
     return _drawn(results, "torques")
 
 

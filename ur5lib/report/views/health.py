@@ -39,7 +39,7 @@ def dates(results: Results) -> Iterator[Sentence]:
         )
 
 
-def found(results: Results) -> Iterator[Sentence]:
+def sentences(results: Results) -> Iterator[Sentence]:
     """Yield a sentence for each change, the largest relative change first."""
     changes = ranked(results)
     for row in changes.itertuples():

@@ -98,7 +98,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
 
 
 def other_motions(results: Results) -> Iterator[Sentence]:
-    """Turn the remarks of the fits that ask for a recording into a request."""
+    """Ask for the motions that are missing by the remarks of the fits."""
     rows = results.tables["remarks"].query("code in @ASKING")
     for (robot, code), part in rows.groupby(["robot", "code"], sort=False):
         words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}

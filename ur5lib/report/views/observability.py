@@ -44,7 +44,7 @@ def _by_axis(results: Results, robot: str) -> Iterator[Sentence]:
 
 
 def _limit(row: Any) -> Sentence:
-    """Return a push and its standard error, along the axis that its quantity ends with."""
+    """Return a push with its standard error and axis, the last letter of its quantity."""
     return say("observed.limit", row=row, most=MOST)
 
 
@@ -84,7 +84,7 @@ def _speed(speed: float) -> Cell:
 
 
 def _share(rows: pd.DataFrame) -> Cell:
-    """Return the share [%] of the samples of some bins that is within the band."""
+    """Return the share [%] of samples within the band over several bins."""
     if rows.empty:
         return Cell("–")
     return Cell(fixed(100 * (rows["value"] * rows["samples"]).sum() / rows["samples"].sum(), 0))

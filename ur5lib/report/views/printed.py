@@ -18,7 +18,7 @@ NAMES = {**ESTIMATES, "euler": "Euler angles"}  # of rows
 
 
 def sources(results: Results) -> list[str]:
-    """Return the published tables that are compared with."""
+    """Return the published tables with rebuilt numbers."""
     return sorted({*_rows(results)["source"]})
 
 
@@ -38,7 +38,7 @@ def numbers(results: Results, source: str) -> Body:
     return tabulated(results.rows("printed", source=source).itertuples(), columns)
 
 
-def found(results: Results) -> Iterator[Sentence]:
+def summary(results: Results) -> Iterator[Sentence]:
     """Report how many published numbers are rebuilt."""
     rows = _rows(results)
     if len(rows):

@@ -74,7 +74,7 @@ def _named(recordings: pd.Series) -> str:
 
 
 def _short(detail: str) -> str:
-    """Return the meaning of a finding, with its list of places shortened."""
+    """Return a finding's detail with its list of places shortened."""
     places, _, meaning = detail.rpartition(": ")
     several = len(places) > LONGEST
     return f"{places[:LONGEST].rpartition(';')[0]} and others: {meaning}" if several else detail

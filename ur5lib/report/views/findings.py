@@ -25,7 +25,7 @@ def findings(results: Results) -> list[Sentence]:
     sentences = [
         *stop_signs(results),
         *nearest_model(results),
-        *printed.found(results),
+        *printed.summary(results),
         *loads_found(results),
         *counted(results),
         *elsewhere(results),
@@ -36,7 +36,7 @@ def findings(results: Results) -> list[Sentence]:
         *undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
         *beside_truth(results.tables.get("truth")),
-        *comparison.found(results),
+        *comparison.summary(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
     return sentences or [say("findings.none" if looked else "findings.unsearched")]
@@ -59,12 +59,12 @@ def left_out(results: Results) -> list[Sentence]:
 
 
 def left_out_heading(results: Results) -> list[Sentence]:
-    """Return the sentence above this list, if the list has entries."""
+    """Return the sentence above the list of `left_out`, if that has entries."""
     return [say("findings.left out heading")] if left_out(results) else []
 
 
 def left_out_fits(results: Results) -> list[Sentence]:
-    """Return which fits were not possible, and why."""
+    """Return the fits that were not possible, with the reasons."""
     remarks = results.tables["remarks"]
     rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
     return [say("findings.left out fit", row=row) for row in rows]
@@ -118,7 +118,7 @@ def _detection(results: Results) -> Iterator[Sentence]:
 
 
 def beside_truth(truth: pd.DataFrame | None) -> Iterator[Sentence]:
-    """Report how many stated intervals contain the truth of a simulation, and how many should."""
+    """Report how many stated intervals contain the simulated truth, and the expected count."""
     stated = pd.Series(dtype=object) if truth is None else truth["within95"].dropna()
     if len(stated):
         count, held = len(stated), int((stated == "yes").sum())
