@@ -76,20 +76,19 @@ def test_an_empty_flange_is_no_payload(mass: float) -> None:
         (
             DECLARED,
             TOLD,
-            "the study declares 0.46 kg at (0, 0, 0.02) m, the controller was given 1.5 kg at "
-            "(0.01, 0.02, 0.03) m; the currents are",
+            ["0.46 kg at (0, 0, 0.02) m", "1.5 kg at (0.01, 0.02, 0.03) m"],
         ),
-        (TOLD.model_copy(update={"center_of_mass": (0.0, 0.0, 0.2)}), TOLD, "at (0, 0, 0.2) m"),
-        (DECLARED, NOTHING, "the controller was given no payload"),
+        (TOLD.model_copy(update={"center_of_mass": (0.0, 0.0, 0.2)}), TOLD, ["at (0, 0, 0.2) m"]),
+        (DECLARED, NOTHING, ["no payload"]),
     ],
 )
 def test_another_payload_than_the_controller_s_is_told(
-    declared: Payload | None, channels: Payload | None, words: str | None
+    declared: Payload | None, channels: Payload | None, words: list[str] | None
 ) -> None:
     signals = steady(recorded(channels))
     found = disagreements(declared, None, signals)
     assert [one.finding for one in found] == (["payload"] if words else [])
-    assert all(words in said(one) for one in found if words)
+    assert all(text in said(one) for one in found for text in words or [])
 
 
 def steady(signals: Signals) -> Signals:
@@ -106,7 +105,7 @@ def steady(signals: Signals) -> Signals:
 
 def test_a_payload_that_changes_is_told() -> None:
     (found,) = disagreements(None, None, recorded(TOLD))
-    assert "changes from 1.5 to 100 kg in the recording; its median is used" in said(found)
+    assert (found.values["least"], found.values["most"]) == (1.5, 100.0)
 
 
 @pytest.mark.parametrize(("tcp", "told"), [(0.1, False), (0.103, False), (0.12, True)])

@@ -309,7 +309,7 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
         "kg would fit",
     ),
     "joint 2's current x 0.6": (one_scaled(0.6, 2), "the current of joint 2 is 0."),
-    "joint 6's current turned": (one_scaled(-1.0, 6), "sign of the current of joint 6 is turned"),
+    "joint 6's current reversed": (one_scaled(-1.0, 6), "the sign of the current of joint 6"),
     "current 50 ms late": (late(0.05), "s later than the motion"),
     "current 0.3 s late": (late(0.3), "s later than the motion"),
     "currents of joints 3 and 4 exchanged": (
