@@ -274,7 +274,7 @@ def test_whole_messages_next_to_damage_are_kept(capture: Path) -> None:
     assert received_of(frame, sent) == [0, 1, 3, 4, 5]
     finding = named(findings)["bytes skipped"]
     assert (finding.severity, finding.count) == ("warning", 500)
-    assert "1 place 2 s after the capture began" in said(finding)
+    assert "1 place, 2 s after" in said(finding)
 
 
 def test_begins_and_ends_within_messages(capture: Path) -> None:
