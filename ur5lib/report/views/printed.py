@@ -61,7 +61,7 @@ def _missed(row: Any) -> str:
     """Return how far the erratum's number, or else the rebuilt one, is from the printed one."""
     nearest, source = row.rebuilt, "rebuilt"
     if not np.isnan(row.as_erratum_says):
-        nearest, source = row.as_erratum_says, f"by erratum {row.erratum:.0f}"
+        nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
     gap = 100 * (nearest / row.printed - 1)
     place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
     words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
