@@ -14,8 +14,8 @@ from ur5lib.recorder import rdt
 from ur5lib.recorder.device import Device, DeviceLost
 from ur5lib.recorder.net_ft import NetFT
 from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.device_clock import Drift
 from ur5lib.stand.lab.net_ft_box import NetFTBox
-from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.timeseries.arrays import Array
 
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]

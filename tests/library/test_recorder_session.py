@@ -29,8 +29,8 @@ from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.device_clock import Drift
 from ur5lib.stand.lab.net_ft_box import NetFTBox
-from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
 from ur5lib.tables import read_json

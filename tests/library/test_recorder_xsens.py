@@ -16,7 +16,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.xsens import Xsens
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.own_clock import Drift
+from ur5lib.stand.lab.device_clock import Drift
 from ur5lib.stand.lab.xsens_device import XsensDevice
 from ur5lib.timeseries.arrays import Array
 

@@ -8,10 +8,10 @@ from pathlib import Path
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.robots.description import Robot
 from ur5lib.stand.lab.controller import HOST, EmulatedController
-from ur5lib.stand.lab.kept_truth import KeptTruth
+from ur5lib.stand.lab.device_clock import DeviceClock, Drift
 from ur5lib.stand.lab.net_ft_box import INTERNAL_RATE, NetFTBox
-from ur5lib.stand.lab.own_clock import Drift, OwnClock
 from ur5lib.stand.lab.readings import ForceReading, ImuReading
+from ur5lib.stand.lab.truth_recorder import TruthRecorder
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
 
@@ -38,7 +38,7 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     with ExitStack() as devices:
         arm = EmulatedController(robot, plan=plan, drift_ppm=ARM_DRIFT)
         truth = devices.enter_context(arm).truth
-        collected = devices.enter_context(KeptTruth(arm))
+        collected = devices.enter_context(TruthRecorder(arm))
         force = ForceReading(truth, plan.force_sensor or ForceSensor())
         box = devices.enter_context(NetFTBox(force, FORCE_RATE, Drift(drift_ppm=FORCE_DRIFT)))
         turning = ImuReading(truth, plan.imu or Imu())
@@ -63,7 +63,7 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
             collected.write(start, clocks, folder / TRUTH)
 
 
-def _begin(clock: OwnClock, file: Path, counter: str, rate: float) -> float | None:
+def _begin(clock: DeviceClock, file: Path, counter: str, rate: float) -> float | None:
     """Return the host's time [s] of the first sample in a file, by the device's counter."""
     count = _first(file, counter)
     return None if count is None else clock.host(count / rate)

@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from rich.console import Console
 from rich.progress import Progress
 
-from ur5lib.commands.earlier import problem_after
+from ur5lib.commands.earlier_information import problem_after
 from ur5lib.commands.exported import described
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError

@@ -3,7 +3,7 @@
 from ur5lib.report.document import Number, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.verdicts.errors import Beside, by_joint, largest
+from ur5lib.report.verdicts.errors import AgainstBaseline, by_joint, largest
 from ur5lib.report.verdicts.states import HELD
 from ur5lib.report.views.currents import unseen
 
@@ -18,21 +18,21 @@ def verdict(results: Results) -> Verdict:
     errors = by_joint(rows, "rmse_2hz", "zero")
     if errors.empty:
         return Verdict(TOPIC, "not determined", say(f"currents.{_reason(results)}"))
-    beside = Beside(errors, largest(rows, "rmse_2hz", "zero"), "A", 2, zero=CONSTANT)
+    against = AgainstBaseline(errors, largest(rows, "rmse_2hz", "zero"), "A", 2, zero=CONSTANT)
     least = rows.loc[rows["coverage95"].idxmin()]
     held = float(least["coverage95"])
     place = f"joint {least['joint']} on {least['recording']}"
-    words = {"joint": beside.worst, "percent": beside.percent(), "shown": beside.shown()}
-    words |= {"largest": beside.largest_shown(), "least": least, "hold": held >= HELD}
+    words = {"joint": against.worst, "percent": against.percent(), "shown": against.shown()}
+    words |= {"largest": against.largest_shown(), "least": least, "hold": held >= HELD}
     return Verdict(
         topic=TOPIC,
-        state=beside.state(held),
+        state=against.state(held),
         sentence=say("currents.verdict", **words),
         evidence=say("currents.evidence", **words),
-        drawing=beside.drawing(),
+        drawing=against.drawing(),
         caption=say("error.bars", zero=CONSTANT),
         numbers=(
-            *beside.numbers("RMSE below 2 Hz"),
+            *against.numbers("RMSE below 2 Hz"),
             Number("least share in the 95 % band", 100 * held, "%", place),
         ),
     )

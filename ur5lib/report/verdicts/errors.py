@@ -32,7 +32,7 @@ def largest(rows: pd.DataFrame, error: str, zero: str, name: str = "joint") -> p
 
 
 @dataclass(frozen=True)
-class Beside:
+class AgainstBaseline:
     """Errors beside those of the baseline `zero`, by joint or component, and the largest error.
 
     errors, largest: of `by_joint` and `largest`; unit, digits: of the numbers; which: the words

@@ -8,7 +8,7 @@ from ur5lib.report.cells import SMALLEST_DIFFERENCE
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.verdicts.errors import Beside, by_joint, largest
+from ur5lib.report.verdicts.errors import AgainstBaseline, by_joint, largest
 
 TOPIC = "Link model"
 
@@ -63,17 +63,17 @@ def verdict(results: Results) -> Verdict:
     best = compared.best[0]
     rows = compared.rows[compared.rows["model"] == best]
     errors, most = by_joint(rows, "mae", "zero_mae"), largest(rows, "mae", "zero_mae")
-    beside = Beside(errors, most, "Nm", 3)
-    words = {"joint": beside.worst, "percent": beside.percent(), "shown": beside.shown()}
-    words |= {"model": named(best), "unseen": compared.unseen, "largest": beside.largest_shown()}
+    against = AgainstBaseline(errors, most, "Nm", 3)
+    words = {"joint": against.worst, "percent": against.percent(), "shown": against.shown()}
+    words |= {"model": named(best), "unseen": compared.unseen, "largest": against.largest_shown()}
     return Verdict(
         topic=TOPIC,
-        state=beside.state(tested=compared.unseen),
+        state=against.state(tested=compared.unseen),
         sentence=say("models.verdict", **words),
         evidence=say("models.evidence", **words),
-        drawing=beside.drawing(),
+        drawing=against.drawing(),
         caption=say("error.bars", zero="zero torque"),
-        numbers=beside.numbers("mean absolute error"),
+        numbers=against.numbers("mean absolute error"),
     )
 
 

@@ -3,7 +3,7 @@
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.verdicts.errors import Beside, by_joint, largest
+from ur5lib.report.verdicts.errors import AgainstBaseline, by_joint, largest
 
 TOPIC = "Motion"
 UNITS = {True: "rad/s²", False: "m/s²"}  # by whether a component is angular
@@ -18,14 +18,14 @@ def verdict(results: Results) -> Verdict | None:
     component = str((errors["error"] / errors["zero"]).idxmax())
     unit = UNITS[component.startswith("r")]
     most = largest(rows[rows["component"] == component], "mae", "zero_mae", "component")
-    beside = Beside(errors, most, unit, 3, "along")
-    words = {"component": component, "percent": beside.percent(), "shown": beside.shown()}
+    against = AgainstBaseline(errors, most, unit, 3, "along")
+    words = {"component": component, "percent": against.percent(), "shown": against.shown()}
     return Verdict(
         topic=TOPIC,
-        state=beside.state(),
+        state=against.state(),
         sentence=say("motion.verdict", **words),
-        evidence=say("motion.evidence", largest=beside.largest_shown(), **words),
-        drawing=beside.drawing(),
+        evidence=say("motion.evidence", largest=against.largest_shown(), **words),
+        drawing=against.drawing(),
         caption=say("motion.caption"),
-        numbers=beside.numbers("mean absolute error"),
+        numbers=against.numbers("mean absolute error"),
     )

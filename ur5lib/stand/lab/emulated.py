@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Self
 
 from ur5lib.stand.lab.delivery import Delivery, Faults
-from ur5lib.stand.lab.own_clock import Drift, OwnClock
+from ur5lib.stand.lab.device_clock import DeviceClock, Drift
 from ur5lib.timeseries.arrays import Array
 
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
@@ -35,7 +35,7 @@ class Emulated(ABC):
     def __enter__(self) -> Self:
         """Switch on."""
         self._born = time.monotonic()
-        self.clock = OwnClock(self.rate_hz, self.drift)
+        self.clock = DeviceClock(self.rate_hz, self.drift)
         self._thread.start()
         return self
 
@@ -80,7 +80,7 @@ class Emulated(ABC):
             asked = bool(select.select([self.line()], [], [], wait)[0])
             before, powered = powered, self.is_powered()
             if powered and not before:
-                self.clock, sampled = OwnClock(self.rate_hz, self.drift), 0
+                self.clock, sampled = DeviceClock(self.rate_hz, self.drift), 0
                 self.delivery.forget()
                 self.restart()
             if asked:

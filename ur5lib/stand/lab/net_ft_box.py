@@ -13,8 +13,8 @@ from typing import Self
 import numpy as np
 
 from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.device_clock import Drift
 from ur5lib.stand.lab.emulated import Emulated, Reading
-from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"

@@ -11,8 +11,8 @@ import struct
 import tty
 
 from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.device_clock import Drift
 from ur5lib.stand.lab.emulated import Emulated, Reading
-from ur5lib.stand.lab.own_clock import Drift
 from ur5lib.timeseries.arrays import Array
 
 GO_TO_MEASUREMENT, GO_TO_CONFIG, WAKE_UP, ERROR = 0x10, 0x30, 0x3E, 0x42

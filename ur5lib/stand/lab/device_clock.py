@@ -17,7 +17,7 @@ class Drift:
     drift_ppm: float = 0.0
 
 
-class OwnClock:
+class DeviceClock:
     """Counts the samples of a device that samples at a rate [Hz] by its own clock."""
 
     def __init__(self, rate_hz: float, drift: Drift) -> None:

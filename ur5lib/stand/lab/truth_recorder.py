@@ -16,7 +16,7 @@ from ur5lib.timeseries.arrays import Array
 INTERVAL = 1.0  # s between copies of the truth, of which the arm keeps the last seconds
 
 
-class KeptTruth:
+class TruthRecorder:
     """The true motion and forces of an emulated arm while the context lasts, every millisecond."""
 
     def __init__(self, arm: EmulatedController) -> None:
