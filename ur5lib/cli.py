@@ -73,8 +73,8 @@ def import_(
         typer.echo(as_entries(imported), nl=False)
         return
     write_study(imported, write)
-    for one in imported:
-        typer.echo("\n".join([f"{one.entry['name']}:", *one.comments]))
+    for item in imported:
+        typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
     typer.echo(f"{write} written; next: ur5 check {write}")
 
 
@@ -162,7 +162,7 @@ def compare(
         typer.echo(line)
     if junit:
         write_junit(comparisons, junit)
-    if any(one.changed and one.topic in topics for one in comparisons):
+    if any(each.changed and each.topic in topics for each in comparisons):
         raise SystemExit(1)
 
 

@@ -14,23 +14,23 @@ COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
 def lines(comparisons: Sequence[Comparison]) -> Iterator[str]:
     """Yield lines of text: for each topic the number of comparisons, then each change."""
     for topic in TOPICS:
-        in_topic = [one for one in comparisons if one.topic == topic]
+        in_topic = [comparison for comparison in comparisons if comparison.topic == topic]
         if not in_topic:
             yield f"{topic}: nothing to compare"
             continue
-        differ = sum(one.differs for one in in_topic)
-        changed = [one for one in in_topic if one.changed]
+        differ = sum(comparison.differs for comparison in in_topic)
+        changed = [comparison for comparison in in_topic if comparison.changed]
         count = len(in_topic)
         yield f"{topic}: {count} compared, {differ} beyond their error, {len(changed)} changed"
-        yield from (f"  {one.sentence()}" for one in changed)
+        yield from (f"  {comparison.sentence()}" for comparison in changed)
 
 
 def rows(study: str, comparisons: Sequence[Comparison]) -> Iterator[dict[str, str]]:
     """Yield each comparison as a row of changes.csv; study: name of the study compared with."""
-    for one in comparisons:
-        row = {"study": study, "topic": one.topic, "name": one.name}
-        row |= {"before": one.before, "after": one.after}
-        verdicts = {"differs": one.differs, "changed": one.changed}
+    for comparison in comparisons:
+        row = {"study": study, "topic": comparison.topic, "name": comparison.name}
+        row |= {"before": comparison.before, "after": comparison.after}
+        verdicts = {"differs": comparison.differs, "changed": comparison.changed}
         yield row | {name: "yes" if holds else "no" for name, holds in verdicts.items()}
 
 
@@ -38,12 +38,12 @@ def write_junit(comparisons: Sequence[Comparison], path: Path) -> None:
     """Write JUnit XML with one test case per comparison, which fails if the number has changed."""
     suites = ElementTree.Element("testsuites")
     for topic in TOPICS:
-        in_topic = [one for one in comparisons if one.topic == topic]
-        failures = str(sum(one.changed for one in in_topic))
+        in_topic = [comparison for comparison in comparisons if comparison.topic == topic]
+        failures = str(sum(comparison.changed for comparison in in_topic))
         counts = {"tests": str(len(in_topic)), "failures": failures}
         suite = ElementTree.SubElement(suites, "testsuite", {"name": topic} | counts)
-        for one in in_topic:
-            case = ElementTree.SubElement(suite, "testcase", classname=topic, name=one.name)
-            if one.changed:
-                ElementTree.SubElement(case, "failure", message=one.sentence())
+        for comparison in in_topic:
+            case = ElementTree.SubElement(suite, "testcase", classname=topic, name=comparison.name)
+            if comparison.changed:
+                ElementTree.SubElement(case, "failure", message=comparison.sentence())
     write_text(ElementTree.tostring(suites, encoding="unicode", xml_declaration=True), path)

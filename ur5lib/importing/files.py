@@ -52,7 +52,7 @@ def import_files(paths: Sequence[Path], arms: Sequence[str]) -> list[Imported]:
 
 def as_entries(imported: Sequence[Imported]) -> str:
     """Return entries as YAML, to be pasted below `recordings:` of a study."""
-    return entries_yaml([(one.entry, one.comments) for one in imported])
+    return entries_yaml([(item.entry, item.comments) for item in imported])
 
 
 def write_study(imported: Sequence[Imported], path: Path) -> None:
@@ -61,18 +61,18 @@ def write_study(imported: Sequence[Imported], path: Path) -> None:
         raise InputError(f"{path} exists; name another file, or paste the entries into it")
     name = identifier(path.stem)
     title = f"Recordings of {name}"
-    entries = [(one.entry, one.comments) for one in imported]
+    entries = [(item.entry, item.comments) for item in imported]
     write_text(study_yaml(name, title, entries), path)
 
 
-def _checked(one: Imported) -> tuple[Imported, list[str]]:
+def _checked(imported: Imported) -> tuple[Imported, list[str]]:
     """Return an entry and complaints about it; if only the role `fit` is wrong, use `validate`."""
-    complaints = contradictions(one.entry)
-    as_validate = one.entry | {"role": "validate"}
-    if not complaints or one.entry["role"] != "fit" or contradictions(as_validate):
-        return one, complaints
+    complaints = contradictions(imported.entry)
+    as_validate = imported.entry | {"role": "validate"}
+    if not complaints or imported.entry["role"] != "fit" or contradictions(as_validate):
+        return imported, complaints
     reason = complaints[0].split(": ", 1)[-1]
-    comments = [line for line in one.comments if not line.startswith("# assumed: role")]
+    comments = [line for line in imported.comments if not line.startswith("# assumed: role")]
     return Imported(as_validate, [*comments, f"# assumed: role validate, as {reason}"]), []
 
 
@@ -95,7 +95,7 @@ def _of_same_columns(
 
 
 def _like(other: Imported, file: Contents) -> Imported:
-    """Return the entry of a file with the columns, units, robot and role of another one."""
+    """Return the entry of a file with the columns, units, robot and role of another."""
     path, source = file.path, Path(other.entry["folder"], other.entry["file"])
     place = {"name": identifier(path.name), "folder": str(path.parent), "file": path.name}
     assumed = f"columns, units, robot and role as in {source}: too little moves to prove them here"

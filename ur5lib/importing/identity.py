@@ -56,10 +56,10 @@ def identified(
     return _sure_arm(file, readings.readings(means, efforts, arms, [order]), bool(names), evidence)
 
 
-def ambiguous(file: Contents, what: str, one: str, other: str, remedy: str) -> InputError:
+def ambiguous(file: Contents, what: str, best: str, rival: str, remedy: str) -> InputError:
     """Return the error for a property of a file that two readings explain equally well."""
     return InputError(
-        f"{file.path}: {what} is ambiguous: {one} and {other} explain it as well; {remedy}"
+        f"{file.path}: {what} is ambiguous: {best} and {rival} explain it as well; {remedy}"
     )
 
 
@@ -73,7 +73,8 @@ def names_order(position: Block, file: Contents) -> bool:
 
 def _expect_agreement(likely: Sequence[Reading], file: Contents) -> None:
     """Raise InputError where gravity contradicts the names."""
-    named = max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
+    scores = [reading.score for reading in likely if reading.order == IN_ORDER]
+    named = max(scores, default=-np.inf)
     if likely and likely[0].score - named > 3 * SURE:
         raise ambiguous(
             file,
@@ -91,7 +92,7 @@ def _by_pose(
     orders: Sequence[Order],
     evidence: Evidence,
 ) -> list[poses.Placed]:
-    """Return the readings whose flange agrees with a recorded pose, none without one."""
+    """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     clock = moving.position.clock
     pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
     if pose is None or len(pose.rows) != len(moving.position.rows):
@@ -102,7 +103,7 @@ def _by_pose(
     good = poses.fitting(placed)
     if not good:
         evidence.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")
-    elif len({one.order for one in good}) == 1:
+    elif len({reading.order for reading in good}) == 1:
         best = good[0]
         place = "the flange" if bare else "a tool fixed to the flange"
         evidence.proven.append(
@@ -120,12 +121,12 @@ def _of_pose(
     evidence: Evidence,
 ) -> Reading:
     """Return the reading that fits a pose; among several, the one that gravity prefers."""
-    arms, orders = ({getattr(one, key) for one in good} for key in ("arm", "order"))
+    arms, orders = ({getattr(reading, key) for reading in good} for key in ("arm", "order"))
     likely = readings.readings(means, efforts, [described(a) for a in sorted(arms)], [*orders])
-    allowed = {(one.arm, one.order) for one in good}
-    likely = [one for one in likely if (one.arm, one.order) in allowed]
+    allowed = {(reading.arm, reading.order) for reading in good}
+    likely = [reading for reading in likely if (reading.arm, reading.order) in allowed]
     if len(orders) > 1:
-        _expect_gap(file, "the joints' order", likely, lambda one: in_words(one.order))
+        _expect_gap(file, "the joints' order", likely, lambda reading: in_words(reading.order))
     if len(arms) == 1:
         evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
         return likely[0]
@@ -141,7 +142,7 @@ def _by_gravity(
 ) -> Order:
     """Return the order that explains the efforts."""
     order = likely[0].order
-    _expect_gap(file, "the joints' order", likely, lambda one: in_words(one.order))
+    _expect_gap(file, "the joints' order", likely, lambda reading: in_words(reading.order))
     base = readings.base_first(means, efforts, order)
     if base is None:
         swapped = (order[5], *order[1:5], order[0])
@@ -164,9 +165,9 @@ def _by_gravity(
 def _expect_gap(
     file: Contents, what: str, likely: Sequence[Reading], words: Callable[[Reading], str]
 ) -> None:
-    """Raise InputError where a reading with other words is about as likely as the best one."""
+    """Raise InputError where a reading with other words is about as likely as the best."""
     best = likely[0]
-    rival = next((one for one in likely if words(one) != words(best)), None)
+    rival = next((reading for reading in likely if words(reading) != words(best)), None)
     if rival and best.score - rival.score < SURE:
         raise ambiguous(
             file,
@@ -181,7 +182,7 @@ def _sure_arm(
     file: Contents, likely: Sequence[Reading], given: bool, evidence: Evidence
 ) -> Reading:
     best = likely[0]
-    rival = next((one for one in likely if one.arm != best.arm), None)
+    rival = next((reading for reading in likely if reading.arm != best.arm), None)
     if rival is None and given:
         evidence.assumed.append(f"robot {best.arm}, as given")
     elif named := _named(file, likely):
@@ -204,9 +205,9 @@ def _sure_arm(
 
 def _named(file: Contents, likely: Sequence[Reading]) -> Reading | None:
     """Return the reading of the only likely arm that occurs in the file's name, if any."""
-    near = [one for one in likely if likely[0].score - one.score < SURE]
+    near = [reading for reading in likely if likely[0].score - reading.score < SURE]
     words = {*re.split(r"[^a-z0-9]+", file.path.name.lower())}
-    named = [one for one in near if one.arm in words]
+    named = [reading for reading in near if reading.arm in words]
     return named[0] if len(named) == 1 and len(near) > 1 else None
 
 

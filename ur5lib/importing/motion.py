@@ -1,5 +1,6 @@
 """The blocks that are positions and velocities: the latter are derivatives of the former."""
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -129,14 +130,13 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
 
 
 def _pairs(file: Contents) -> Iterator[tuple[Block, Block]]:
-    """Yield the blocks of six columns of which one is the derivative of the other."""
+    """Yield blocks of six columns and their derivatives."""
     six = [block for block in file.blocks if block.rows.shape[1] == 6]
-    for one in six:
-        for other in six:
-            if one is not other and one.clock == other.clock:
-                share, ratio, count = agreement(one, other, file.clocks[one.clock])
-                if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
-                    yield one, other
+    for position, velocity in itertools.permutations(six, 2):
+        if position.clock == velocity.clock:
+            share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
+            if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
+                yield position, velocity
 
 
 def _units(

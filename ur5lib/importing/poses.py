@@ -41,7 +41,7 @@ def placed(
 def fitting(found: Sequence[Placed]) -> list[Placed]:
     """Return the readings about as good as the best; none if even that does not fit."""
     best = found[0].miss
-    return [] if best > FITS else [one for one in found if one.miss <= WORSE * best + 1e-4]
+    return [] if best > FITS else [each for each in found if each.miss <= WORSE * best + 1e-4]
 
 
 def _misses(

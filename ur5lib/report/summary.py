@@ -56,7 +56,7 @@ def summary(document: Document, results: Results) -> dict[str, Any]:
         "$schema": SCHEMA,
         "study": results.study["study"],
         "title": results.study["title"],
-        "simulated": [one["name"] for one in recordings if one.get("simulate")],
+        "simulated": [each["name"] for each in recordings if each.get("simulate")],
         "commit": results.commit,
         "verdicts": [
             _judged(verdict)

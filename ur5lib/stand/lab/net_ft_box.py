@@ -148,6 +148,6 @@ class NetFTBox(Emulated):
                 self.wfile.write(box._page if self.path == "/netftapi2.xml" else b"")
 
             def log_message(self, *_: object) -> None:
-                """Say nothing."""
+                """Log nothing."""
 
         return Handler
