@@ -60,8 +60,8 @@ def design(
     starts = [random_path(task, random, postures) for _ in range(effort.starts)]
     weight = effort.rounds[0][0]
     tries = [objective.variables(path) for path in starts]
-    found = [_improved(objective, x, weight, effort.first, stepped) for x in tries]
-    best = min(found, key=lambda x: objective(x, weight)[0])
+    improved = [_improved(objective, x, weight, effort.first, stepped) for x in tries]
+    best = min(improved, key=lambda x: objective(x, weight)[0])
     for weight, iterations in effort.rounds:
         best = _improved(objective, best, weight, iterations, stepped)
     path, margins = feasible(task.cell, objective.path(best))
@@ -84,11 +84,11 @@ def _improved(
         lowest = min(lowest, (value, x.copy()), key=itemgetter(0))
         return value, gradient
 
-    made = 0
-    while made < iterations:
-        before, left = lowest[0], iterations - made
-        options = {"maxiter": left, "maxfun": 2 * left, "ftol": 0.0, "gtol": 0.0}
-        found = minimize(
+    done = 0
+    while done < iterations:
+        before, remaining = lowest[0], iterations - done
+        options = {"maxiter": remaining, "maxfun": 2 * remaining, "ftol": 0.0, "gtol": 0.0}
+        run = minimize(
             seen,
             lowest[1],
             method="L-BFGS-B",
@@ -96,8 +96,8 @@ def _improved(
             options=options,
             callback=lambda _: stepped(1),
         )
-        made += found.nit
-        if found.status != LINE_SEARCH_FAILED or lowest[0] >= before:
+        done += run.nit
+        if run.status != LINE_SEARCH_FAILED or lowest[0] >= before:
             break
-    stepped(iterations - made)
+    stepped(iterations - done)
     return lowest[1]

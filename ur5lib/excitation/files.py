@@ -49,7 +49,7 @@ def write_files(
         write_text(text, folder / name)
 
 
-def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
+def summary_of(task: Task, design: Design, worth: Worth) -> dict[str, Any]:
     """Return a trajectory, its margins and its worth as plain data."""
     problem = task.problem
     columns = {
@@ -61,8 +61,8 @@ def summary_of(task: Task, found: Design, worth: Worth) -> dict[str, Any]:
     }
     rows = zip(*columns.values(), strict=True)
     return {
-        "path": asdict(found.path),
-        "margins": asdict(found.margins),
+        "path": asdict(design.path),
+        "margins": asdict(design.margins),
         "noise": asdict(problem.noise),
         "log_det": worth.log_det,
         "log_det_gain": worth.gain,

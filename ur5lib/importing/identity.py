@@ -179,11 +179,11 @@ def _expect_gap(
 
 
 def _sure_arm(
-    file: Contents, likely: Sequence[Reading], given: bool, evidence: Evidence
+    file: Contents, likely: Sequence[Reading], named_by_user: bool, evidence: Evidence
 ) -> Reading:
     best = likely[0]
     rival = next((reading for reading in likely if reading.arm != best.arm), None)
-    if rival is None and given:
+    if rival is None and named_by_user:
         evidence.assumed.append(f"robot {best.arm}, as given")
     elif named := _named(file, likely):
         evidence.assumed.append(

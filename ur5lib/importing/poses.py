@@ -38,16 +38,16 @@ def placed(
     return _misses(q[rows], position[rows], arms, orders, tool=True), False
 
 
-def fitting(found: Sequence[Placed]) -> list[Placed]:
+def fitting(readings: Sequence[Placed]) -> list[Placed]:
     """Return the readings about as good as the best; none if even that does not fit."""
-    best = found[0].miss
-    return [] if best > FITS else [each for each in found if each.miss <= WORSE * best + 1e-4]
+    best = readings[0].miss
+    return [] if best > FITS else [each for each in readings if each.miss <= WORSE * best + 1e-4]
 
 
 def _misses(
     q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order], tool: bool
 ) -> list[Placed]:
-    found = []
+    poses = []
     for arm in arms:
         postures = q[:, np.array(orders)].swapaxes(0, 1)
         rotation, origin = link_frames(arm, postures.reshape(-1, 6))
@@ -58,5 +58,5 @@ def _misses(
             )
             away = turned - turned.mean(axis=1, keepdims=True)
         miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
-        found += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
-    return sorted(found, key=lambda one: one.miss)
+        poses += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
+    return sorted(poses, key=lambda pose: pose.miss)

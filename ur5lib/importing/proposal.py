@@ -92,13 +92,13 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
 
 def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
     """Return the blocks that may be currents or torques."""
-    taken = [block for blocks in moving.channels().values() for block in blocks]
+    motion_blocks = [block for blocks in moving.channels().values() for block in blocks]
     return [
         block
         for block in file.blocks
         if block.clock == moving.position.clock
         and block.rows.shape[1] == 6
-        and not any(block is other for other in taken)
+        and not any(block is other for other in motion_blocks)
         and (block.meaning() in EFFORTS or block.is_nameless())
     ]
 

@@ -162,10 +162,10 @@ class NetFT:
         """Return the next datagram; None if none arrives before `until` [s, monotonic]."""
         if self._socket is None:
             raise DeviceLost(f"the Net F/T box at {self._address} is not open")
-        left = until - time.monotonic()
-        if left <= 0:
+        remaining = until - time.monotonic()
+        if remaining <= 0:
             return None
-        self._socket.settimeout(left)
+        self._socket.settimeout(remaining)
         try:
             return self._socket.recv(2 * rdt.RECORD.size)
         except TimeoutError:

@@ -77,18 +77,18 @@ class RtdeClient:
 
     def _packages(self) -> list[tuple[float, ...]]:
         """Remove complete packages from the buffer, and return the numbers of data packages."""
-        found, at = [], 0
-        while len(self._buffer) - at >= HEADER.size:
-            size, kind = HEADER.unpack_from(self._buffer, at)
+        packages, start = [], 0
+        while len(self._buffer) - start >= HEADER.size:
+            size, kind = HEADER.unpack_from(self._buffer, start)
             if size < HEADER.size:
                 raise DeviceLost(f"{self._address} does not send RTDE packages")
-            if len(self._buffer) - at < size:
+            if len(self._buffer) - start < size:
                 break
             if kind == DATA and size == HEADER.size + 1 + self._layout.size:
-                found.append(self._layout.unpack_from(self._buffer, at + HEADER.size + 1))
-            at += size
-        self._buffer = self._buffer[at:]
-        return found
+                packages.append(self._layout.unpack_from(self._buffer, start + HEADER.size + 1))
+            start += size
+        self._buffer = self._buffer[start:]
+        return packages
 
     def _set_up(self, names: Sequence[str], rate: float) -> tuple[list[str], list[str]]:
         """Request outputs; if the controller lacks some, request the others only."""

@@ -64,10 +64,10 @@ def joints(numbers: Iterable[float]) -> str:
     return f"joint{'s' if len(integers) > 1 else ''} {numbered(integers)}"
 
 
-def numbered(known: Sequence[int]) -> str:
+def numbered(numbers: Sequence[int]) -> str:
     """Format numbers in order: 6; 2, 3; 2 to 4; 1, 5, 6."""
-    row = len(known) > 2 and [*known] == [*range(known[0], known[-1] + 1)]
-    return f"{known[0]} to {known[-1]}" if row else ", ".join(map(str, known))
+    row = len(numbers) > 2 and [*numbers] == [*range(numbers[0], numbers[-1] + 1)]
+    return f"{numbers[0]} to {numbers[-1]}" if row else ", ".join(map(str, numbers))
 
 
 def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:

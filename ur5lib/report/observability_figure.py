@@ -61,11 +61,11 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     """Draw each joint's share within the band over its speed, and the share that suffices."""
     axis.axhline(100 * wanted, color="black", linewidth=0.8)
     for joint, part in rows.groupby("joint"):
-        known = part.dropna(subset="share")
-        middle = (known["speed_low"].clip(lower=SLOWEST) * _end(known)) ** 0.5
+        estimated = part.dropna(subset="share")
+        middle = (estimated["speed_low"].clip(lower=SLOWEST) * _end(estimated)) ** 0.5
         colour, mark = JOINTS[int(joint) - 1], MARKS[int(joint) - 1]
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
-        axis.plot(middle, 100 * known["share"], label=f"joint {joint}", **style)
+        axis.plot(middle, 100 * estimated["share"], label=f"joint {joint}", **style)
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))

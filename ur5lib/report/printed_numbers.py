@@ -103,8 +103,8 @@ def _found(
     if lookup is None:
         return pd.Series(dtype=float)
     table = tables[lookup.table]
-    of = {"recording": recording} if "recording" in table else {}  # a fit is of several
-    for column, value in (of | lookup.cells(row)).items():
+    key = {"recording": recording} if "recording" in table else {}  # a fit is of several
+    for column, value in (key | lookup.cells(row)).items():
         table = table[table[column] == value]
     return table.set_index(lookup.number)[lookup.column(row)]
 

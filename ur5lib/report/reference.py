@@ -84,8 +84,8 @@ class Printed(Strict):
 
     def tables(self) -> dict[str, PrintedTable]:
         """Return the published tables by name."""
-        found = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: table for name, table in found.items() if table is not None}
+        tables = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: table for name, table in tables.items() if table is not None}
 
 
 class Explanation(Strict):

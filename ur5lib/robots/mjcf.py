@@ -34,10 +34,10 @@ def mjcf(robot: Robot, model: str, friction: JointFriction | None) -> str:
         if friction is not None and (known := friction.coefficients(k + 1)):
             joint.frictionloss, viscous = known
             joint.damping = (viscous, 0, 0)  # a polynomial of the velocity
-        most = robot.motor(k + 1).torque_max
+        torque_max = robot.motor(k + 1).torque_max
         motor = spec.add_actuator(name=f"motor_{k + 1}", target=joint.name)
         motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-        motor.ctrllimited, motor.ctrlrange = True, (-most, most)
+        motor.ctrllimited, motor.ctrlrange = True, (-torque_max, torque_max)
     spec.compile()
     return str(spec.to_xml())
 

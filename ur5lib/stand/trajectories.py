@@ -86,10 +86,10 @@ def _expect_within_limits(targets: Targets, robot: Robot) -> None:
             (targets.q, motor.position_max, "rad"),
             (targets.qd, motor.velocity_max, "rad/s"),
         ):
-            most = float(np.abs(values[:, joint]).max())
-            if not most <= limit:  # also rejects NaN
+            peak = float(np.abs(values[:, joint]).max())
+            if not peak <= limit:  # also rejects NaN
                 raise InputError(
-                    f"the trajectory takes joint {joint + 1} of {robot.name} to {most:.3g} {unit}, "
+                    f"the trajectory takes joint {joint + 1} of {robot.name} to {peak:.3g} {unit}, "
                     f"beyond its limit of {limit:.3g}; choose a slower or smaller motion"
                 )
 

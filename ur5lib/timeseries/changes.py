@@ -192,9 +192,9 @@ def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
         )
         rows = whitened(values.T, correlation).T
         none.append(_log_likelihood(fixed, rows, correlation))
-        left = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
+        residual = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
         freedom = len(fixed) - fixed.shape[1] - 1
-        changed.append(none[-1][:, None] - freedom / 2 * np.log(left))
+        changed.append(none[-1][:, None] - freedom / 2 * np.log(residual))
     return _log_sum(np.stack(changed)) - _log_sum(np.stack(none))[:, None]
 
 
@@ -205,10 +205,10 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
     residual sum of squares and ν = n - P (Harville 1974).
     """
     basis, triangle = np.linalg.qr(columns)
-    left = np.maximum((rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), LEAST)
+    residual = np.maximum((rows**2).sum(axis=1) - ((rows @ basis) ** 2).sum(axis=1), LEAST)
     size, count = columns.shape
     volume = (size - 1) / 2 * np.log(1 - correlation**2) + np.log(abs(np.diag(triangle))).sum()
-    result: Array = -volume - (size - count) / 2 * np.log(left)
+    result: Array = -volume - (size - count) / 2 * np.log(residual)
     return result
 
 
@@ -248,9 +248,9 @@ def explained_shares(fixed: Array, tried: Array, values: Array) -> Array:
     norm = (rest**2).sum(axis=0)
     differs = norm > APART * (tried**2).sum(axis=0)
     unit = np.where(differs, rest, 0.0) / np.sqrt(np.where(differs, norm, 1.0))
-    left = values - (values @ basis) @ basis.T
-    total = np.maximum((left**2).sum(axis=1, keepdims=True), LEAST)
-    shares: Array = (left @ unit) ** 2 / total
+    residual = values - (values @ basis) @ basis.T
+    total = np.maximum((residual**2).sum(axis=1, keepdims=True), LEAST)
+    shares: Array = (residual @ unit) ** 2 / total
     return shares
 
 

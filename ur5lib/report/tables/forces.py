@@ -140,16 +140,16 @@ def observability(source: Source) -> Iterator[Row]:
     within the band, by speed of the joint; least_velocity: lower end of the speeds at which this
     share suffices.
     """
-    found, names = source["observability"], ("joint", "speed_low", "speed_high", "samples")
-    for push in [*found["pushes"], *found["axes"]]:
+    summary, names = source["observability"], ("joint", "speed_low", "speed_high", "samples")
+    for push in [*summary["pushes"], *summary["axes"]]:
         along = f"_{push['axis']}" if "axis" in push else ""
         about = {"quantity": f"smallest_push_95{along}", "speed_unit": "m/s", "unit": "N"}
         numbers = {"value": push["force"], "std_error": push["std"], "samples": push["tried"]}
         yield about | numbers | {name: push[name] for name in ("speed_low", "speed_high")}
-    for share in found["shares"]:
+    for share in summary["shares"]:
         about = {"quantity": "friction_in_band", "speed_unit": "rad/s", "unit": "1"}
         yield about | {name: share[name] for name in names} | {"value": share["share"]}
-    for least in found["predicted"]:
+    for least in summary["predicted"]:
         about = {"quantity": "least_velocity", "speed_unit": "rad/s", "unit": "rad/s"}
         yield about | least | {"value": least["speed_low"]}
 

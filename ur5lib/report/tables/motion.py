@@ -106,13 +106,13 @@ def acceleration_bands(source: Source) -> Iterator[Row]:
                 yield from ({"range": name, "during": state} | row for row in rows)
 
 
-def _band(found: Mapping[str, Any], std: Array, plain: list[float]) -> Iterator[Row]:
-    held = _held(np.array(found["quantiles"]), NORMAL95 * std)
+def _band(summary: Mapping[str, Any], std: Array, plain: list[float]) -> Iterator[Row]:
+    held = _held(np.array(summary["quantiles"]), NORMAL95 * std)
     for index, (component, unit) in enumerate(COMPONENTS.items()):
         yield {
             "component": component,
             "unit": unit,
-            "rms": float(np.sqrt(found["square"][index])),
+            "rms": float(np.sqrt(summary["square"][index])),
             "std": float(std[index]),
             "held": float(held[index]),
             "filterpy_rms": float(np.sqrt(plain[index])),

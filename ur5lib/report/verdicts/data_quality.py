@@ -66,8 +66,8 @@ def lost_shares(results: Results) -> dict[str, float]:
     return {str(name): float(share) for name, share in shares.items()}
 
 
-def _counts(found: pd.DataFrame, recordings: int) -> Sentence:
+def _counts(findings: pd.DataFrame, recordings: int) -> Sentence:
     """Return how many findings there are by severity, and on how many recordings."""
-    bad = found.loc[found["severity"] != "note", "recording"].nunique()
+    bad = findings.loc[findings["severity"] != "note", "recording"].nunique()
     where = [say("quality.where", bad=bad, recordings=recordings)] if bad else []
-    return say("quality.counts", parts=[count_findings(found), *where])
+    return say("quality.counts", parts=[count_findings(findings), *where])

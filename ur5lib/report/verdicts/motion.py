@@ -17,8 +17,8 @@ def verdict(results: Results) -> Verdict | None:
         return None
     component = str((errors["error"] / errors["zero"]).idxmax())
     unit = UNITS[component.startswith("r")]
-    most = largest(rows[rows["component"] == component], "mae", "zero_mae", "component")
-    against = AgainstBaseline(errors, most, unit, 3, "along")
+    largest_error = largest(rows[rows["component"] == component], "mae", "zero_mae", "component")
+    against = AgainstBaseline(errors, largest_error, unit, 3, "along")
     words = {"component": component, "percent": against.percent(), "shown": against.shown()}
     return Verdict(
         topic=TOPIC,

@@ -71,8 +71,8 @@ def lossy_files(results: Results) -> Iterator[Sentence]:
     lost = {name: share for name, share in lost_shares(results).items() if share >= MANY_LOST}
     if lost:
         names = sorted(lost, key=lambda name: -lost[name])
-        most = {"share": lost[names[0]], "file": results.file_of(names[0])}
-        yield say("steps.lossy", some=_some(names), **most)
+        worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
+        yield say("steps.lossy", some=_some(names), **worst)
 
 
 def doubted_sensors(results: Results) -> Iterator[Sentence]:

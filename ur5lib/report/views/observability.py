@@ -63,15 +63,14 @@ def pushes(results: Results) -> Body:
 def velocities(results: Results) -> Body:
     """Return the speeds of each joint at which its friction is predicted within its band."""
     rows = results.rows("observability", quantity="least_velocity")
-    shares = results.rows("observability", quantity="friction_in_band")
+    shares = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
     body = []
     for row in rows.itertuples():
-        of_joint = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
-        known = of_joint.dropna(subset="value")
-        slower = known[~(known["speed_low"] >= row.speed_low)]  # all, where no range suffices
-        faster = known[known["speed_low"] >= row.speed_high]
+        ranges = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
+        slower = ranges[~(ranges["speed_low"] >= row.speed_low)]  # all, where no range suffices
+        faster = ranges[ranges["speed_low"] >= row.speed_high]
         shown = [
-            _share(part) for part in (slower, known.drop([*slower.index, *faster.index]), faster)
+            _share(part) for part in (slower, ranges.drop([*slower.index, *faster.index]), faster)
         ]
         place = [Cell(row.robot), Cell(f"{row.joint:.0f}")]
         body.append([*place, _speed(row.value), _speed(row.speed_high), *shown])

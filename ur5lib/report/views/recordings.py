@@ -94,8 +94,8 @@ def clocks(results: Results) -> Body:
 
 
 def _drift(row: Any) -> Cell:
-    known = not pd.isna(row.drift_ppm)
-    return with_error(row.drift_ppm, row.drift_std_ppm, 0) if known else Cell("not estimated")
+    estimated = not pd.isna(row.drift_ppm)
+    return with_error(row.drift_ppm, row.drift_std_ppm, 0) if estimated else Cell("not estimated")
 
 
 def arms(results: Results) -> list[str]:

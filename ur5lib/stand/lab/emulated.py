@@ -90,8 +90,8 @@ class Emulated(ABC):
 
     def _sample(self, first: int, now: float) -> int:
         """Send the samples that are due; return the number of the next one."""
-        most = 1 + round(HASTE * self.rate_hz * NAP)
-        end = min(self.clock.count(now), first + most)
+        count_max = 1 + round(HASTE * self.rate_hz * NAP)
+        end = min(self.clock.count(now), first + count_max)
         for sample in range(first, end):
             packet = self.packet(sample)
             if packet is not None:

@@ -81,8 +81,8 @@ class JointMotion:
         seconds = np.abs(qd).max() / deceleration
         for k in range(1, int(np.ceil(seconds / STEP)) + 1):
             passed = min(k * STEP, seconds)
-            left = 1 - passed / seconds
-            yield q + qd * (1 + left) / 2 * passed, qd * left, -qd / seconds
+            remaining = 1 - passed / seconds
+            yield q + qd * (1 + remaining) / 2 * passed, qd * remaining, -qd / seconds
 
     def _move(self, goal: Array, speed: float, acceleration: float) -> Iterator[Target]:
         yield from self._brake(acceleration)
@@ -105,8 +105,8 @@ class JointMotion:
     def _run(self) -> Iterator[Target]:
         while True:
             missing = self._goal - self.qd
-            most = np.abs(missing).max()
-            qd = self.qd + missing * min(1.0, self._gain * STEP / most if most else 1.0)
+            largest = np.abs(missing).max()
+            qd = self.qd + missing * min(1.0, self._gain * STEP / largest if largest else 1.0)
             yield self.q + STEP * qd, qd, (qd - self.qd) / STEP
 
 
