@@ -38,15 +38,15 @@ def frames(
     controller's estimate of the wrench of the arm on its environment: currents less the torques of
     model and known friction. It is zero for an arm with a wrist sensor, whose readings replace it.
     """
-    known, drive, motion = experiment.known, experiment.drive, experiment.motion
+    nominal, drive, motion = experiment.nominal, experiment.drive, experiment.motion
     steps = np.arange(0, len(motion.time), round(cycle / STEP))
     q, qd = _encoders(motion, random)
     current = motion.motor_torque / drive.torque_constant
     if random is not None:
         current = current + current_noise(motion.q, motion.qd, random)
     targets, current = _at(motion.targets, steps), current[steps]
-    moment = model_torques(known, targets)
-    jacobian = jacobians(known, motion.q[steps])
+    moment = model_torques(nominal, targets)
+    jacobian = jacobians(nominal, motion.q[steps])
     expected = moment + drive.known_friction(targets.qd)
     estimated = not experiment.robot.wrist_sensor
     force = estimated * _force(drive.torque_constant * current - expected, jacobian, cycle)

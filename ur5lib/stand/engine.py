@@ -52,14 +52,14 @@ class Experiment:
     """A simulated arm and its motion.
 
     robot: with every payload; model: name of its true link model; plant: that model in MuJoCo;
-    known: the controller's model of the arm; declared: the payload configured at the controller.
+    nominal: the controller's model of the arm; declared: the payload configured at the controller.
     """
 
     robot: Robot
     model: str
     plan: SimulatedRecording
     plant: mujoco.MjModel
-    known: mujoco.MjModel
+    nominal: mujoco.MjModel
     declared: Payload | None
     friction: FrictionParameters
     drive: Drive
@@ -80,7 +80,7 @@ def perform(
         model=rig.model,
         plan=plan,
         plant=rig.plant,
-        known=rig.known,
+        nominal=rig.nominal,
         declared=rig.declared,
         friction=rig.friction,
         drive=rig.drive,

@@ -39,7 +39,7 @@ class Rig:
     """A simulated arm and its state.
 
     robot: with every payload; model: name of its true link model; plant, data: that model in MuJoCo
-    and its state; known, known_data: the controller's model of the arm; declared: the payload
+    and its state; nominal, nominal_data: the controller's model of the arm; declared: the payload
     configured at the controller; friction: parameters of `friction_state`.
     """
 
@@ -47,8 +47,8 @@ class Rig:
     model: str
     plant: mujoco.MjModel
     data: mujoco.MjData
-    known: mujoco.MjModel
-    known_data: mujoco.MjData
+    nominal: mujoco.MjModel
+    nominal_data: mujoco.MjData
     declared: Payload | None
     friction: FrictionParameters
     friction_state: Friction
@@ -75,10 +75,10 @@ class Rig:
 
     def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
         """Return the motor torques (6,) [Nm] in the state q [rad], qd [rad/s]."""
-        self.known_data.qpos, self.known_data.qvel = q, qd
-        mujoco.mj_fwdPosition(self.known, self.known_data)
-        mujoco.mj_fwdVelocity(self.known, self.known_data)
-        return self.drive.torques(self.known, self.known_data, target)
+        self.nominal_data.qpos, self.nominal_data.qvel = q, qd
+        mujoco.mj_fwdPosition(self.nominal, self.nominal_data)
+        mujoco.mj_fwdVelocity(self.nominal, self.nominal_data)
+        return self.drive.torques(self.nominal, self.nominal_data, target)
 
 
 def build_rig(
@@ -99,7 +99,7 @@ def build_rig(
     loaded = robot.carrying(plan.payload).carrying(plan.undeclared_payload)
     mounting = np.deg2rad((plan.imu or Imu()).mounting_deg)
     plant = build_arm(loaded, model, mounting, STEP)
-    known = build_arm(robot.carrying(declared), model, mounting, STEP)
+    nominal = build_arm(robot.carrying(declared), model, mounting, STEP)
     usual = friction_of(robot, plan.friction)
     friction = usual.changed(plan.coulomb_factor, plan.viscous_factor)
     return Rig(
@@ -107,8 +107,8 @@ def build_rig(
         model=model,
         plant=plant,
         data=mujoco.MjData(plant),
-        known=known,
-        known_data=mujoco.MjData(known),
+        nominal=nominal,
+        nominal_data=mujoco.MjData(nominal),
         declared=declared,
         friction=friction,
         friction_state=Friction(friction, random.uniform(-START, START, 6)),

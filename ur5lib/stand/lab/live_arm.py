@@ -68,8 +68,9 @@ class LiveArm:
     def declare(self, payload: Payload | None) -> None:
         """Configure the controller's payload; the arm's true load does not change."""
         mounting = np.deg2rad((self.plan.imu or Imu()).mounting_deg)
-        known = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
-        self.rig = replace(self.rig, known=known, known_data=mujoco.MjData(known), declared=payload)
+        nominal = build_arm(self._bare.carrying(payload), self.rig.model, mounting, STEP)
+        data = mujoco.MjData(nominal)
+        self.rig = replace(self.rig, nominal=nominal, nominal_data=data, declared=payload)
 
     def release(self) -> None:
         """Start freedrive, until the next command: gravity compensation only."""

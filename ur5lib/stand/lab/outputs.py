@@ -94,21 +94,21 @@ class Instruments:
     def _of_targets(self) -> tuple[Array, Array, Array]:
         """Return inverse dynamics, pose and speed of frame 6 at the targets, payload included."""
         rig, target = self._arm.rig, self._arm.motion
-        data = rig.known_data
+        data = rig.nominal_data
         data.qpos, data.qvel, data.qacc = target.q, target.qd, target.qdd
-        mujoco.mj_inverse(rig.known, data)
+        mujoco.mj_inverse(rig.nominal, data)
         flange, jacobian = data.body(FLANGE), np.zeros((6, 6))
-        mujoco.mj_jacBody(rig.known, data, jacobian[:3], jacobian[3:], flange.id)
+        mujoco.mj_jacBody(rig.nominal, data, jacobian[:3], jacobian[3:], flange.id)
         return data.qfrc_inverse.copy(), _pose(flange.xpos, flange.xmat), jacobian @ target.qd
 
     def _jacobian(self, body: str, q: Array) -> Array:
         """Return the geometric Jacobian (6, 6) at a body's origin, base axes."""
         rig, jacobian = self._arm.rig, np.zeros((6, 6))
-        rig.known_data.qpos = q
-        mujoco.mj_kinematics(rig.known, rig.known_data)
-        mujoco.mj_comPos(rig.known, rig.known_data)
-        number = rig.known.body(body).id
-        mujoco.mj_jacBody(rig.known, rig.known_data, jacobian[:3], jacobian[3:], number)
+        rig.nominal_data.qpos = q
+        mujoco.mj_kinematics(rig.nominal, rig.nominal_data)
+        mujoco.mj_comPos(rig.nominal, rig.nominal_data)
+        number = rig.nominal.body(body).id
+        mujoco.mj_jacBody(rig.nominal, rig.nominal_data, jacobian[:3], jacobian[3:], number)
         return jacobian
 
     def _forces(self, jacobian: Array, external: Array) -> dict[str, Array | float]:
@@ -123,8 +123,8 @@ class Instruments:
     def _elbow(self, qd: Array) -> dict[str, Array | float]:
         """Return position [m] and velocity [m/s] of the elbow; needs the state of `_jacobian`."""
         rig, jacobian = self._arm.rig, np.zeros((3, 6))
-        elbow = rig.known_data.body(ELBOW)
-        mujoco.mj_jacBody(rig.known, rig.known_data, jacobian, None, elbow.id)
+        elbow = rig.nominal_data.body(ELBOW)
+        mujoco.mj_jacBody(rig.nominal, rig.nominal_data, jacobian, None, elbow.id)
         return {"elbow_position": elbow.xpos.copy(), "elbow_velocity": jacobian @ qd}
 
     def _electrics(self, current: Array) -> dict[str, Array | float]:
