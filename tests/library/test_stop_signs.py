@@ -6,13 +6,14 @@ On the recordings of real arms where they are at hand, and on the virtual test s
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from scipy.signal import butter, sosfiltfilt
 
 from tests.conftest import PROJECT, recordings, said
 from tests.synthetic import write_recording
@@ -20,6 +21,7 @@ from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.current_checks import foreign_currents
+from ur5lib.recordings.innovations import innovation_likelihoods
 from ur5lib.recordings.intake import read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
@@ -29,6 +31,7 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Recording
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel
+from ur5lib.timeseries.segments import period
 
 STUDIES = {"thesis": "`make thesis` fetches them", "ur10e": "see workflow/studies/ur10e.yaml"}
 NAMES = {
@@ -316,6 +319,14 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
         joints_exchanged(3, 4, "actual_current"),
         "the currents of joints 3 and 4 are exchanged",
     ),
+    "currents of joints 4 and 5 exchanged": (
+        joints_exchanged(4, 5, "actual_current"),
+        "the currents of joints 4 and 5 are exchanged",
+    ),
+    "currents of joints 5 and 6 exchanged": (
+        joints_exchanged(5, 6, "actual_current"),
+        "the currents of joints 5 and 6 are exchanged",
+    ),
     "pan and elbow exchanged": (
         each(without(*UNKNOWN), joints_exchanged(1, 3)),
         "joints 1 and 3 are exchanged",
@@ -349,6 +360,68 @@ def told(taken: Taken, corruption: str) -> Iterator[str]:
 )
 def test_real_recordings_tell_what_is_wrong(study: str, name: str, corruption: str) -> None:
     assert any(told(real(study, name), corruption))
+
+
+# Joints that move alike, and joints at rest, are told apart by what their servos answer.
+ANSWERED = [
+    ("thesis", "Movement_No3_Acc", "currents of joints 5 and 6 exchanged"),
+    ("thesis", "Movement_No5_Acc_slow_w_disturbance", "currents of joints 5 and 6 exchanged"),
+    ("thesis", "Movement_No9_Singularity_Free_NoDist", "currents of joints 5 and 6 exchanged"),
+    ("thesis", "TEST", "currents of joints 5 and 6 exchanged"),
+    ("thesis", "Movement_No10_Standstill_ForceSensor_Fx", "currents of joints 4 and 5 exchanged"),
+    ("thesis", "Movement_No10_Standstill_WDist", "current 50 ms late"),
+    ("thesis", "Movement_No1", "current 50 ms late"),
+    ("ur10e", "ur-20_01_22-push_pose_1", "current 0.3 s late"),
+]
+
+
+@pytest.mark.parametrize(("study", "name", "corruption"), ANSWERED)
+def test_real_servos_tell_what_is_wrong(study: str, name: str, corruption: str) -> None:
+    assert any(told(real(study, name), corruption))
+
+
+def held(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+    """As of a source with a quarter of the rate."""
+    columns = six("actual_q") + six("actual_qd") + six("actual_current")
+    table[columns] = table[columns].to_numpy()[np.arange(len(table)) // 4 * 4]
+    return table
+
+
+def smoothed(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+    """Below 10 Hz."""
+    columns = six("actual_q") + six("actual_qd") + six("actual_current")
+    rate = 1 / float(np.median(np.diff(table["time"])))
+    low = butter(2, 10.0, fs=rate, output="sos")
+    table[columns] = sosfiltfilt(low, table[columns].ffill().bfill(), axis=0)
+    return table
+
+
+def jumping(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
+    """With all channels at zero in four frames."""
+    rows = np.random.default_rng(1).integers(100, len(table) - 100, 4)
+    table.loc[rows, six("actual_q") + six("actual_qd") + six("actual_current")] = 0.0
+    return table
+
+
+NO_SHIFT = np.array([0])
+RIGHT = [("thesis", "Movement_No10_Standstill_WDist"), *SPOILED]
+
+
+@pytest.mark.parametrize("spoil", [held, smoothed])
+@pytest.mark.parametrize(("study", "name"), RIGHT)
+def test_held_and_smoothed_currents_tell_nothing(study: str, name: str, spoil: Spoil) -> None:
+    taken = real(study, name)
+    table = spoil(taken.table.copy(), taken.arm)
+    assert not innovation_likelihoods(table, period(table["time"].to_numpy()), NO_SHIFT).any()
+
+
+@pytest.mark.parametrize(("study", "name"), RIGHT)
+def test_jumps_of_all_channels_exchange_no_currents(study: str, name: str) -> None:
+    taken = real(study, name)
+    table = jumping(taken.table.copy(), taken.arm)
+    (own,) = innovation_likelihoods(table, period(table["time"].to_numpy()), NO_SHIFT)
+    ahead = [own[j, k] + own[k, j] - own[j, j] - own[k, k] for j, k in combinations(range(6), 2)]
+    assert max(ahead) < 10.0  # of 60, which are a sign
 
 
 # Small arms bear little beside their friction: 12 s do not show these faults on them.

@@ -2,7 +2,8 @@
 
 Each joint's current is explained by the dry and viscous friction of its own motion, by gravity or
 the controller's target, and by inertia. Friction brakes, so that its coefficients have a sign. How
-much of the current is left tells exchanged columns, delayed or turned ones from right ones.
+much of the current is left, and how it changes from frame to frame, tells exchanged columns and
+delayed ones from right ones; friction tells turned ones.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,18 +14,21 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination
+from ur5lib.recordings.innovations import innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.recordings.readings import IN_ORDER, Order, readings
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 CURRENT = "actual_current"
 MOVES = 0.05  # rad/s, root mean square; slower joints show no friction
-SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 16
+SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 9
+SURE_PAIR = 60.0  # the same of two joints before all others; in right recordings, at most 5
+SURE_AT_REST = 40.0  # the same of a delay at rest before shorter ones; in right ones, at most 1
 NOISE = 0.02  # A; nothing is explained better
-SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 24
+SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 31
 RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
 STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
@@ -40,12 +44,22 @@ def strange_currents(
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
     """
-    if CURRENT not in means.currents or not is_driven(robot):
+    if CURRENT not in means.currents:
         return
-    yield from delayed(robot, arm, step)
-    exchanged = [*exchanged_currents(means, arm)]
-    yield from exchanged or turned(means, arm)
-    yield from scaled(means)
+    count = max(1, round(STEP / step))
+    most = round(LONGEST / (count * step))
+    lags = np.arange(-most, most + 1)
+    answers = innovation_likelihoods(robot, step, lags * count)
+    motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", answers)
+    driven = is_driven(robot)
+    delays = np.asarray(lags * count * step)
+    for scores in (motion, own):
+        yield from delayed(delays, scores, driven)
+    exchanged = [*exchanged_currents(means, arm, answers[most])]
+    yield from exchanged
+    if driven:
+        yield from [] if exchanged else turned(means, arm)
+        yield from scaled(means)
 
 
 def is_driven(robot: pd.DataFrame) -> bool:
@@ -60,15 +74,16 @@ def moving(means: BlockMeans) -> Mask:
     return np.asarray(np.sqrt((means.qd**2).mean(axis=0)) > MOVES)
 
 
-def exchanged_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
-    """Find two joints, each of which explains the current of the other better by far."""
-    score = means.log_likelihood(_left(means, arm) + NOISE**2)
-    gains = {
-        (j, k): score[j, k] + score[k, j] - score[j, j] - score[k, k]
-        for j, k in combinations(np.flatnonzero(moving(means)).tolist(), 2)
-    }
-    j, k = max(gains, key=gains.__getitem__, default=(0, 0))
-    if gains.get((j, k), 0.0) > SURE:
+def exchanged_currents(means: BlockMeans, arm: Robot, answers: Array) -> Iterator[Finding]:
+    """Find two joints, each of which explains the current of the other better than all others do.
+
+    answers: log-likelihoods (6, 6) of each current as an answer to each joint's motion.
+    """
+    score = answers + means.log_likelihood(_left(means, arm) + NOISE**2)
+    ahead = [[own[k] - np.delete(own, k).max() for k in range(6)] for own in score]
+    gains = np.triu(np.add(ahead, np.transpose(ahead)), 1)
+    j, k = np.argwhere(gains == gains.max())[0].tolist()
+    if gains[j, k] > SURE_PAIR:
         yield contradiction("exchanged currents", joint=j + 1, other=k + 1)
 
 
@@ -114,9 +129,10 @@ def scaled(means: BlockMeans) -> Iterator[Finding]:
     """Find currents that are a fraction or a multiple of their targets, in joints that bear."""
     if "target_current" not in means.currents:
         return
-    target, moves = means.currents["target_current"], moving(means)
-    bears = np.sqrt((target**2).mean(axis=0)) > BEARS
-    for joint in np.flatnonzero((moves & bears)[:3]).tolist():  # wrists hardly bear anything
+    target = means.currents["target_current"]
+    bears = moving(means) & (np.sqrt((target**2).mean(axis=0)) > BEARS)
+    bears |= target.std(axis=0) > BEARS  # at rest, of a joint whose load others change
+    for joint in np.flatnonzero(bears[:3]).tolist():  # wrists hardly bear anything
         own, friction = target[:, joint], means.friction(joint)
         load = np.abs(own) * friction[:, 0]
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
@@ -125,28 +141,33 @@ def scaled(means: BlockMeans) -> Iterator[Finding]:
             yield contradiction("scaled current", joint=joint + 1, ratio=slope)
 
 
-def delayed(robot: pd.DataFrame, arm: Robot, step: float) -> Iterator[Finding]:
-    """Find currents that come later or earlier than the motion that they drive."""
-    delay, gain = current_delay(robot, arm, step)
-    if abs(delay) >= DELAYED and gain > SURE:
-        yield contradiction("late current" if delay > 0 else "early current", seconds=abs(delay))
+def delayed(delays: Array, scores: Array, driven: bool) -> Iterator[Finding]:
+    """Find currents that come later or earlier than the motion that they drive.
+
+    delays: that are tried [s], none in the middle; scores: their log-likelihoods.
+    """
+    late = np.abs(delays) >= DELAYED
+    most, shorter, none = scores[late].max(), scores[~late].max(), scores[len(scores) // 2]
+    if most - none > SURE and most - shorter > (0.0 if driven else SURE_AT_REST):
+        delay = float(delays[late][np.argmax(scores[late])])
+        code = "late current" if delay > 0 else "early current"
+        yield contradiction(code, seconds=abs(delay))
 
 
-def current_delay(robot: pd.DataFrame, arm: Robot, step: float) -> tuple[float, float]:
-    """Return by how much the currents are late [s], and its gain of log-likelihood over none.
+def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags: Labels) -> Array:
+    """Return the log-likelihoods of delays of all currents, from the joints that move.
 
-    robot: a repaired table with a period `step` [s]. Zero where no joint moves.
+    robot: a repaired table with a period `step` [s]; lags: in blocks of `count` frames.
     """
     # means over blocks, from positions and currents alone
-    count = max(1, round(STEP / step))
     q, current = (_means(channel(robot, name), count) for name in ("actual_q", CURRENT))
     received = 1 - _means(robot[["interpolated"]].to_numpy(float), count)[:, 0]
     step *= count
     qd = np.gradient(q, step, axis=0)
     gravity, qdd = gravity_torque(arm, arm.chosen_model, q), np.gradient(qd, step, axis=0)
     # blocks whose current is known at every delay
-    most = round(LONGEST / step)
-    lags, rows = np.arange(-most, most + 1), np.arange(most, len(q) - most)
+    most = int(lags.max())
+    rows = np.arange(most, len(q) - most)
     later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
     rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
     rows = rows[received[rows] >= RECEIVED]
@@ -157,8 +178,7 @@ def current_delay(robot: pd.DataFrame, arm: Robot, step: float) -> tuple[float, 
         own = [friction, qd[:, joint], gravity[:, joint], qdd[:, joint], np.ones(len(qd))]
         left = _beside(np.column_stack(own)[rows], later[rows - most, joint])
         scores -= len(rows) * step / INDEPENDENT / 2 * np.log((left**2).mean(axis=0) + NOISE**2)
-    best = int(np.argmax(scores))
-    return float(lags[best] * step), float(scores[best] - scores[most])
+    return scores
 
 
 def _beside(columns: Array, values: Array) -> Array:

@@ -1,0 +1,99 @@
+"""Which joint's motion a current belongs to, by how both change from frame to frame.
+
+A servo answers each small disturbance of its own joint, also at rest, and also of joints that move
+alike. Therefore, the innovations of a current, which its own past does not predict, follow from the
+changes of its own joint's position and velocity more than from those of any other's.
+"""
+
+import numpy as np
+import pandas as pd
+
+from ur5lib.tables import channel
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+CURRENT = "actual_current"
+SLOWEST = 0.02  # s between frames; slower ones show the motion of all joints more than disturbances
+FRESH = 0.9  # share of frames whose currents differ from the previous ones; fewer were held
+RAW = 0.3  # share of the currents' changes that is new; 0.5 to 1 as recorded, 0.2 if smoothed
+FEWEST, MOST = 100, 20_000  # frames that are looked at
+PAST = 3  # frames by which a current is predicted
+NEAR = 2  # frames before and after, within which a current answers a motion, and a motion a current
+INDEPENDENT = 2  # frames between innovations that count as independent
+USUAL = (0.005, 0.995)  # quantiles of changes; larger ones are jumps of all channels at once
+RIDGE = 1e-6  # of the motions' unit size; for those that are nil or alike
+TINY = 1e-300
+
+
+def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> Array:
+    """Return the log-likelihoods (S, 6, 6) of currents, by how many frames they are late.
+
+    Row j: the current of joint j; column k: what the motion of joint k explains of it beyond that
+    of the other joints. Zero where nothing can be told. robot: a repaired table with positions and
+    currents; step: between its frames [s].
+    """
+    most = max(NEAR, *np.abs(shifts))
+    rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most
+    rows = rows[:: 1 + len(rows) // MOST]
+    changes = _changes(channel(robot, CURRENT))
+    news = _innovations(changes)
+    if len(rows) < FEWEST or step > SLOWEST or not _as_sampled(changes[rows], news[rows]):
+        return np.zeros((len(shifts), 6, 6))
+    q = channel(robot, "actual_q")
+    qd = channel(robot, "actual_qd") if "actual_qd_0" in robot else np.gradient(q, axis=0)
+    near = _near(np.stack([_changes(q), _changes(qd)], axis=2), rows)
+    late = np.concatenate([news[rows + shift] for shift in shifts], axis=1)  # (n, 6 S)
+    gains = _gains(near, late).reshape(6, len(shifts), 6).transpose(1, 2, 0)
+    return len(rows) / INDEPENDENT / 2 * gains
+
+
+def _as_sampled(changes: Array, news: Array) -> bool:
+    """Return whether currents with these changes and innovations (n, 6) are neither held nor
+    smoothed.
+    """
+    fresh = (changes != 0).any(axis=1).mean()
+    new = np.mean(news.var(axis=0) / (changes.var(axis=0) + TINY))
+    return bool(fresh > FRESH and new > RAW)
+
+
+def _received(robot: pd.DataFrame) -> Mask:
+    """Return the frames that were received, as the ones before them."""
+    whole = ~robot["interpolated"].to_numpy(bool)
+    whole[1:] &= whole[:-1] & (np.diff(robot["segment"]) == 0)
+    return whole
+
+
+def _changes(values: Array) -> Array:
+    """Return the changes since the previous frame of (N, 6), but for jumps; zero if unknown."""
+    changes = np.nan_to_num(np.diff(values, axis=0, prepend=values[:1]))
+    return np.asarray(np.clip(changes, *np.quantile(changes, USUAL, axis=0)))
+
+
+def _innovations(changes: Array) -> Array:
+    """Return what the past of each column (N, 6) does not predict of it."""
+    past = np.stack([np.roll(changes, k, axis=0) for k in range(1, PAST + 1)], axis=2)
+    own = [np.linalg.lstsq(past[:, j], changes[:, j], rcond=None)[0] for j in range(6)]
+    return np.asarray(changes - np.einsum("njk,jk->nj", past, own))
+
+
+def _near(motion: Array, rows: Labels) -> Array:
+    """Return motions (N, 6, 2) near some frames (n, m), joint after joint, each of unit size."""
+    windows = motion[rows[:, None] + np.arange(-NEAR, NEAR + 1)]  # (n, frames, 6, 2)
+    near = windows.swapaxes(1, 2).reshape(len(rows), -1)
+    near = near - near.mean(axis=0)
+    return np.asarray(near / (np.linalg.norm(near, axis=0) + TINY))
+
+
+def _gains(near: Array, news: Array) -> Array:
+    """Return ln(1 + F) (6, c) of what each joint explains of c currents (n, c) beyond the others.
+
+    near: motions (n, m), joint after joint. F: by how much the sum of squares that all joints leave
+    grows without this one, of itself; a Wald test by the inverse of the Gram matrix.
+    """
+    inverse = np.linalg.inv(near.T @ near + RIDGE * np.eye(near.shape[1]))
+    products = near.T @ news
+    solution = inverse @ products
+    left = np.einsum("nc,nc->c", news, news) - np.einsum("mc,mc->c", products, solution) + TINY
+    own, size = solution.reshape(6, -1, news.shape[1]), len(inverse) // 6
+    blocks = inverse.reshape(6, size, 6, size)[range(6), :, range(6)]  # of each joint's own
+    beyond = np.linalg.solve(blocks, own)
+    return np.asarray(np.log1p((own * beyond).sum(axis=1) / left))
