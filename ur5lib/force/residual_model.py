@@ -116,7 +116,8 @@ def fit_residual_model(
     """
     # E[x²], and the variogram at both lags
     short, long = ([_differences(one, lag) for one in stretches] for lag in (SHORT, LONG))
-    whole, near, far = _moments(stretches), _moments(short), _moments(long)  # (S, n) each
+    joints = len(breakaway)
+    whole, near, far = (_moments(each, joints) for each in (stretches, short, long))  # (S, n) each
     if not np.isfinite(far).any():
         raise RefusalError("short recordings", seconds=LONG)
     still = (np.flatnonzero(np.isnan(whole[MOVING])) + 1).tolist()
@@ -169,9 +170,9 @@ def _passed(where: Mask, lag: int) -> Mask:
     return np.asarray(maximum_filter1d(where.astype(np.uint8), lag + 1, axis=0) > 0)
 
 
-def _moments(stretches: Sequence[Stretch]) -> Array:
+def _moments(stretches: Sequence[Stretch], joints: int) -> Array:
     """Return mean squares (S, n) over time by state and joint; NaN for a state without data."""
-    total, seconds = np.zeros((2, STATES, stretches[0].torque.shape[1]))
+    total, seconds = np.zeros((2, STATES, joints))
     for torque, states, period in stretches:
         for state in range(STATES):
             here = (states == state) & np.isfinite(torque)
