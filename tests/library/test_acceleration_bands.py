@@ -71,7 +71,7 @@ def test_colour_widens_by_what_averages_out_less() -> None:
         series[k] = share * series[k - 1] + white[k]
     test = innovation_test(series, np.zeros(len(series), np.int64))
     expected = np.sqrt([1, 1, 1, 3, 1.3 / 0.7, 1])
-    np.testing.assert_allclose(widening(test), expected, rtol=0.05)
+    np.testing.assert_allclose(widening(test, joints=6), expected, rtol=0.05)
 
 
 @pytest.mark.parametrize("kind", ["moves", "Fourier series"])

@@ -147,9 +147,9 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
-         jobs("draw_tracking", *FROM_MOTION) | ARM | REPORT),
+         jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         ("ur5lib/signals/smoothing.py",
-         jobs("draw_tracking", *FROM_MOTION) | ARM | REPORT),
+         jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         # Side branches: no force estimate runs again.
         ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
         ("ur5lib/signals/imu_model.py",  # a wrist sensor's tool moves by its Jacobian

@@ -1,7 +1,7 @@
 """Which joint's motion a current belongs to, by how both change from frame to frame.
 
-A servo answers each small disturbance of its own joint, also at rest, and also of joints that move
-alike. Therefore, the innovations of a current, which its own past does not predict, follow from the
+A servo answers each small disturbance of its own joint, also of joints that rest or move alike.
+Therefore, the innovations of a current, which its own past does not predict, follow from the
 changes of its own joint's position and velocity more than from those of any other's.
 """
 

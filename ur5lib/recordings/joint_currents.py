@@ -26,11 +26,13 @@ CURRENT = "actual_current"
 MOVES = 0.05  # rad/s, root mean square; slower joints show no friction
 SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 9
 SURE_PAIR = 60.0  # the same of two joints before all others; in right recordings, at most 5
-SURE_AT_REST = 40.0  # the same of a delay at rest before shorter ones; in right ones, at most 1
+SURE_BY_HAND = 40.0  # likewise of a led arm, before shorter delays; in right ones, at most 1
+
 NOISE = 0.02  # A; nothing is explained better
 SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 31
 RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 BRAKES = 4.0  # standard errors by which friction drives; in right recordings, at most 2
+LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
 STEP, LONGEST = 0.02, 0.4  # s, of the delays that are tried; right recordings show none
 DELAYED = 0.03  # s; a shorter delay changes nothing that is fitted below 2 Hz
 WEAK, STRONG = 0.8, 2.0  # current per target; 0.87 to 1.5 in right recordings, loads included
@@ -44,14 +46,14 @@ def strange_currents(
 
     robot: a repaired table; means: over its blocks; arm: with what it carries; step: [s].
     """
-    if CURRENT not in means.currents:
+    driven = is_driven(robot)
+    if CURRENT not in means.currents or moving(means).sum() < (1 if driven else LED):
         return
     count = max(1, round(STEP / step))
     most = round(LONGEST / (count * step))
     lags = np.arange(-most, most + 1)
     answers = innovation_likelihoods(robot, step, lags * count)
     motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", answers)
-    driven = is_driven(robot)
     delays = np.asarray(lags * count * step)
     for scores in (motion, own):
         yield from delayed(delays, scores, driven)
@@ -148,7 +150,7 @@ def delayed(delays: Array, scores: Array, driven: bool) -> Iterator[Finding]:
     """
     late = np.abs(delays) >= DELAYED
     most, shorter, none = scores[late].max(), scores[~late].max(), scores[len(scores) // 2]
-    if most - none > SURE and most - shorter > (0.0 if driven else SURE_AT_REST):
+    if most - none > SURE and most - shorter > (0.0 if driven else SURE_BY_HAND):
         delay = float(delays[late][np.argmax(scores[late])])
         code = "late current" if delay > 0 else "early current"
         yield contradiction(code, seconds=abs(delay))

@@ -6,11 +6,16 @@ from itertools import islice
 import pandas as pd
 
 from ur5lib.recordings.arm_checks import described, foreign_torque, tool_off_flange
-from ur5lib.recordings.block_means import block_means
+from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.checks import misread_velocities
 from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
 from ur5lib.recordings.exchanged import exchanged_channels
-from ur5lib.recordings.joint_currents import exchanged_joints, foreign_arm, strange_currents
+from ur5lib.recordings.joint_currents import (
+    exchanged_joints,
+    foreign_arm,
+    moving,
+    strange_currents,
+)
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, Robot, robot_names
 from ur5lib.tables import columns
@@ -49,12 +54,20 @@ def _contradictions(
     yield from foreign_torque(means, arm, [told, declared])
     yield from tool_off_flange(robot, arm)
     yield from foreign_currents(means, arm.carrying(declared))
+    if fitted or moving(means).any():  # a push against an arm at rest looks like gravity
+        yield from _contradicted_gravity(means, arm, declared)
+    yield from strange_currents(robot, means, arm.carrying(declared), step)
+    if fitted:  # elsewhere, the fit finds an undeclared load
+        yield from undeclared_load(means, arm.carrying(told), arm.carrying(declared))
+
+
+def _contradicted_gravity(
+    means: BlockMeans, arm: Robot, declared: Payload | None
+) -> Iterator[Finding]:
+    """Yield where the currents hold the gravity of other joints, or of another arm."""
     yield from exchanged_joints(means, arm.carrying(declared))
     if means.torque is None:
         others = [described(name).mounted(arm.gravity) for name in robot_names()]
         yield from foreign_arm(
             means, arm.carrying(declared), [o.carrying(declared) for o in others]
         )
-    yield from strange_currents(robot, means, arm.carrying(declared), step)
-    if fitted:  # elsewhere, the fit finds an undeclared load
-        yield from undeclared_load(means, arm.carrying(told), arm.carrying(declared))
