@@ -25,10 +25,10 @@ def evaluate(arm: Arm, kernel: Kernel, *states: Tensor, wrench: Tensor | None = 
     """
     joints, dtype = len(arm.geometry.joints), arm.parameters.dtype
     given = [*states] if wrench is None else [*states, wrench]
-    widths = [joints] * len(states) + [6]
+    widths = [joints] * len(states) + [6] * (len(given) - len(states))
     if any(
         (rows.shape, rows.dtype) != ((len(states[0]), width), dtype)
-        for rows, width in zip(given, widths, strict=False)
+        for rows, width in zip(given, widths, strict=True)
     ):
         found = ", ".join(f"{tuple(rows.shape)} {rows.dtype}" for rows in given)
         raise ValueError(f"states must be (N, {joints}) of the same N, {dtype}, not {found}")

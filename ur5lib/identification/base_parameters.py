@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +34,7 @@ class BaseParameters:
     columns: NDArray[np.intp]
     groups: Array
 
-    @property
+    @cached_property
     def parameters(self) -> list[str]:
         """Return the names of π (P,)."""
         return parameter_names(self.groups.shape[1])

@@ -8,6 +8,7 @@ changes of its own joint's position and velocity more than from those of any oth
 import numpy as np
 import pandas as pd
 
+from ur5lib.recordings.block_means import TINY
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
@@ -21,7 +22,6 @@ NEAR = 2  # frames before and after, within which a current answers a motion, an
 INDEPENDENT = 2  # frames between innovations that count as independent
 USUAL = (0.005, 0.995)  # quantiles of changes; larger ones are jumps of all channels at once
 RIDGE = 1e-6  # of the motions' unit size; for those that are nil or alike
-TINY = 1e-300
 
 
 def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> Array:

@@ -14,7 +14,7 @@ import pandas as pd
 from scipy.optimize import nnls
 
 from ur5lib.recordings.block_means import INDEPENDENT, BlockMeans, combination
-from ur5lib.recordings.innovations import innovation_likelihoods
+from ur5lib.recordings.innovations import CURRENT, innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.recordings.readings import IN_ORDER, Order, readings
 from ur5lib.robots.description import Robot
@@ -22,12 +22,10 @@ from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-CURRENT = "actual_current"
 MOVES = 0.05  # rad/s, root mean square; slower joints show no friction
 SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 9
 SURE_PAIR = 60.0  # the same of two joints before all others; in right recordings, at most 5
 SURE_BY_HAND = 40.0  # likewise of a led arm, before shorter delays; in right ones, at most 1
-
 NOISE = 0.02  # A; nothing is explained better
 SURE_ARM = 40.0  # the same for another arm; in right recordings, at most 31
 RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost

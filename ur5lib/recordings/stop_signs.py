@@ -6,7 +6,7 @@ from itertools import islice
 import pandas as pd
 
 from ur5lib.recordings.arm_checks import described, foreign_torque, tool_off_flange
-from ur5lib.recordings.block_means import BlockMeans, block_means
+from ur5lib.recordings.block_means import block_means
 from ur5lib.recordings.checks import misread_velocities
 from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
 from ur5lib.recordings.exchanged import exchanged_channels
@@ -53,21 +53,13 @@ def _contradictions(
         return
     yield from foreign_torque(means, arm, [told, declared])
     yield from tool_off_flange(robot, arm)
-    yield from foreign_currents(means, arm.carrying(declared))
+    loaded = arm.carrying(declared)
+    yield from foreign_currents(means, loaded)
     if fitted or moving(means).any():  # a push against an arm at rest looks like gravity
-        yield from _contradicted_gravity(means, arm, declared)
-    yield from strange_currents(robot, means, arm.carrying(declared), step)
+        yield from exchanged_joints(means, loaded)
+        if means.torque is None:
+            others = (described(name).mounted(arm.gravity) for name in robot_names())
+            yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
+    yield from strange_currents(robot, means, loaded, step)
     if fitted:  # elsewhere, the fit finds an undeclared load
-        yield from undeclared_load(means, arm.carrying(told), arm.carrying(declared))
-
-
-def _contradicted_gravity(
-    means: BlockMeans, arm: Robot, declared: Payload | None
-) -> Iterator[Finding]:
-    """Yield where the currents hold the gravity of other joints, or of another arm."""
-    yield from exchanged_joints(means, arm.carrying(declared))
-    if means.torque is None:
-        others = [described(name).mounted(arm.gravity) for name in robot_names()]
-        yield from foreign_arm(
-            means, arm.carrying(declared), [o.carrying(declared) for o in others]
-        )
+        yield from undeclared_load(means, arm.carrying(told), loaded)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, TypeVar
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 import yaml
 from pydantic import AfterValidator, ConfigDict, Field, ValidationError, model_validator
@@ -194,14 +194,6 @@ class Gains(Strict):
     velocity: PerJoint
 
 
-EACH_JOINT = {  # fields with one entry for each joint, or the link that it moves
-    *("denavit_hartenberg", "calibration", "masses"),  # of the arm
-    *("centers_of_mass", "cylinders", "inertias", "rotor_inertias"),  # of a model
-    *("torque_constant", "offset", "preliminary_torque_constant"),  # of the currents
-    *("coulomb", "viscous", "position", "velocity"),  # of friction and gains
-}
-
-
 class Robot(Strict):
     """An arm of n revolute joints: geometry, masses, link models and published constants.
 
@@ -239,8 +231,9 @@ class Robot(Strict):
     def _each_joint_is_described(self) -> Self:
         constants = [own for own in (self.current_to_torque, self.friction) if own is not None]
         for part in (self, *self.models.values(), *constants, *self.closed_loop_gains.values()):
-            for name, values in part:
-                if name in EACH_JOINT and values and len(values) != len(self.joints):
+            for name, field in type(part).model_fields.items():
+                values = getattr(part, name)
+                if _is_by_joint(field.annotation) and values and len(values) != len(self.joints):
                     raise ValueError(
                         f"`{name}` has {len(values)} entries, `joints` has {len(self.joints)}"
                     )
@@ -315,6 +308,11 @@ class Robot(Strict):
             return self
         x, y, z = map(float, gravity)
         return self.model_copy(update={"gravity": (x, y, z)})
+
+
+def _is_by_joint(kind: Any) -> bool:
+    """Return whether a field is PerLink, a tuple of any length, or that or None."""
+    return any(Ellipsis in get_args(one) for one in (kind, *get_args(kind)))
 
 
 def robot_names() -> list[str]:
