@@ -1,4 +1,4 @@
-"""Dynamics side by side in one run: this library, Pinocchio and MuJoCo; then memory, and a GPU.
+"""Dynamics side by side in one run: this library, Pinocchio and MuJoCo; then memory.
 
 Microseconds a state, medians of rounds in which all take turns; "x" is the median of the rounds'
 ratios to Pinocchio's loop. What is called in a Python loop is given at most LOOPED states: its
@@ -20,7 +20,7 @@ import numpy as np
 import pinocchio
 import torch
 
-from ur5lib.dynamics.arm import Arm, build_arm
+from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inertia_matrix, inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
@@ -63,10 +63,6 @@ def main() -> None:
         command = [sys.executable, "-m", "benchmarks.dynamics", *sys.argv[1:]]
         subprocess.run([*command, "--threads", str(threads)], check=True)
     print_memory(robot, effort)
-    if torch.cuda.is_available():
-        print_gpu(robot, effort)
-    else:
-        print("\nno GPU is at hand")
 
 
 def compare_on_threads(robot: Robot, threads: int, effort: Effort) -> None:
@@ -215,39 +211,6 @@ def print_memory(robot: Robot, effort: Effort) -> None:
         inverse_dynamics(arm, state, state, state)
         peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
         print(f"{size:>9}{peak - size * 48 / 2**20:>12.0f}")
-
-
-def print_gpu(robot: Robot, effort: Effort) -> None:
-    """Print the rate on a GPU, and its share of the memory's bandwidth at 24 values per state."""
-    copied = torch.ones(1 << 28, device="cuda")
-    bandwidth = 2 * copied.nbytes / gpu_seconds(copied.clone, effort.rounds)
-    print(f"\ninverse dynamics, {torch.cuda.get_device_name()}, {bandwidth / 1e12:.2f} TB/s copied")
-    print(f"{'states':>9}{'':>16}{'million a second':>20}{'of the memory limit':>22}")
-    for fused in (False, True)[: 1 + effort.fused]:
-        for dtype in (torch.float64, torch.float32):
-            arm = build_arm(robot, MODEL, dtype=dtype, device="cuda", fused=fused)
-            for size in effort.large:
-                print(gpu_row(arm, size, bandwidth, effort.rounds), flush=True)
-
-
-def gpu_row(arm: Arm, size: int, bandwidth: float, rounds: int) -> str:
-    """Return one line of the GPU's table."""
-    dtype = arm.parameters.dtype
-    states = [torch.rand(size, 6, dtype=dtype, device="cuda") for _ in range(3)]
-    rate = size / gpu_seconds(lambda: inverse_dynamics(arm, *states), rounds)
-    share = rate * 24 * dtype.itemsize / bandwidth
-    label = f"{'fused' if arm.fused else 'plain'} {str(dtype).removeprefix('torch.')}"
-    return f"{size:>9}{label:>16}{rate / 1e6:>20.0f}{share:>22.1%}"
-
-
-def gpu_seconds(call: Callable[[], object], rounds: int) -> float:
-    """Return the median time of a call, until the GPU has finished."""
-
-    def finished() -> None:
-        call()
-        torch.cuda.synchronize()
-
-    return statistics.median([seconds(finished) for _ in range(rounds + 1)][1:])
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from tests.conftest import PROJECT
 
 PRINTED = {  # what each prints at least
     "dynamics": ["inverse dynamics, UR5", "inertia matrix, UR5", "pinocchio", "peak memory"],
+    "gpu": ["GPU"],
     "smoothing": ["200 samples", "this library", "loop, Pinocchio"],
     "motion": ["Fourier series", "within the 95 % band", "with an IMU", "bridged"],
     "stream": ["10000 frames", "ours", "struct", "ratio of the fastest"],
