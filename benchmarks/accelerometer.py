@@ -28,8 +28,8 @@ from scipy import stats
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import SECONDS, SEEDS, SETTINGS, Taken, plans, taken
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.detection import in_contact, is_free
 from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
-from ur5lib.force.sensed_contacts import in_contact, is_free
 from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import Carried, carried

@@ -19,18 +19,16 @@ import numpy as np
 
 from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import Effort, design
-from ur5lib.excitation.feasible import RATE, free_postures, random_path
-from ur5lib.excitation.limits import Cell
+from ur5lib.excitation.design import RATE, Effort, design, free_postures, random_path
 from ur5lib.excitation.objective import STEP, Task
-from ur5lib.excitation.path import Path
 from ur5lib.excitation.problem import INDEPENDENT, Problem
+from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_names, robot_path
 from ur5lib.stand.plan import POSTURE, Movej
 from ur5lib.stand.trajectories import REST, plan_targets
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 ROBOTS = ("ur5", "ur5e")
 SECONDS, RANDOM = 20.0, 1000

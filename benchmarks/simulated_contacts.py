@@ -33,7 +33,7 @@ from benchmarks.harness.scores import known_to_all, masked, score_by_sample
 from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.study import Arm, label_paths, read_run
 from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
-from ur5lib.force.sensed_contacts import CONTACT, is_free
+from ur5lib.force.detection import CONTACT, is_free
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.stand.plan import POSTURE

@@ -20,8 +20,7 @@ from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
-from ur5lib.signals.imu_fusion import ALL, WITH_BIASES, add_imu
-from ur5lib.signals.imu_model import LinearImu, linearise_imu
+from ur5lib.signals.imu_fusion import ALL, WITH_BIASES, LinearImu, add_imu, linearise_imu
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import encoder_system
 from ur5lib.timeseries.arrays import Array

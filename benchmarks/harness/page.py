@@ -11,7 +11,7 @@ import pandas as pd
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness import tuning
 from benchmarks.harness.study import Arm
-from ur5lib.force import contact_figures, contact_link, sensed_contacts
+from ur5lib.force import contact_figures, contact_link, detection
 
 TEMPLATE = "page.md.jinja"
 SENSED = ["estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]",
@@ -107,10 +107,10 @@ def rule() -> dict[str, str]:
         "latency": f"{1000 * tuning.MOST:.0f} ms",
         "reached": f"{tuning.REACHED:.0%}".replace("%", " %"),
         "push": f"{tuning.PUSH:g} N",
-        "contact": f"{sensed_contacts.CONTACT:g} N",
-        "free": f"{sensed_contacts.FREE:g} N",
-        "apart": f"{sensed_contacts.CLEAR:g} s",
-        "touch": f"{sensed_contacts.TOUCH:g} N",
+        "contact": f"{detection.CONTACT:g} N",
+        "free": f"{detection.FREE:g} N",
+        "apart": f"{detection.CLEAR:g} s",
+        "touch": f"{detection.TOUCH:g} N",
         "draws": f"{contact_figures.DRAWS}",
         "sure": f"{contact_link.SURE:.0%}".replace("%", " %"),
     }

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
 from ur5lib.force.external_torque import States, finite_rows
-from ur5lib.force.gears import Gears
+from ur5lib.force.force_input import Gears
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 

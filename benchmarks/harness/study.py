@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 
 from benchmarks.harness.run import Estimate, Run
-from ur5lib.force.gears import Gears
+from ur5lib.force.force_input import Gears
 from ur5lib.force.observer import momentum_rate
 from ur5lib.identification.currents import (
     breakaway_torque,

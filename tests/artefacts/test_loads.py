@@ -13,7 +13,7 @@ from ur5lib.pipeline.estimators import GATED
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.tables import read_csv, read_json
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 pytestmark = pytest.mark.slow
 

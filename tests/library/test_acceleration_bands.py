@@ -9,8 +9,7 @@ import pytest
 from benchmarks.motion import judged, simulated, with_imu
 from tests.made_tables import table
 from ur5lib.pipeline.acceleration_ranges import by_range
-from ur5lib.signals.innovations import innovation_test
-from ur5lib.signals.smoothing import widening
+from ur5lib.signals.smoothing import innovation_test, widening
 from ur5lib.timeseries.arrays import Array
 
 SAMPLES = 20_000

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from ur5lib.identification.bootstrap import (
+from ur5lib.identification.regression import (
     block_sums,
     draw_units,
     half_width,

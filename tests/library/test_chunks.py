@@ -6,8 +6,8 @@ import pytest
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.description import Robot
-from ur5lib.timeseries import chunks as module
-from ur5lib.timeseries.chunks import chunks, in_chunks
+from ur5lib.timeseries import segments as module
+from ur5lib.timeseries.segments import chunks, in_chunks
 
 
 @pytest.mark.parametrize("count", [0, 1, 5, 6, 17])

@@ -15,11 +15,16 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.errors import Remark, remark
 from ur5lib.robots.description import load_robot, robot_path
-from ur5lib.signals.clock import Clock, clock_from_stamps
-from ur5lib.signals.clocks import LATENCY, WANDER, clock_from_rotation, even_samples, interpolate
+from ur5lib.signals.clock import WANDER, Clock, clock_from_stamps
+from ur5lib.signals.device_clock import (
+    LATENCY,
+    clock_from_rotation,
+    even_samples,
+    interpolate,
+)
 from ur5lib.signals.resampling import resample
-from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.sampling import differentiate
 
 OFFSET, DRIFT = -0.08, -3300e-6
 STAMPS = clock_from_stamps(-0.03, 0.1)

@@ -25,8 +25,8 @@ from ur5lib.pipeline.closed_loop import gain_summary, published_gains, simulated
 from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.sampling import interpolated
 
 TABLE_5_5 = "Movement_No5_Acc_slow_no_disturbance"
 FAST = "Movement_No4_Acc"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.force.consensus import agreement, candidates, drawn, quiet_stretches
+from ur5lib.force.free_fit import agreement, candidates, drawn, quiet_stretches
 
 PERIOD = 0.01
 SCALE = np.array([0.1] * 3 + [0.01] * 3)

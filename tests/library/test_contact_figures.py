@@ -11,7 +11,7 @@ from ur5lib.force.contact_figures import (
     periods,
     resampled_figures,
 )
-from ur5lib.force.sensed_contacts import contacts, is_free
+from ur5lib.force.detection import contacts, is_free
 
 PERIOD = 0.01
 RANDOM = np.random.default_rng(0)

@@ -20,7 +20,7 @@ from tests.library.current_study import (
     with_noise,
 )
 from tests.made_tables import table
-from ur5lib.identification import bootstrap, friction
+from ur5lib.identification import friction
 from ur5lib.identification.currents import (
     CONFLICT,
     FOLDS,
@@ -42,7 +42,7 @@ from ur5lib.identification.estimation import (
     physical,
 )
 from ur5lib.identification.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
-from ur5lib.identification.regression import Normal, regress
+from ur5lib.identification.regression import Normal, draw_blocks, draw_units, half_width, regress
 from ur5lib.identification.samples import (
     STEP,
     Record,
@@ -151,7 +151,7 @@ def test_draws_are_of_whole_units_or_of_blocks_within_them() -> None:
     """Each unit is drawn as often as it has blocks; what is of no unit never is."""
     unit = np.array([0, 0, 0, -1, 1, 1, 2])
     generator = np.random.default_rng(0)
-    whole, within = bootstrap.draw_units(unit, generator), bootstrap.draw_blocks(unit, generator)
+    whole, within = draw_units(unit, generator), draw_blocks(unit, generator)
     for counts in (whole, within):
         assert counts.shape == (500, 7)
         assert (counts[:, 3] == 0).all()
@@ -193,7 +193,7 @@ def test_intervals_hold_what_they_promise() -> None:
         off = np.concatenate(
             [
                 np.abs(physical(estimate.coefficients) - physical(true))
-                < bootstrap.half_width(estimate.std_error, units)
+                < half_width(estimate.std_error, units)
                 for estimate, true in zip(estimates, truth, strict=True)
             ]
         )

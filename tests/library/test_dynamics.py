@@ -14,7 +14,6 @@ from torch.func import jvp
 from ur5lib.dynamics import euler_lagrange
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.kinematics import jacobian, velocity_product_acceleration
-from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
     forward_dynamics,
@@ -23,6 +22,7 @@ from ur5lib.dynamics.rigid_body import (
     inverse_dynamics,
     kinetic_energy,
     potential_energy,
+    regressor,
     wrench_torque,
 )
 from ur5lib.robots.description import Payload, load_robot, robot_path

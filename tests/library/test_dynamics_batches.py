@@ -14,7 +14,6 @@ from tests.library.test_dynamics import states
 from ur5lib.dynamics import batches
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.kinematics import acceleration
-from ur5lib.dynamics.regressor import regressor
 from ur5lib.dynamics.rigid_body import (
     coriolis_matrix,
     forward_dynamics,
@@ -23,6 +22,7 @@ from ur5lib.dynamics.rigid_body import (
     inverse_dynamics,
     kinetic_energy,
     potential_energy,
+    regressor,
 )
 from ur5lib.robots.description import Robot, load_robot, robot_path
 

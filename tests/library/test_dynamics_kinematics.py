@@ -13,12 +13,14 @@ from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.kinematics import (
     acceleration,
     analytical_jacobian,
+    axis_angle,
     jacobian,
     link_frames,
     velocity,
     velocity_product_acceleration,
+    zyz_angles,
+    zyz_rates_to_angular_velocity,
 )
-from ur5lib.dynamics.orientation import axis_angle, zyz_angles, zyz_rates_to_angular_velocity
 from ur5lib.robots.description import Robot, load_robot, robot_path
 
 POINT = torch.tensor([0.1, -0.2, 0.3], dtype=torch.float64)

@@ -10,12 +10,16 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.robots.description import Robot
 from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.end_effector import felt_acceleration, point_acceleration, point_velocity
-from ur5lib.signals.euler_route import euler_acceleration
+from ur5lib.signals.end_effector import (
+    euler_acceleration,
+    felt_acceleration,
+    point_acceleration,
+    point_velocity,
+)
 from ur5lib.signals.imu_record import imu_record
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.timeseries.sampling import interpolated
 
 PERIOD = 0.008
 GRAVITY = np.array([0.1, -0.2, -9.8])

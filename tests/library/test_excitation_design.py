@@ -20,13 +20,11 @@ from benchmarks.excitation import (
 )
 from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.errors import InputError
-from ur5lib.excitation.design import Design, Effort, design
-from ur5lib.excitation.feasible import feasible, free_postures, random_path
-from ur5lib.excitation.limits import Cell
+from ur5lib.excitation.design import Design, Effort, design, feasible, free_postures, random_path
 from ur5lib.excitation.objective import Objective, Task
-from ur5lib.excitation.path import Path
 from ur5lib.excitation.problem import CORRELATED, INDEPENDENT, TORQUE_NOISE, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
+from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lib.robots.collisions import Box, Surroundings
 from ur5lib.robots.description import load_robot, robot_path

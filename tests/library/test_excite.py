@@ -13,7 +13,7 @@ from ur5lib.cli import app
 from ur5lib.commands import excite
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
-from ur5lib.excitation.path import Path as Motion
+from ur5lib.excitation.trajectory import Path as Motion
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recordings.rtde_csv import read_rtde_csv

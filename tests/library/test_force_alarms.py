@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.force.force_alarms import STEP, force_alarms, force_threshold, pushes_above
-from ur5lib.force.sensed_contacts import TOUCH
+from ur5lib.force.detection import STEP, TOUCH, force_alarms, force_threshold, pushes_above
 
 PERIOD = 0.01  # s
 

@@ -20,8 +20,8 @@ from tests.library.made_up_torques import (
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
+from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import Noise, find_contacts
-from ur5lib.force.gears import Gears
 from ur5lib.force.missed_contacts import hiding, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (

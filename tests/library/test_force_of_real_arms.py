@@ -13,8 +13,7 @@ import pytest
 from tests.library.made_up_torques import unnoticed
 from tests.real_arms import PRIOR, Fitted, RealRecording, RealStudy
 from ur5lib.force.contact_figures import figures_by_contact
-from ur5lib.force.detection import alarm_threshold, alarms, compare
-from ur5lib.force.sensed_contacts import contacts
+from ur5lib.force.detection import alarm_threshold, alarms, compare, contacts
 from ur5lib.force.wrench_estimate import WrenchEstimate
 from ur5lib.timeseries.metrics import correlation
 

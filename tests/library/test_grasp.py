@@ -6,8 +6,7 @@ import torch
 
 from tests.library.made_up_torques import MODEL, REGULAR, jacobians, torque_of
 from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.regressor import regressor
-from ur5lib.dynamics.rigid_body import inverse_dynamics
+from ur5lib.dynamics.rigid_body import inverse_dynamics, regressor
 from ur5lib.force.external_torque import MOVING
 from ur5lib.force.grasp import grasped_load
 from ur5lib.robots.description import Payload, Robot

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.gate import Chain
-from ur5lib.force.hidden_markov import filtered, log_odds, posterior
+from ur5lib.force.gate import Chain, filtered, log_odds, posterior
 
 SAMPLES, STATES = 6, 3
 CERTAIN = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # states in turn

@@ -16,9 +16,8 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.signals.clock import BY_HOST, OwnClock
+from ur5lib.signals.clock import BY_HOST, OwnClock, settle_clocks
 from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.host_drifts import settle_clocks
 
 BOOT, UPTIME = 1.7e9, 5000.0  # s, of the host and of the controller when the recording begins
 ROBOT_DRIFT, SENSOR_DRIFT = 80e-6, -3e-3  # of their clocks relative to the host's

@@ -5,8 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ur5lib.signals.clock import BY_MOTION, BY_STAMPS, UNKNOWN_DRIFT, Clock, OwnClock, SettledClock
-from ur5lib.signals.host_drifts import HostDrift, pool, pool_drifts, settle_clocks
+from ur5lib.signals.clock import (
+    BY_MOTION,
+    BY_STAMPS,
+    UNKNOWN_DRIFT,
+    Clock,
+    HostDrift,
+    OwnClock,
+    SettledClock,
+    pool,
+    pool_drifts,
+    settle_clocks,
+)
 
 HOSTS = {"pc": ["force", "imu"]}
 STAMPS = OwnClock(

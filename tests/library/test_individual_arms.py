@@ -16,9 +16,8 @@ from tests.conftest import PROJECT, shared_folder
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
-from ur5lib.robots.calibration import calibrated, chain, link_matrix
 from ur5lib.robots.description import Robot, load_robot, robot_path, robot_yaml
-from ur5lib.robots.individual import individual_robot, overridden
+from ur5lib.robots.individual import calibrated, chain, individual_robot, link_matrix, overridden
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.urdf import urdf
 from ur5lib.study.arms import Tilt, base_gravity

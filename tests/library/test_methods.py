@@ -30,7 +30,7 @@ from ur5lib.identification import (
     samples,
     selection,
 )
-from ur5lib.signals import clock, clocks, noise
+from ur5lib.signals import clock, device_clock, noise
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
 
@@ -50,11 +50,11 @@ def listed(values: Array | tuple[float, ...]) -> str:
 def statements() -> Iterator[str]:
     """What the page says, with the program's numbers."""
     # clocks
-    yield f"low-passed at {clocks.BAND:g} Hz"
-    yield f"explain less than {percent(clocks.EXPLAINED)} of the gyroscope's variance"
-    yield f"jackknife over {COUNTED[clocks.BLOCKS]} blocks of time"
-    yield f"widened by {1e3 * clocks.LATENCY:g} ms for latencies"
-    yield f"by {1e3 * clocks.WANDER:g} ms of wander over the recording"
+    yield f"low-passed at {device_clock.BAND:g} Hz"
+    yield f"explain less than {percent(device_clock.EXPLAINED)} of the gyroscope's variance"
+    yield f"jackknife over {COUNTED[device_clock.BLOCKS]} blocks of time"
+    yield f"widened by {1e3 * device_clock.LATENCY:g} ms for latencies"
+    yield f"by {1e3 * clock.WANDER:g} ms of wander over the recording"
     yield f"counts as 0 ± {1e6 * clock.UNKNOWN_DRIFT:g} ppm"
     # motion and the IMU
     yield f"in windows of {noise.WINDOW:g} s"

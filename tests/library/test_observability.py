@@ -8,9 +8,9 @@ import pytest
 from tests.library.made_up_torques import MODEL
 from ur5lib.force.detection import PAUSE, PUSH, smallest_force
 from ur5lib.force.external_torque import MOVING, STILL
-from ur5lib.force.gears import Gears
-from ur5lib.force.trial_pushes import LEAST, MOST, Trials, felt_push, try_each_place
-from ur5lib.identification.predictability import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
+from ur5lib.force.force_input import Gears
+from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
+from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
 from ur5lib.report.observability_figure import observability_figure
 from ur5lib.report.tables.making import make_table

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.sensor_audit import FreeReading, read_free, response_of, sense
+from ur5lib.force.sensor_audit import FreeReading, read_free, response_of, sense, slow_covariance
 from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
-from ur5lib.force.slow_errors import slow_covariance
 from ur5lib.pipeline.sensor_audit import row
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.resampling import resample
-from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import causal_lowpass, zero_phase_lowpass
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 RATE = 125.0

@@ -24,9 +24,15 @@ from ur5lib.dynamics.kinematics import (
     velocity_product_acceleration,
 )
 from ur5lib.robots.description import Robot
-from ur5lib.signals.imu_fusion import add_imu, imu_noise, smooth_with_imu
-from ur5lib.signals.imu_model import LinearImu, jacobian_derivative, linearise_imu, point_jacobian
-from ur5lib.signals.innovations import innovation_test
+from ur5lib.signals.imu_fusion import (
+    LinearImu,
+    add_imu,
+    imu_noise,
+    jacobian_derivative,
+    linearise_imu,
+    point_jacobian,
+    smooth_with_imu,
+)
 from ur5lib.signals.noise import (
     EncoderNoise,
     encoder_noise,
@@ -34,7 +40,13 @@ from ur5lib.signals.noise import (
     moving_mean,
     quantum,
 )
-from ur5lib.signals.smoothing import SmoothedJoints, SmoothedMotion, encoder_system, smooth_encoders
+from ur5lib.signals.smoothing import (
+    SmoothedJoints,
+    SmoothedMotion,
+    encoder_system,
+    innovation_test,
+    smooth_encoders,
+)
 from ur5lib.timeseries import kalman
 from ur5lib.timeseries.kalman import LinearSystem, System, smooth
 

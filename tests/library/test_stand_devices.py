@@ -27,8 +27,8 @@ from ur5lib.stand.simulate import Format, simulate
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel, read_json, read_table
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.sampling import interpolated
 
 FOURIER: dict[str, Any] = {"kind": "fourier"}
 HOME = (2.181661, -2.135061, -1.745329, 0.275936, -6.021385, 0.0)

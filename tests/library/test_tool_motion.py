@@ -19,13 +19,12 @@ from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
-from ur5lib.signals.end_effector import point_acceleration
+from ur5lib.signals.end_effector import ToolMotion, expected, point_acceleration, tool_motion
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
-from ur5lib.signals.tool_motion import ToolMotion, expected, tool_motion
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 TOOL: dict[str, Any] = {
     "mass": 1.0,

@@ -8,8 +8,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.made_tables import table
-from ur5lib.force.current_based import friction_torque
-from ur5lib.force.current_torque_line import current_on_torque, torque_on_current
+from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques

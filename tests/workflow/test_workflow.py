@@ -142,8 +142,8 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     [
         ("ur5lib/timeseries/lowpass.py",
          jobs(*FROM_CLOCKS) | ALL_ELSE),
-        ("ur5lib/timeseries/derivative.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
-        ("ur5lib/signals/host_drifts.py",
+        ("ur5lib/timeseries/sampling.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
+        ("ur5lib/signals/clock.py",
          jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
@@ -152,10 +152,10 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         # Side branches: no force estimate runs again.
         ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
-        ("ur5lib/signals/imu_model.py",  # a wrist sensor's tool moves by its Jacobian
+        ("ur5lib/signals/imu_fusion.py",  # a wrist sensor's tool moves by its Jacobian
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
-        ("ur5lib/signals/euler_route.py",
+        ("ur5lib/signals/end_effector.py",
          jobs("compare_accelerations", "draw_figures") | REPORT),
         ("ur5lib/identification/closed_loop.py",
          jobs("estimate_gains", "draw_tracking") | REPORT),

@@ -22,8 +22,7 @@ from ur5lib.report.finding_sentences import worded
 from ur5lib.report.findings import group_findings
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
-from ur5lib.signals.clock import OwnClock, SettledClock
-from ur5lib.signals.host_drifts import pool_drifts, settle_clocks
+from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
 from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 

@@ -16,11 +16,10 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
-from ur5lib.excitation.limits import Cell
-from ur5lib.excitation.objective import Task
+from ur5lib.excitation.objective import Task, Worth
 from ur5lib.excitation.problem import Problem, build_problem, nominal_maps
 from ur5lib.excitation.questions import QUESTIONS
-from ur5lib.excitation.worth import Worth
+from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
 from ur5lib.report.excitation_figure import excitation_figure
 from ur5lib.report.excitation_page import LOAD, excitation_page

@@ -1,9 +1,13 @@
-"""Poses, Jacobians, velocities and accelerations of points on the links, batched.
+"""Poses, orientations, Jacobians, velocities and accelerations of points on the links, batched.
 
 An arm has n joints. A point is (3,) [m] in the frame of a link, 1 to n; its origin if None. The
-link is the last one where none is named. Six-vectors are linear,
-then angular, base frame, unless said otherwise.
+link is the last one where none is named. Six-vectors are linear, then angular, base frame, unless
+stated otherwise. Importing this takes half as long as torch, because of the plotting packages of
+pytorch-kinematics: modules that need no poses do without it.
 """
+
+from functools import cache
+from xml.etree import ElementTree
 
 import pytorch_kinematics as pk
 import torch
@@ -11,8 +15,83 @@ from torch import Tensor
 from torch.linalg import cross
 
 from ur5lib.dynamics.arm import Arm
-from ur5lib.dynamics.chains import serial_chain
-from ur5lib.dynamics.orientation import zyz_angles, zyz_rates_to_angular_velocity
+
+
+@cache
+def serial_chain(text: str, link: int, dtype: torch.dtype, device: torch.device) -> pk.SerialChain:
+    """Return the chain from the base to frame k of a link, 1 to n, of an arm as URDF."""
+    chain = pk.SerialChain(read_urdf(text, dtype), f"frame_{link}", dtype=dtype)
+    return chain.to(device=device)
+
+
+def read_urdf(text: str, dtype: torch.dtype) -> pk.Chain:
+    """Read a kinematic chain from URDF, with the origins of its joints in full precision.
+
+    pytorch-kinematics reads rotations in single precision, which misplaces the UR5's flange by
+    16 nm; the exact origins are put back here. The chain is a template for `pk.SerialChain`.
+    """
+    chain = pk.build_chain_from_urdf(text.encode())
+    for name in chain.get_frame_names(exclude_fixed=False):
+        chain.find_frame(name).link.offset = None  # places the link's drawing, in single precision
+    for joint in ElementTree.fromstring(text).iter("joint"):
+        child, origin = (joint.findall(name)[0].attrib for name in ("child", "origin"))
+        frame = chain.find_frame(child["link"])
+        frame.joint.offset = _transform(origin["xyz"], origin["rpy"], dtype)
+    return chain
+
+
+def _transform(xyz: str, rpy: str, dtype: torch.dtype) -> pk.Transform3d:
+    position, angles = (
+        torch.tensor([float(value) for value in text.split()], dtype=torch.float64)
+        for text in (xyz, rpy)
+    )
+    # About fixed axes: R = R_z(yaw) R_y(pitch) R_x(roll).
+    rotation = pk.euler_angles_to_matrix(angles.flip(0), "ZYX")
+    return pk.Transform3d(rot=rotation.to(dtype), pos=position.to(dtype), dtype=dtype)
+
+
+def zyz_angles(rotation: Tensor) -> Tensor:
+    """Return φ, ϑ, ψ of R = R_z(φ) R_y(ϑ) R_z(ψ), 0 ≤ ϑ ≤ π (Equations 2.4 to 2.7).
+
+    rotation: (N, 3, 3). Returns (N, 3) [rad]. Where sin ϑ is zero to rounding, φ = 0.
+    """
+    x, y = rotation[:, 0, 2], rotation[:, 1, 2]  # sin ϑ (cos φ, sin φ)
+    sine = torch.hypot(x, y)
+    phi = torch.where(sine > 4 * torch.finfo(sine.dtype).eps, torch.atan2(y, x), 0.0)
+    c, s = torch.cos(phi)[:, None], torch.sin(phi)[:, None]
+    turned = c * rotation[:, 1] - s * rotation[:, 0]  # second row of R_y R_z: sin ψ, cos ψ, 0
+    theta = torch.atan2(sine, rotation[:, 2, 2])
+    return torch.stack([phi, theta, torch.atan2(turned[:, 0], turned[:, 1])], dim=1)
+
+
+def zyz_rates_to_angular_velocity(angles: Tensor) -> Tensor:
+    """Return B(φ) of ω = B (φ̇, ϑ̇, ψ̇), base frame: Equation 2.33 corrected (erratum 1).
+
+    angles: (N, 3) [rad] as from `zyz_angles`. Returns (N, 3, 3), singular where sin ϑ = 0.
+    """
+    phi, theta, _ = angles.unbind(1)
+    zero, one = torch.zeros_like(phi), torch.ones_like(phi)
+    rows = [
+        [zero, -torch.sin(phi), torch.cos(phi) * torch.sin(theta)],
+        [zero, torch.cos(phi), torch.sin(phi) * torch.sin(theta)],
+        [one, zero, torch.cos(theta)],
+    ]
+    return torch.stack([torch.stack(row, dim=1) for row in rows], dim=1)
+
+
+def axis_angle(rotation: Tensor) -> tuple[Tensor, Tensor]:
+    """Return unit axis l (N, 3) and angle λ (N,) [rad], 0 ≤ λ ≤ π, of R (N, 3, 3) (2.9, 2.10).
+
+    By quaternions, which lose nothing near λ = 0 and λ = π. There, Equation 2.10 divides by zero:
+    at λ = π, l and -l are the same rotation; at λ = 0 any axis would do, and l = z.
+    """
+    quaternion = pk.matrix_to_quaternion(rotation)  # cos(λ/2), l sin(λ/2)
+    quaternion = torch.where(quaternion[:, :1] < 0, -quaternion, quaternion)
+    sine = quaternion[:, 1:].norm(dim=1, keepdim=True)
+    z = rotation.new_tensor([0.0, 0.0, 1.0])
+    axis = torch.where(sine > 0, quaternion[:, 1:] / sine, z)
+    return axis, 2 * torch.atan2(sine[:, 0], quaternion[:, 0])
+
 
 LAST = -1  # link of an arm
 

@@ -14,8 +14,9 @@ from ur5lib.dynamics.kinematics import (
     analytical_jacobian,
     link_frames,
     velocity_product_acceleration,
+    zyz_angles,
+    zyz_rates_to_angular_velocity,
 )
-from ur5lib.dynamics.orientation import zyz_angles, zyz_rates_to_angular_velocity
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 
 

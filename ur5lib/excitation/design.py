@@ -7,11 +7,108 @@ from operator import itemgetter
 import numpy as np
 from scipy.optimize import minimize
 
-from ur5lib.excitation.feasible import feasible, free_postures, random_path
-from ur5lib.excitation.limits import Margins
+from ur5lib.dynamics.flange import differentiable_singular_value
+from ur5lib.errors import InputError
 from ur5lib.excitation.objective import Objective, Task
-from ur5lib.excitation.path import Path
-from ur5lib.timeseries.arrays import Array
+from ur5lib.excitation.trajectory import Cell, Margins, Path
+from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.profiles import resting_series
+
+RATE, COARSE = 1000.0, 25.0  # Hz, at which results and attempts are checked
+POSTURES = 1000  # random ones that are tried
+TURNED = 2.6  # rad, largest angle of a joint in random postures
+HALVINGS = 8  # steps of the bisection for the largest share of a path
+CAUTION, ATTEMPTS = 0.97, 30  # factor of a path that fails the fine check, and number of attempts
+
+
+def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]:
+    """Return a path, shrunk about its posture until it keeps all limits, and its margins.
+
+    rate: [Hz], at which states are checked. Raises InputError if even the posture itself breaks a
+    limit.
+    """
+    path = path.shrunk(_within_rates(cell, path))
+    path = path.shrunk(_largest_share(cell, path))
+    margins = cell.margins(path.sampled(rate if path.coefficients.any() else COARSE)[1])
+    for _ in range(ATTEMPTS):
+        if not margins.broken() or not path.coefficients.any():
+            break
+        path = path.shrunk(CAUTION)
+        margins = cell.margins(path.sampled(rate)[1])
+    if margins.broken():
+        raise InputError(
+            f"no motion about the posture keeps the limits ({margins.broken()[0]}); give the arm "
+            "more room"
+        )
+    return path, margins
+
+
+def _within_rates(cell: Cell, path: Path) -> Array:
+    """Return factors (6,) with which joints keep the limits of velocity, acceleration and jerk."""
+    states, limits = path.sampled(COARSE)[1], cell.limits.of_states()
+    used = [np.abs(part).max(axis=0) / limit for part, limit in zip(states, limits, strict=True)]
+    return 1 / np.maximum(np.max(used[1:], axis=0), 1)
+
+
+def _largest_share(cell: Cell, path: Path) -> float:
+    """Return the largest share of a path that keeps all limits, by bisection; 0 for none."""
+    if not cell.margins(path.sampled(COARSE)[1]).broken():
+        return 1.0
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        broken = cell.margins(path.shrunk(middle).sampled(COARSE)[1]).broken()
+        low, high = (low, middle) if broken else (middle, high)
+    return low
+
+
+def random_path(task: Task, random: np.random.Generator, postures: Array) -> Path:
+    """Return a random path, as large as the limits allow.
+
+    postures: (M, 6) [rad], of which one is drawn as the start; see `free_postures`.
+    """
+    basis = resting_series(task.seconds, task.harmonics)
+    drawn = basis @ random.normal(size=(basis.shape[1], 6))
+    posture = postures[random.integers(len(postures))]
+    path = Path(posture, drawn, task.seconds)
+    speed = np.abs(path.sampled(COARSE)[1].qd).max(axis=0)
+    return feasible(task.cell, path.shrunk(task.cell.limits.velocity / speed), COARSE)[0]
+
+
+def free_postures(cell: Cell, random: np.random.Generator) -> Array:
+    """Return random postures (M, 6) [rad] in which the arm keeps all limits at rest.
+
+    Raises InputError if there is none; its message names the limit that is broken most often.
+    """
+    q = random.uniform(-TURNED, TURNED, (POSTURES, 6))
+    q = np.clip(q, -cell.limits.position, cell.limits.position)
+    broken = _broken_at_rest(cell, q)
+    free = ~np.any(list(broken.values()), axis=0)
+    if not free.any():
+        limit, where = max(broken.items(), key=lambda item: int(item[1].sum()))
+        raise InputError(
+            f"{cell.robot.name} has no room to move: in {where.mean():.0%} of {POSTURES} random "
+            f"postures {limit}; move the table or the boxes, or mount the arm elsewhere"
+        )
+    return q[free]
+
+
+def _broken_at_rest(cell: Cell, q: Array) -> dict[str, Mask]:
+    """Return by limit whether the arm exceeds it at rest in postures (N, 6) [rad]."""
+    still, near = np.zeros_like(q), cell.capsules.near(q)
+    torque = cell.model.inverse_dynamics(q, still, still)
+    touched = dict[str, Mask]()
+    for sample, distance, pair in zip(near.sample, near.distance, near.pairs, strict=True):
+        if distance < cell.limits.clearance:
+            name = f"{' and '.join(pair)} come within {cell.limits.clearance:g} m"
+            touched.setdefault(name, np.zeros(len(q), dtype=bool))[sample] = True
+    return touched | {
+        "gravity needs more than the torque limit": np.any(
+            np.abs(torque) > cell.limits.torque, axis=1
+        ),
+        "the arm is near a singularity": differentiable_singular_value(cell.robot, q)[0]
+        < cell.limits.singular_value,
+    }
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,8 @@ import numpy as np
 import yaml
 
 from ur5lib.excitation.design import Design
-from ur5lib.excitation.limits import Cell
-from ur5lib.excitation.objective import Task
-from ur5lib.excitation.path import Path
-from ur5lib.excitation.worth import Worth
+from ur5lib.excitation.objective import Task, Worth
+from ur5lib.excitation.trajectory import Cell, Path
 from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array

@@ -1,16 +1,16 @@
-"""The objective of the optimisation of a trajectory, with its exact gradient."""
+"""The objective of the optimisation of a trajectory, with its exact gradient, and its worth."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from ur5lib.dynamics.flange import differentiable_singular_value
-from ur5lib.excitation.limits import REACH, Cell
-from ur5lib.excitation.path import Path, States
 from ur5lib.excitation.problem import INDEPENDENT, Problem
 from ur5lib.excitation.questions import Criterion
-from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.fourier import fourier_terms, resting_series
+from ur5lib.excitation.trajectory import REACH, Cell, Path, States
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.profiles import fourier_terms, resting_series
 
 FASTEST = 0.6  # Hz, of the series' highest harmonic; faster ones excite elastic joints
 FEWEST, MOST = 4, 30  # harmonics
@@ -128,3 +128,57 @@ def _beyond(values: Array, limit: Array) -> tuple[float, Array]:
     """Return Σ (|v|/limit - 1)² of values (N, 6) beyond a limit (6,), and its derivative."""
     over = np.maximum(np.abs(values) / limit - 1, 0)
     return float(np.sum(over**2)), 2 * over * np.sign(values) / limit
+
+
+HARDLY = 0.9  # share of a standard error above which a recording hardly lowers it
+
+
+@dataclass(frozen=True)
+class Worth:
+    """The information that a recording would add to the prior and to earlier recordings.
+
+    log_det: log det of the information M (P, P) after the recording; gain: increase by the
+    recording; regressor_condition: condition number of the base parameters' regressor in SI units
+    (Gautier 1992); condition: condition number of J, each column in units of its prior standard
+    deviation; prior, before, after: standard errors (P,) of `Problem.names` in physical units, by
+    the prior alone, before the recording, and after it.
+    """
+
+    log_det: float
+    gain: float
+    regressor_condition: float
+    condition: float
+    prior: Array
+    before: Array
+    after: Array
+
+    def least_determined(self) -> Labels:
+        """Return the indices (P,) that sort the parameters, the least determined first.
+
+        By the ratio to the prior's standard error before the recording; equal ones by that after.
+        """
+        return np.lexsort([-self.after / self.prior, -np.round(self.before / self.prior, 9)])
+
+    def hardly_lowered(self) -> Mask:
+        """Return which parameters (P,) keep most of their standard error after the recording."""
+        return np.asarray(self.after > HARDLY * self.before)
+
+    @classmethod
+    def along(cls, task: Task, path: Path) -> Self:
+        """Return the worth of a path for a task."""
+        problem, (_, states) = task.problem, path.sampled(1 / STEP)
+        Y = task.cell.model.regressor(states.q, states.qd, states.qdd)
+        W = Y[..., problem.base.columns].reshape(-1, problem.count)
+        J = problem.rows(problem.theta, Y, states.qd).reshape(-1, len(problem.theta))
+        width = np.sqrt(np.diag(np.linalg.inv(problem.prior)))
+        information = task.information(path)
+        log_det, earlier = (np.linalg.slogdet(one)[1] for one in (information, task.earlier))
+        return cls(
+            log_det=float(log_det),
+            gain=float(log_det - earlier),
+            regressor_condition=float(np.linalg.cond(W)),
+            condition=float(np.linalg.cond(J * width)),
+            prior=problem.standard_errors(problem.prior),
+            before=problem.standard_errors(task.earlier),
+            after=problem.standard_errors(information),
+        )

@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dposv
 
 from ur5lib.force.external_torque import finite_rows
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.rts import Gaussians, rts_pass
+from ur5lib.timeseries.kalman import Gaussians, rts_pass
 
 
 class Passed(NamedTuple):

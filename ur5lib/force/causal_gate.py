@@ -9,8 +9,15 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.gate import Chain, Noise, free_covariances, log_density, measurement_noise
-from ur5lib.force.hidden_markov import LEAST, log_odds
+from ur5lib.force.gate import (
+    LEAST,
+    Chain,
+    Noise,
+    free_covariances,
+    log_density,
+    log_odds,
+    measurement_noise,
+)
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Mask

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.force.detection import overlap
-from ur5lib.force.sensed_contacts import CONTACT, contacts, in_contact, is_free
+from ur5lib.force.detection import CONTACT, contacts, in_contact, is_free, overlap
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     correlation,

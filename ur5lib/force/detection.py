@@ -1,8 +1,10 @@
-"""Contact detection: alarms, their comparison with a sensor, and the smallest detectable force."""
+"""Contact detection: contacts at a force sensor, alarms, and the smallest detectable force."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -167,3 +169,93 @@ def _cost(parameters: Array, x: Array, found: Mask) -> float:
     logit = np.exp(steepness) * (x - middle)
     likelihood = np.logaddexp(0, np.where(found, -logit, logit)).sum()
     return float(likelihood + 0.5 * (steepness - STEEPNESS) ** 2)
+
+
+TOUCH, RELEASE = 3.0, 2.0  # N: a contact reaches the first and lasts above the second
+CONTACT = 5.0  # N, above which a sample is in contact
+FREE, CLEAR = 1.0, 0.5  # N, s: a free sample is below this force and this far from any touch
+
+
+def contacts(force: Array, least: float = TOUCH) -> list[Span]:
+    """Return contacts that reach a force. force: (N,) [N], of the sensor, NaN where unknown."""
+    return spans(np.nan_to_num(force), least, RELEASE)
+
+
+def in_contact(force: Array) -> Mask:
+    """Return the samples (N,) in contact; force: (N,) [N], of the sensor, NaN where unknown."""
+    return np.asarray(force > CONTACT)
+
+
+class Felt(NamedTuple):
+    """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
+    share of the recording in contact; contacts: their number.
+    """
+
+    largest: float
+    at_s: float
+    contact: float
+    contacts: int
+
+
+def felt(force: Array, time: Array) -> Felt | None:
+    """Return what a sensor reads, None if it has no reading.
+
+    force: (N,) [N], of the sensor, NaN where unknown; time: (N,) [s].
+    """
+    if not np.isfinite(force).any():
+        return None
+    peak = int(np.nanargmax(force))
+    share = float(in_contact(force).mean())
+    return Felt(float(force[peak]), float(time[peak]), share, len(contacts(force, CONTACT)))
+
+
+def is_free(force: Array, period: float) -> Mask:
+    """Return the samples (N,) without contact and half a second away from any.
+
+    force: (N,) [N], of the sensor, NaN where unknown; period: [s].
+    """
+    reach = 2 * round(CLEAR / period) + 1
+    touched = maximum_filter1d((force >= TOUCH).astype(np.int8), reach, mode="nearest")
+    return np.asarray((force < FREE) & (touched == 0))
+
+
+STEP = 0.5  # N, between the thresholds tried
+
+
+def force_alarms(force: Array, threshold: float) -> list[Span]:
+    """Return the stretches that reach a threshold and last above two thirds of it, as contacts do
+    at the sensor (3 and 2 N).
+
+    force: (N,) [N], not negative, NaN where unknown; threshold: [N].
+    """
+    return spans(np.nan_to_num(force), threshold, threshold * RELEASE / TOUCH)
+
+
+def force_threshold(contact_free: list[Array], periods: list[float], per_minute: float) -> float:
+    """Return the threshold [N] down to which contact-free recordings raise few enough alarms.
+
+    contact_free: force (N,) [N] of each recording, at its period [s]; per_minute: alarms allowed.
+    From the largest force downwards, so that an alarm that never ends does not count as few. At
+    least what counts as touched at the sensor, 3 N.
+    """
+    pairs = zip(contact_free, periods, strict=True)
+    allowed = int(per_minute * sum(len(force) * period for force, period in pairs) / 60)
+    largest = max(float(np.nan_to_num(force).max()) for force in contact_free)
+    lowest = max(TOUCH, np.ceil(largest / STEP) * STEP + STEP)
+    for threshold in np.arange(lowest, TOUCH - STEP / 2, -STEP):
+        if sum(len(force_alarms(force, threshold)) for force in contact_free) > allowed:
+            break
+        lowest = threshold
+    return float(lowest)
+
+
+def pushes_above(force: Array, sensed: Array, least: float, period: float) -> tuple[int, int]:
+    """Return how many pushes reach a force at the sensor, and how many of them have an alarm of
+    their own at this threshold.
+
+    force, sensed: estimate and reading along one axis (N,) [N], NaN where unknown; least: [N];
+    period: [s].
+    """
+    pushes = spans(np.nan_to_num(np.abs(sensed)), least, RELEASE)
+    found = compare(force_alarms(np.abs(force), least), pushes, period)
+    return found.contacts, found.found

@@ -1,14 +1,75 @@
-"""A recording as the force estimates use it: motion, external torque, and what it offers others."""
+"""A recording as the force estimates use it: motion, external torque, and the friction of gears."""
 
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from ur5lib.force.external_torque import States, finite_rows, is_still
-from ur5lib.force.gears import Gears
+from ur5lib.force.external_torque import REVERSING, STATES, States, finite_rows, is_still
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.trajectories import SAME, place
+
+MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from nothing to all
+
+
+@dataclass(frozen=True)
+class Gears:
+    """What a fit says of the gears in a motion without contact, (N, 6) each, low-passed.
+
+    load: torque that they transmit [Nm]; loss: load-dependent friction per Nm of load, c z, with z
+    the direction of the friction, -1 to 1; friction: all of the friction [Nm].
+    """
+
+    load: Array
+    loss: Array
+    friction: Array
+
+    @classmethod
+    def without_friction(cls, torque: Array) -> Self:
+        """Return gears that neither rub nor lose anything of a torque (N, 6)."""
+        return cls(*(np.zeros_like(torque) for _ in range(3)))
+
+    def at(self, rows: slice | Mask | Labels) -> Self:
+        """Return the gears in some samples."""
+        return type(self)(self.load[rows], self.loss[rows], self.friction[rows])
+
+    def where_moving(self, states: States) -> Self:
+        """Return the gears without the friction of joints that stopped, which may be any.
+
+        states: of the joints (N, 6). Unknown friction counts as none.
+        """
+        moves = states % STATES <= REVERSING
+        loss, friction = (
+            np.where(moves, np.nan_to_num(own), 0.0) for own in (self.loss, self.friction)
+        )
+        return replace(self, load=np.nan_to_num(self.load), loss=loss, friction=friction)
+
+    def felt(self, torque: Array) -> Array:
+        """Return by how much the motors' torque falls in a contact, y (N, 6) [Nm].
+
+        torque: x = Jᵀ F (N, 6) [Nm] of the contact, which changes the load of the gears from l to
+        l - x, and so their friction: y = x - c z (|l - x| - |l|).
+        """
+        return torque - self.loss * (np.abs(self.load - torque) - np.abs(self.load))
+
+    def contact_torque(self, torque: Array) -> tuple[Array, Array]:
+        """Return the torque x (N, 6) [Nm] of a contact of which motors feel y, and dx / dy (N, 6).
+
+        torque: y (N, 6) [Nm]. The inverse of `felt`: l - x = m / (1 + c z sign m), where
+        m = l + c z |l| - y is the motors' torque but for the friction that no load changes.
+        """
+        motor = self.load + self.loss * np.abs(self.load) - torque
+        share = 1 / (1 + self.loss * np.sign(np.nan_to_num(motor)))
+        return self.load - motor * share, share
+
+
+def held(torque: Array, breakaway: Array, share: float) -> Array:
+    """Return the mean of what dry friction takes of a contact's torque (N, 6) [Nm] at rest.
+
+    Friction opposes the contact and takes anything between nothing and a share of the breakaway
+    torque (6,) [Nm]: half of that on average, and of a smaller torque a part in proportion.
+    """
+    return MEAN * share * breakaway * np.tanh(torque / breakaway)
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,11 @@
-"""F̂ᵐᵃᵖ: the most probable wrench given a torque, its noise and a prior."""
+"""The most probable wrench given a torque, its noise and a prior: F̂ᵐᵃᵖ, and that of a resting arm."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 
 
 class Posterior(NamedTuple):
@@ -30,3 +30,40 @@ def regularised_wrench(torque: Array, jacobian: Array, noise: Array, prior: Arra
     gain = np.asarray(transposed, np.float64).mT * known[:, None, None]
     mean = (gain @ np.where(known[:, None], torque, 0.0)[..., None])[..., 0]
     return Posterior(mean, prior - gain @ lever.mT, gain)
+
+
+SLOW = 0.05  # rad/s, below which the torques of motion are far below friction
+BREAKAWAY = 0.1  # of a motor's largest torque; Coulomb friction of UR5 and UR10e is 0.04 to 0.06
+LEAST_ERROR = 0.3  # relative, of a torque constant that nothing was fitted for
+FORCE, LEVER = 100.0, 0.1  # N, m: standard deviation of the force, and of its moment over it
+
+
+def at_rest(qd: Array) -> Mask:
+    """Return the samples (N,) at which no joint is faster than `SLOW`; qd: (N, 6) [rad/s]."""
+    return np.asarray((np.abs(qd) < SLOW).all(axis=1))
+
+
+def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) -> Array:
+    """Return the standard deviation (N, 6) [Nm] of the external torque of a resting arm.
+
+    motor_torque: (N, 6) [Nm], by the known constants, whose relative errors are constant_error,
+    (6,); torque_max: of the motors (6,) [Nm]. Friction lies anywhere within ± the breakaway torque.
+    """
+    friction = BREAKAWAY * torque_max / np.sqrt(3)  # of a uniform distribution
+    return np.hypot(constant_error * motor_torque, friction)
+
+
+def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Array]:
+    """Return the most probable wrench [F, n] and its standard deviation, (N, 6) [N, Nm].
+
+    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). With a
+    prior of 0 ± P: C = (J Σ^-1 J^T + P^-1)^-1, F = C J Σ^-1 τ.
+    """
+    prior = np.diag(np.array([FORCE] * 3 + [FORCE * LEVER] * 3) ** -2.0)
+    weighted = jacobian / std[:, None, :] ** 2  # J Σ^-1, (N, 6, 6)
+    known = np.isfinite(torque).all(axis=1) & np.isfinite(weighted).all(axis=(1, 2))
+    wrench, error = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
+    covariance = np.linalg.inv(weighted[known] @ jacobian[known].mT + prior)
+    wrench[known] = (covariance @ (weighted[known] @ torque[known, :, None]))[..., 0]
+    error[known] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    return wrench, error

@@ -1,20 +1,104 @@
-"""Trial contacts on a contact-free run: which of them the gate misses, by their size."""
+"""Trial contacts on contact-free recordings: which the gate finds, by axis, speed and size."""
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.detection import PAUSE, PUSH
-from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.force_input import ForceInput
+from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
+from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
+from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.gate import Noise
 from ur5lib.force.missed_contacts import hiding, largest_missed
 from ur5lib.force.residual_model import MISSED_TO, ResidualModel
-from ur5lib.force.trial_pushes import felt_push
 from ur5lib.force.wrench_estimate import STEP, used_rows
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
+
+LEAST, MOST = 5.0, 100.0  # N, of trial pushes
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Peaks (M,) [N] of trial pushes, along x, y or z of the base (M,), 0 to 2, the flange's mean
+    speed (M,) [m/s] meanwhile, and which were detected (M,).
+    """
+
+    force: Array
+    axis: Labels
+    speed: Array
+    found: Mask
+
+    @classmethod
+    def joined(cls, parts: list[Self]) -> Self:
+        """Return the trials of several recordings."""
+        names = ("force", "axis", "speed", "found")
+        return cls(*(np.concatenate([getattr(own, name) for own in parts]) for name in names))
+
+    def within(self, low: float, high: float) -> "Trials":
+        """Return the trials at speeds from `low` to below `high` [m/s]."""
+        return self._where((self.speed >= low) & (self.speed < high))
+
+    def along(self, axis: int) -> "Trials":
+        """Return the trials along one axis."""
+        return self._where(self.axis == axis)
+
+    def _where(self, chosen: Mask) -> "Trials":
+        return Trials(self.force[chosen], self.axis[chosen], self.speed[chosen], self.found[chosen])
+
+
+def felt_push(
+    torque: Array,
+    time: Array,
+    states: States,
+    gears: Gears | None,
+    most: Array,
+    random: np.random.Generator,
+) -> Array:
+    """Return what the motors feel of the torque (N, 6) [Nm] of pushes: less what friction bears.
+
+    In motion, gears lose a part of it; at rest, dry friction bears a share of what it can, drawn
+    for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
+    """
+    push = (time // (PUSH + PAUSE)).astype(np.int64)
+    bears = random.uniform(size=(push.max(initial=0) + 1, 6))[push] * most
+    resting = torque - np.clip(torque, -bears, bears)
+    moving = torque if gears is None else gears.where_moving(states).felt(torque)
+    return np.where(states % STATES == STILL, resting, moving)
+
+
+def try_each_place(
+    log_odds_of: Callable[[Array], Array],
+    jacobian: Array,
+    speed: Array,
+    period: float,
+    threshold: float,
+    raised: list[Span],
+    random: np.random.Generator,
+) -> Trials:
+    """Push once at each place of a contact-free recording, along the base's x, y or z.
+
+    log_odds_of: log-odds (N,) of contact with an additional external torque (N, 6) [Nm]; jacobian:
+    (N, 6, 6); speed: of the flange (N,) [m/s]; period: [s]; raised: alarms of the recording itself,
+    during which no push is tried; random: deals out peaks and axes.
+    """
+    profile, places = pushes(len(jacobian), period)
+    means = [float(speed[slice(*place)].mean()) for place in places]
+    free = [
+        (place, mean)
+        for place, mean in zip(places, means, strict=True)
+        if np.isfinite(mean) and not any(overlap(alarm, place) for alarm in raised)
+    ]
+    peaks = random.permutation(np.geomspace(LEAST, MOST, len(free)))
+    axes = random.permutation((random.integers(3) + np.arange(len(free))) % 3)
+    force = np.zeros((len(profile), 3))
+    for (place, _), peak, axis in zip(free, peaks, axes, strict=True):
+        force[slice(*place), axis] = peak * profile[slice(*place)]
+    torque = np.matvec(jacobian[:, :3].mT, force)
+    answers = alarms(log_odds_of(torque), threshold) if free else []
+    found = [any(overlap(alarm, place) for alarm in answers) for place, _ in free]
+    return Trials(peaks, axes, np.array([mean for _, mean in free]), np.array(found, bool))
 
 
 class Tried(NamedTuple):

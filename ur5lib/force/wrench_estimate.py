@@ -15,9 +15,8 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
 from ur5lib.force.detection import Span, spans
 from ur5lib.force.external_torque import States, finite_rows
-from ur5lib.force.gate import Noise, find_contacts
-from ur5lib.force.gears import MEAN, Gears, held
-from ur5lib.force.hidden_markov import log_odds
+from ur5lib.force.force_input import MEAN, Gears, held
+from ur5lib.force.gate import Noise, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
     hiding,
     missed_contacts,
@@ -26,7 +25,7 @@ from ur5lib.force.missed_contacts import (
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 from ur5lib.timeseries.segments import marked, unbroken
 
 STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import Remark, remark
-from ur5lib.identification import bootstrap
 from ur5lib.identification.estimation import (
     Estimate,
     beside_fuller,
@@ -21,6 +20,7 @@ from ur5lib.identification.estimation import (
 )
 from ur5lib.identification.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.identification.prior import JointPrior, Prior
+from ur5lib.identification.regression import half_width
 from ur5lib.identification.samples import (
     FEW,
     Record,
@@ -299,7 +299,7 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
         values = physical(estimate.coefficients)
-        half = bootstrap.half_width(estimate.std_error, fit.units)
+        half = half_width(estimate.std_error, fit.units)
         columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
         rows += [
             Parameter(

@@ -8,10 +8,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur5lib.identification import bootstrap
 from ur5lib.identification.friction import Term
 from ur5lib.identification.prior import JointPrior, Prior
-from ur5lib.identification.regression import Normal, posterior_mean
+from ur5lib.identification.regression import (
+    DRAWS,
+    Normal,
+    block_sums,
+    draw_blocks,
+    draw_units,
+    posterior_mean,
+    standard_error,
+)
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.timeseries.arrays import Array, Labels
@@ -50,13 +57,13 @@ def estimate_together(
     # replicates: the prior's mean is drawn, too
     known = prior.unpinned().over(terms)
     drawn_prior = Normal(_draw_means(known, generator), whole.precision)
-    by_unit, _ = _solve(sums, bootstrap.draw_units(unit, generator), drawn_prior)  # (B, P)
-    by_block, _ = _solve(sums, bootstrap.draw_blocks(unit, generator), drawn_prior)  # (B, P)
+    by_unit, _ = _solve(sums, draw_units(unit, generator), drawn_prior)  # (B, P)
+    by_block, _ = _solve(sums, draw_blocks(unit, generator), drawn_prior)  # (B, P)
     # each joint's part, with standard errors in physical units
     estimates, ends = [], np.cumsum([joint.shape[1] for joint in sums])
     for own in map(slice, [0, *ends[:-1]], ends):
         drawn = physical(by_unit[:, own]), physical(by_block[:, own])
-        error = bootstrap.standard_error(*drawn, units)
+        error = standard_error(*drawn, units)
         estimates.append(Estimate(solution[0, own], share[own], by_unit[:, own], error))
     return estimates, units
 
@@ -84,7 +91,7 @@ def physical(coefficients: Array) -> Array:
 def _normal_equations(
     samples: Samples, terms: Sequence[Term], prior: JointPrior, count: int
 ) -> Array:
-    """Return `bootstrap.block_sums` of one Newton step from Huber's estimate.
+    """Return `block_sums` of one Newton step from Huber's estimate.
 
     Samples beyond Huber's limit have a constant gradient and no curvature. Both are divided by the
     noise of the estimate.
@@ -95,7 +102,7 @@ def _normal_equations(
     predicted = design @ fit.coefficients
     pull = inlier * predicted + fit.weight * (moving.current - predicted)
     scale = inlier.mean() / fit.noise if len(inlier) else 1.0
-    return bootstrap.block_sums(design, scale * inlier, scale * pull, moving.block, count)
+    return block_sums(design, scale * inlier, scale * pull, moving.block, count)
 
 
 def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, Array]:
@@ -118,7 +125,7 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
 def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:
     """Draw means (B, P) from the prior."""
     root = np.linalg.cholesky(np.linalg.inv(prior.precision))
-    normal = generator.standard_normal((bootstrap.DRAWS, len(prior.mean)))
+    normal = generator.standard_normal((DRAWS, len(prior.mean)))
     return prior.mean + normal @ root.T
 
 

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from ur5lib.identification.bootstrap import spread
 from ur5lib.identification.currents import CurrentFit, predict
-from ur5lib.identification.regression import Normal, regress
+from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
 from ur5lib.timeseries.arrays import Array, Labels
 

@@ -1,8 +1,14 @@
-"""Robust linear regression of correlated samples, with a prior."""
+"""Robust linear regression of correlated samples with a prior, and its bootstrap.
+
+Samples of a recording share its temperature and posture, so the bootstrap draws whole recordings
+with replacement. A few recordings determine a spread badly, so blocks within them are drawn too,
+and the larger of both spreads counts.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtr, stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
 
@@ -72,3 +78,63 @@ def noise_of_one(residual: Array, block: Labels) -> float:
 
 def _positive(variance: float) -> float:
     return max(variance, 1e-12)
+
+
+DRAWS = 500
+
+
+def block_sums(columns: Array, curvature: Array, pull: Array, block: Labels, count: int) -> Array:
+    """Return the normal equations of each block, (count, P, P + 1): matrix, then right side.
+
+    columns: x (n, P); curvature, pull: c, p (n,), so that a sample adds c x xᵀ and p x; block: (n,)
+    labels 0 to count - 1.
+    """
+    sums = np.zeros((count, columns.shape[1], columns.shape[1] + 1))
+    sides = np.column_stack([columns * curvature[:, None], pull])
+    np.add.at(sums, block, columns[:, :, None] * sides[:, None])
+    return sums
+
+
+def draw_units(unit_of_block: Labels, generator: np.random.Generator) -> Array:
+    """Return how often each block occurs in each of DRAWS draws of whole units, (DRAWS, n).
+
+    unit_of_block: (n,) labels of recordings, or of longer stretches; negative for no block.
+    """
+    units, place = np.unique(unit_of_block, return_inverse=True)
+    known = units >= 0
+    counts = np.zeros((DRAWS, len(units)))
+    counts[:, known] = _draw(int(known.sum()), generator)
+    return counts[:, place]
+
+
+def draw_blocks(unit_of_block: Labels, generator: np.random.Generator) -> Array:
+    """Return how often each block occurs in each draw of blocks within their units, (DRAWS, n)."""
+    counts = np.zeros((DRAWS, len(unit_of_block)))
+    for unit in np.unique(unit_of_block[unit_of_block >= 0]):
+        own = unit_of_block == unit
+        counts[:, own] = _draw(int(own.sum()), generator)
+    return counts
+
+
+def standard_error(by_unit: Array, by_block: Array, units: int) -> Array:
+    """Return standard errors (P,) from replicates (B, P) of both kinds of draws.
+
+    The factor sqrt(n / (n - 1)) corrects the bias of a bootstrap over few units.
+    """
+    return np.maximum(spread(by_unit) * np.sqrt(units / max(1, units - 1)), spread(by_block))
+
+
+def _draw(count: int, generator: np.random.Generator) -> Array:
+    """Return how often each of `count` items occurs in DRAWS draws with replacement."""
+    return generator.multinomial(count, np.full(count, 1 / count), size=DRAWS).astype(float)
+
+
+def spread(replicates: Array) -> Array:
+    """Return half the width of the central 68 %: a standard deviation that ignores the tails."""
+    low, high = np.quantile(replicates, ndtr([-1.0, 1.0]), axis=0)
+    return (high - low) / 2
+
+
+def half_width(error: Array, units: int) -> Array:
+    """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom."""
+    return error * stdtrit(max(1, units - 1), 0.975)

@@ -6,17 +6,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ur5lib.force.detection import (
+    TOUCH,
     Span,
     alarms,
     compare,
+    contacts,
+    force_alarms,
+    is_free,
+    pushes_above,
     raised_live,
     receiver_curve,
 )
 from ur5lib.force.external_torque import MOVING
-from ur5lib.force.force_alarms import force_alarms, pushes_above
 from ur5lib.force.grasp import grasped_load
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.sensed_contacts import TOUCH, contacts, is_free
 from ur5lib.pipeline.force_input import gears
 from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches

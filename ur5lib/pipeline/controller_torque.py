@@ -12,8 +12,8 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
 
 STEP = 0.032  # s between samples of a block, whose errors are correlated

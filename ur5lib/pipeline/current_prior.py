@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ur5lib.errors import RefusalError
-from ur5lib.identification.prior import Prior
-from ur5lib.identification.torque_constants import standstill_ratio, torque_constant_prior
+from ur5lib.identification.prior import Prior, standstill_ratio, torque_constant_prior
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot

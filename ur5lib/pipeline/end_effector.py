@@ -12,12 +12,10 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
-from ur5lib.signals.end_effector import felt_acceleration, point_acceleration
-from ur5lib.signals.euler_route import euler_acceleration
+from ur5lib.signals.end_effector import euler_acceleration, felt_acceleration, point_acceleration
 from ur5lib.signals.imu_calibration import AS_DRAWN, ImuCalibration, accelerometer_bias
 from ur5lib.signals.plain_filter import FilteredMotion
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.derivative import differentiate
 from ur5lib.timeseries.lowpass import (
     THESIS_ACCELERATION,
     Butterworth,
@@ -25,6 +23,7 @@ from ur5lib.timeseries.lowpass import (
     inner_lowpass,
 )
 from ur5lib.timeseries.metrics import mean_absolute_error
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")

@@ -16,9 +16,9 @@ from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.robots.description import Model, Robot
 from ur5lib.signals.end_effector import felt_acceleration
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
 from ur5lib.timeseries.lowpass import THESIS_ACCELERATION, causal_lowpass, slow_delay
 from ur5lib.timeseries.metrics import largest_error, mean_absolute_error
+from ur5lib.timeseries.sampling import interpolated
 
 
 def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.sensed_contacts import contacts, in_contact
+from ur5lib.force.detection import contacts, in_contact
 from ur5lib.force.wrench_estimate import Ablation
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.timeseries.arrays import Array

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.force.contact_figures import contact_errors, figures_by_contact
-from ur5lib.force.sensed_contacts import felt
+from ur5lib.force.detection import felt
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH

@@ -9,8 +9,7 @@ import numpy as np
 from ur5lib.force.causal_gate import causal_log_odds
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import past_states
-from ur5lib.force.force_input import ForceInput, may_repeat
-from ur5lib.force.gears import Gears
+from ur5lib.force.force_input import ForceInput, Gears, may_repeat
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows

@@ -3,8 +3,7 @@
 from collections.abc import Callable
 
 from ur5lib.force.external_torque import States, joint_states
-from ur5lib.force.force_input import ForceInput, extent
-from ur5lib.force.gears import Gears
+from ur5lib.force.force_input import ForceInput, Gears, extent
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.timeseries.arrays import Array, Labels

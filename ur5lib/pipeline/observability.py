@@ -14,10 +14,10 @@ import numpy as np
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import alarms, smallest_force
 from ur5lib.force.external_torque import finite_rows
-from ur5lib.force.trial_pushes import Trials, felt_push, try_each_place
+from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
 from ur5lib.identification.currents import CurrentFit, torque_constants
-from ur5lib.identification.predictability import share_by_speed
 from ur5lib.identification.samples import STEP
+from ur5lib.identification.validation import share_by_speed
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion

@@ -4,8 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.force.current_based import friction_torque
-from ur5lib.force.current_torque_line import current_on_torque, torque_on_current
+from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot

@@ -6,12 +6,13 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import Remark
-from ur5lib.force.mounting import mounting_doubt, opposite_axes
 from ur5lib.force.sensor import (
     SensorOffset,
     bias,
+    mounting_doubt,
     move_to_frame_6,
     offset_doubt,
+    opposite_axes,
     wrench_of_environment,
 )
 from ur5lib.pipeline.records.forces import Forces, SensorWrenches

@@ -12,7 +12,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import KnownJoints, SmoothedJoints, SmoothedMotion
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 LOCAL_NOISE = ("jerk", "vibration", "position", "velocity")

@@ -11,7 +11,7 @@ from ur5lib.errors import InputError
 from ur5lib.robots.collisions import TABLE, collisions
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 DENSE = 0.02  # rad, between the samples of a path that are checked
 FEWEST = 2

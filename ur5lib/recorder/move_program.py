@@ -21,7 +21,7 @@ from ur5lib.robots.statics import link_frames
 from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.trapezoid import duration, trapezoid
+from ur5lib.timeseries.profiles import duration, trapezoid
 
 PERIOD = 0.008  # s, between the samples of a plan
 ARGUMENTS: dict[str, dict[str, Any]] = {  # with URScript's defaults

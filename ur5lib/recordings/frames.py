@@ -14,7 +14,7 @@ from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
 from ur5lib.recordings.quality import Finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 SMOOTH = ("actual_q_", "actual_qd_", "target_q_", "target_qd_")  # interpolated by PCHIP
 OFF_GRID = 0.1  # cycles; how far a step may lie from a whole number of cycles

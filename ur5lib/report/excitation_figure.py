@@ -9,10 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ur5lib.dynamics.flange import link_frames
-from ur5lib.excitation.limits import Margins
-from ur5lib.excitation.path import Path
+from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.problem import Problem
-from ur5lib.excitation.worth import Worth
+from ur5lib.excitation.trajectory import Margins, Path
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.excitation.design import Design
+from ur5lib.excitation.objective import Worth
 from ur5lib.excitation.problem import Problem
-from ur5lib.excitation.worth import Worth
 from ur5lib.report.cells import significant
 from ur5lib.report.document import (
     Cell,

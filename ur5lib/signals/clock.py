@@ -1,6 +1,7 @@
-"""The relation of a device's clock to the robot's: offset and drift."""
+"""The relation of a device's clock to the robot's, and what all devices of one host share of it."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ur5lib.timeseries.arrays import Array
 # Standard deviation of an unknown drift. Quartz is accurate to 1e-4, but stamps are made by a
 # host's software: the only host whose drift is known, the thesis's, is off by 0.0033.
 UNKNOWN_DRIFT = 0.003
+WANDER = 0.004  # s, of a clock about a straight line: no jackknife of one recording contains it
 BY_STAMPS, BY_MOTION, BY_HOST = "start stamps", "angular rate", "host's stamps"  # methods
 
 
@@ -71,3 +73,114 @@ def clock_from_stamps(offset: float, std: float) -> Clock:
 def clock_from_host(offset: float, std: float, drift_std: float) -> Clock:
     """Return the clock of a device whose samples the robot's host stamped, with its errors."""
     return Clock(offset, std, 0.0, drift_std, BY_HOST)
+
+
+@dataclass(frozen=True)
+class HostDrift:
+    """Drift and start of a host's clock relative to the robot's.
+
+    devices: those on this host; drift: mean over recordings, std_error: of that mean, spread:
+    standard deviation between recordings, all dimensionless; start, start_std_error, start_spread:
+    the same for the delay of a device's clock relative to the start stamps [s]; recordings: names
+    of those used.
+    """
+
+    devices: list[str]
+    drift: float
+    std_error: float
+    spread: float
+    start: float
+    start_std_error: float
+    start_spread: float
+    recordings: list[str]
+
+
+def pool_drifts(
+    clocks: Mapping[str, Mapping[str, OwnClock]], hosts: Mapping[str, Sequence[str]]
+) -> dict[str, HostDrift]:
+    """Return each host's drift and start from the clocks that were estimated by motion.
+
+    clocks: by recording and device; hosts: the devices of each host. Hosts without a clock that was
+    estimated by motion are left out.
+    """
+    found = {}
+    for host, devices in hosts.items():
+        known = dict(_by_motion(clocks, devices))
+        if known:
+            names = ("drift", "drift_std", "offset", "offset_std", "stamps")
+            drift, std, offset, offset_std, stamps = (
+                np.array([getattr(clock, name) for clock in known.values()]) for name in names
+            )
+            # the error of the robot's own start stamp is common to all devices
+            start = pool(offset - stamps, offset_std)
+            found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(known))
+    return found
+
+
+def _by_motion(
+    clocks: Mapping[str, Mapping[str, OwnClock]], devices: Sequence[str]
+) -> Iterator[tuple[str, OwnClock]]:
+    """Yield recordings in which motion determines the clock of one of the devices; the clock."""
+    for recording, own in clocks.items():
+        for device in devices:
+            if device in own and own[device].method == BY_MOTION:
+                yield recording, own[device]
+
+
+def pool(value: Array, std: Array) -> tuple[float, float, float]:
+    """Return mean, standard error and spread of K values, random effects (DerSimonian, Laird 1986).
+
+    value, std: (K,), with their own standard errors. The spread is the standard deviation beyond
+    these; for a single value it is that value's standard error.
+    """
+    if len(value) == 1:
+        return float(value[0]), float(std[0]), float(std[0])
+    # spread² = (χ² - (K - 1)) / (Σ w - Σ w² / Σ w), w = 1 / std²
+    weight = std**-2.0
+    misfit = weight @ (value - np.average(value, weights=weight)) ** 2
+    scale = weight.sum() - (weight**2).sum() / weight.sum()
+    spread = float(np.sqrt(max(0.0, (misfit - len(value) + 1) / scale)))
+    # mean with w = 1 / (std² + spread²)
+    weight = 1 / (std**2 + spread**2)
+    return float(np.average(value, weights=weight)), float(weight.sum() ** -0.5), spread
+
+
+def settle_clocks(
+    own: Mapping[str, OwnClock], drifts: Mapping[str, HostDrift], duration: float
+) -> dict[str, SettledClock]:
+    """Return the clocks of a recording's devices; drifts: of the hosts; duration: [s].
+
+    A clock that was estimated by motion is kept; one of start stamps takes the drift and start of
+    its host if known.
+    """
+    return {device: _settled(device, clock, drifts, duration) for device, clock in own.items()}
+
+
+def _settled(
+    device: str, own: OwnClock, drifts: Mapping[str, HostDrift], duration: float
+) -> SettledClock:
+    clock: Clock = own
+    for host in drifts.values():
+        if device in host.devices:
+            clock = _with_drift(clock, host, duration)
+    known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
+    return SettledClock(**known, warning=own.warning, end_std=clock.std_after(duration))
+
+
+def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:
+    """Return a clock of start stamps with its host's start and drift; any other unchanged.
+
+    Their errors are those of the mean, the spread between recordings, and the wander.
+    """
+    if clock.method != BY_STAMPS:
+        return clock
+    std = float(np.hypot(np.hypot(host.std_error, host.spread), WANDER / duration))
+    start = clock.offset_std, host.start_std_error, host.start_spread
+    return replace(
+        clock,
+        offset=clock.offset + host.start,
+        offset_std=float(np.linalg.norm(start)),
+        drift=host.drift,
+        drift_std=std,
+        method=f"{clock.method}, start and drift of its host",
+    )

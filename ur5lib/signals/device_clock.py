@@ -1,16 +1,238 @@
-"""The clock of a recording's device: from its gyroscope if it has one, else from start stamps."""
+"""The clock of a device: from its gyroscope and the joints' angular rate, else from start stamps."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ur5lib.errors import Remark
-from ur5lib.signals.clock import Clock, clock_from_host, clock_from_stamps
-from ur5lib.signals.clocks import clock_from_rotation
+from ur5lib.errors import Remark, remark
+from ur5lib.signals.clock import BY_MOTION, WANDER, Clock, clock_from_host, clock_from_stamps
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.lowpass import inner_lowpass
+from ur5lib.timeseries.sampling import differentiate, interpolated
 from ur5lib.timeseries.segments import by_segment, period
+
+GAP = 5.0  # mean steps of a device; a longer one is a gap
+BAND, ORDER = 4.0, 4  # Hz; motion of the arm is below, vibration above
+REACH, TRUST = 10.0, 5.0  # stamps' standard errors: range of the search, and of plausible offsets
+MAX_DRIFT = 0.01  # far above the drift of a quartz
+EXPLAINED = 0.8  # least share of the gyroscope's variance that the joints must explain
+BLOCKS = 8  # of the jackknife: few, so that each is longer than the residuals' correlation time
+SAMPLES = 20  # least number in a block
+# Error that a jackknife of one recording does not contain [s]: clocks from gyroscope and
+# accelerometer of one IMU differ by 3 to 7 ms.
+LATENCY = 0.005
+NOTHING = 1e-30  # (rad/s)²: avoids infinities for a perfect fit or a dead gyroscope
+
+
+def clock_from_rotation(
+    time: Array,
+    rate: Array,
+    segment: Labels,
+    device_time: Array,
+    gyroscope: Array,
+    stamps: Clock,
+) -> tuple[Clock, Remark | None]:
+    """Estimate the clock for which a gyroscope measures the angular velocity of the joints.
+
+    time: (N,) [s], the robot's; rate: (N, 3) [rad/s], angular velocity of frame 6 in frame 6,
+    R_6^T J_w qd; segment: (N,) labels of unbroken stretches; device_time: (M,) [s], increasing;
+    gyroscope: (M, 3) [rad/s], its axes nearly parallel to frame 6; stamps: centre of the search.
+    Returns the clock and None, or the clock of the stamps and a remark on why it is that.
+
+    Least squares of gyroscope(t_device) = ω + ω × θ + b over offset, drift, a small mounting
+    rotation θ and the bias b, both sides low-passed alike. Standard errors by a jackknife over
+    blocks of time, as neighbouring residuals are correlated, widened by LATENCY and WANDER.
+    """
+    if min(len(time), len(device_time)) < SAMPLES * BLOCKS:
+        return stamps, remark("short record")
+    if max(np.diff(time).mean(), np.diff(device_time).mean()) > 1 / (4 * BAND):
+        return stamps, remark("slow record")
+    pair = _compare(time, rate, segment, device_time, gyroscope)
+    starts = _search(pair, stamps)
+    if not starts:
+        return stamps, remark("little overlap")
+    # best clock, its standard errors, and the share of variance it explains
+    (offset, drift), columns, residual = _choose(pair, starts, stamps)
+    offset_std, drift_std = _jackknife(columns, residual)
+    offset_std = float(np.hypot(offset_std, LATENCY))
+    drift_std = float(np.hypot(drift_std, WANDER / (time[-1] - time[0])))
+    clock = Clock(float(offset), offset_std, float(drift), drift_std, BY_MOTION)
+    variance = np.nanvar(pair.gyroscope, axis=0).mean() + NOTHING
+    explained = 1 - float(np.mean(residual**2) / variance) if len(residual) else 0.0
+    doubt = _objection(clock, stamps, explained)
+    return (clock, None) if doubt is None else (stamps, doubt)
+
+
+def even_samples(time: Array, values: Array) -> tuple[Array, Array]:
+    """Resample a device's record at even steps of its clock: (K,) [s] and (K, C), NaN in gaps.
+
+    time: (M,) [s], increasing in irregular steps; values: (M, C).
+    """
+    steps = np.diff(time)
+    usual = steps[steps <= _longest_step(time)].mean()
+    grid = np.linspace(time[0], time[-1], 1 + round((time[-1] - time[0]) / usual))
+    return grid, interpolate(grid, time, values)
+
+
+def interpolate(at: Array, time: Array, values: Array) -> Array:
+    """Interpolate a device's record (M, C) linearly at times (K,); NaN in gaps and outside."""
+    if len(time) < 2:
+        return np.full((len(at), values.shape[1]), np.nan)
+    result = interpolated(at, time, values, outside=np.nan)
+    after = np.searchsorted(time, at).clip(1, len(time) - 1)
+    result[(np.diff(time)[after - 1] > _longest_step(time)) & (at < time[after])] = np.nan
+    return result
+
+
+def _longest_step(time: Array) -> float:
+    """Return the longest step of a device [s] that is no gap."""
+    return GAP * float(np.diff(time).mean())
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Angular velocities of robot and device, low-passed alike.
+
+    time: (N,) and rate: (N, 3), the robot's, thinned as far as the band allows; own: (M,),
+    gyroscope: (M, 3) and its derivative slope: (M, 3), the device's on its own clock.
+    """
+
+    time: Array
+    rate: Array
+    own: Array
+    gyroscope: Array
+    slope: Array
+
+
+def _compare(
+    time: Array, rate: Array, segment: Labels, device_time: Array, gyroscope: Array
+) -> _Pair:
+    """Low-pass both sides alike, and thin the robot's."""
+    # the robot's ω, at some 4 samples per period of the band's upper end
+    period = float(np.median(np.diff(time)))
+    rate = _in_band(rate, segment, period)
+    every = max(1, int(1 / (4 * BAND * period)))
+    kept = np.flatnonzero(np.isfinite(rate).all(axis=1))[::every]
+    # the gyroscope, at even steps of its own clock
+    own, even = even_samples(device_time, gyroscope)
+    step = own[1] - own[0]
+    even = _in_band(even, np.zeros(len(own), dtype=np.int64), step)
+    return _Pair(time[kept], rate[kept], own, even, np.gradient(even, step, axis=0))
+
+
+def _in_band(values: Array, segment: Labels, period: float) -> Array:
+    """Low-pass without delay; NaN near the ends of a stretch, where the filter extrapolates."""
+    lowpass = partial(inner_lowpass, rate=1 / period, order=ORDER, cutoff=BAND)
+    return by_segment(lowpass, values, segment)
+
+
+def _misfit(pair: _Pair, clock: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Return the device's times (N',) [s], gyroscope minus ω (N', 3), and their rows (N',).
+
+    clock: offset and drift. Rows are those of the robot's samples that both sides recorded.
+    """
+    own = (pair.time - clock[0]) / (1 + clock[1])
+    misfit = interpolate(own, pair.own, pair.gyroscope) - pair.rate
+    rows = np.flatnonzero(np.isfinite(misfit).all(axis=1))
+    return own[rows], misfit[rows], rows
+
+
+def _linearise(pair: _Pair, clock: Array) -> tuple[Array, Array]:
+    """Return columns (N', 3, 8) of offset, drift, θ (3) and b (3), and the misfit (N', 3)."""
+    own, misfit, rows = _misfit(pair, clock)
+    # -∂(gyroscope)/∂offset = g' / (1 + drift), -∂(gyroscope)/∂drift = t_device g' / (1 + drift)
+    slope = interpolate(own, pair.own, pair.slope)[:, :, None] / (1 + clock[1])  # (N', 3, 1)
+    # ω × θ and b
+    turned = np.cross(pair.rate[rows, None], np.eye(3)).swapaxes(1, 2)  # (N', 3, 3)
+    bias = np.broadcast_to(np.eye(3), turned.shape)
+    columns = np.concatenate([slope, slope * own[:, None, None], turned, bias], axis=2)
+    known = np.isfinite(slope).all(axis=(1, 2))
+    return columns[known], misfit[known]
+
+
+def _solve(columns: Array, misfit: Array) -> Array:
+    """Solve least squares (P,) of columns (N, 3, P) to misfit (N, 3); zero if undetermined."""
+    A = columns.reshape(-1, columns.shape[2])
+    return np.linalg.pinv(A.T @ A, rcond=1e-12, hermitian=True) @ (A.T @ misfit.ravel())
+
+
+def _search(pair: _Pair, stamps: Clock) -> list[Array]:
+    """Return clocks (offset, drift) to start a fit from: local minima over the offset.
+
+    The misfit is computed on a grid around the stamps' offset; per offset, the best drift counts.
+    """
+    length = float(np.ptp(pair.time)) if len(pair.time) else 0.0
+    reach, step = REACH * stamps.offset_std, 1 / (4 * BAND)
+    offsets = stamps.offset + np.arange(-reach, reach + step, step)
+    # neighbouring drifts shift the ends of the record by one step of the offset
+    drifts = np.linspace(-MAX_DRIFT, MAX_DRIFT, 3 + 2 * int(MAX_DRIFT * length / (2 * step)))
+
+    def variance(clock: Array) -> float:
+        """Return the misfit's variance: without its mean, the bias; θ hardly matters here."""
+        misfit = _misfit(pair, clock)[1]
+        enough = max(SAMPLES * BLOCKS, len(pair.time) // 2)
+        return float(misfit.var(axis=0).sum()) if len(misfit) >= enough else np.inf
+
+    misfit = np.array([[variance(np.array([o, d])) for d in drifts] for o in offsets])
+    # offsets whose best misfit is not above that of their neighbours
+    best = np.pad(misfit.min(axis=1), 1, constant_values=np.inf)
+    valleys = np.isfinite(best[1:-1]) & (best[1:-1] <= np.minimum(best[:-2], best[2:]))
+    rows = np.flatnonzero(valleys)
+    return [np.array([offsets[row], drifts[misfit[row].argmin()]]) for row in rows]
+
+
+def _choose(pair: _Pair, starts: list[Array], stamps: Clock) -> tuple[Array, Array, Array]:
+    """Return the best fit from any start: clock, columns and residuals.
+
+    A periodic motion fits equally well one period later, so the stamps count as a measurement, too.
+    """
+
+    def cost(fit: tuple[Array, Array, Array]) -> float:
+        clock, _, residual = fit
+        if len(residual) < SAMPLES * BLOCKS:
+            return np.inf
+        # -2 log likelihood: n log σ² + ((offset - stamps) / std)²
+        independent = 2 * BAND * float(np.ptp(pair.time))
+        deviation = (clock[0] - stamps.offset) / stamps.offset_std
+        return independent * float(np.log(np.mean(residual**2) + NOTHING)) + deviation**2
+
+    return min((_fit(pair, start) for start in starts), key=cost)
+
+
+def _fit(pair: _Pair, clock: Array) -> tuple[Array, Array, Array]:
+    """Fit by Gauss-Newton from a clock nearby: clock, columns and residuals there."""
+    for _ in range(10):
+        columns, misfit = _linearise(pair, clock)
+        change = _solve(columns, misfit)
+        clock = clock + change[:2]
+    return clock, columns, misfit - columns @ change
+
+
+def _jackknife(columns: Array, residual: Array) -> tuple[float, float]:
+    """Return the standard errors of offset and drift by a jackknife over blocks of time."""
+    blocks = np.array_split(np.arange(len(columns)), BLOCKS)
+    changes = [
+        _solve(np.delete(columns, block, axis=0), np.delete(residual, block, axis=0))
+        for block in blocks
+    ]
+    variance = (BLOCKS - 1) / BLOCKS * np.square(changes).sum(axis=0)
+    return float(np.sqrt(variance[0])), float(np.sqrt(variance[1]))
+
+
+def _objection(clock: Clock, stamps: Clock, explained: float) -> Remark | None:
+    """Return why the motion does not determine the clock; None if it does."""
+    apart, drift = clock.offset - stamps.offset, clock.drift or 0.0
+    if explained < EXPLAINED:
+        return remark("unexplained rotation", share=max(explained, 0.0))
+    if abs(apart) > TRUST * stamps.offset_std or abs(drift) > MAX_DRIFT:
+        return remark("implausible clock", apart_s=apart, drift=drift)
+    if clock.offset_std > stamps.offset_std:
+        stds = {"std_s": clock.offset_std, "stamps_std_s": stamps.offset_std}
+        return remark("uncertain clock", **stds)
+    return None
 
 
 def device_clock(

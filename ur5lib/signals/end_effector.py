@@ -1,9 +1,17 @@
-"""Acceleration of a point of the end effector, from the joints and from the IMU."""
+"""Velocity and acceleration of the end effector, from the joints and from the IMU."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.spatial.transform import Rotation
 
-from ur5lib.signals.imu_model import jacobian_derivative, point_jacobian
-from ur5lib.timeseries.arrays import Array
+from ur5lib.signals.imu_fusion import jacobian_derivative, point_jacobian
+from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.sampling import differentiate
+from ur5lib.timeseries.segments import by_segment, in_chunks
 
 
 def point_velocity(rotation: Array, jacobian: Array, qd: Array, point: Array) -> Array:
@@ -53,3 +61,103 @@ def _axis_derivative(axes: Array) -> Array:
 def _apply(matrix: Array, vector: Array) -> Array:
     """Multiply matrices (..., R, C) by vectors (..., C)."""
     return (matrix @ vector[..., None])[..., 0]
+
+
+NARROWEST = 0.1  # samples; a Gaussian below changes nothing
+
+
+@dataclass(frozen=True)
+class ToolMotion:
+    """Weight and acceleration of what is fixed to frame 6, in its axes, (N, 3) each.
+
+    pull: R_6ᵀ (g - a) [m/s²], what pulls on each kilogram at the origin; rate: ω [rad/s]; spin: its
+    derivative α [rad/s²].
+    """
+
+    pull: Array
+    rate: Array
+    spin: Array
+
+    def pull_at(self, point: Array) -> Array:
+        """Return p - α × r - ω × (ω × r) (N, 3) [m/s²] at a point r (3,) [m] of frame 6."""
+        centripetal = np.cross(self.rate, np.cross(self.rate, point))
+        return self.pull - np.cross(self.spin, point) - centripetal
+
+    def gyration(self, inertia: Sequence[float]) -> Array:
+        """Return I α + ω × I ω (N, 3) [Nm].
+
+        inertia: xx yy zz xy xz yz [kg m²] about the centre of mass, axes of frame 6.
+        """
+        xx, yy, zz, xy, xz, yz = inertia
+        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        return self.spin @ tensor + np.cross(self.rate, self.rate @ tensor)
+
+
+def tool_motion(
+    rotation: Array, jacobian: Array, qd: Array, qdd: Array, gravity: Array
+) -> ToolMotion:
+    """Return the motion of frame 6 in its own axes.
+
+    rotation: R_6 (N, 3, 3); jacobian: J_g (N, 6, 6); qd [rad/s], qdd [rad/s²]: (N, 6); gravity:
+    (3,) [m/s²], base frame.
+    """
+
+    def felt(rotation: Array, jacobian: Array, qd: Array, qdd: Array) -> Array:
+        moved = point_acceleration(rotation, jacobian, qd, qdd, np.zeros(3))
+        rate = np.matvec(jacobian[:, 3:], qd)
+        parts = np.stack([gravity - moved[:, :3], rate, moved[:, 3:]], axis=1)
+        return parts @ rotation  # each row times R_6, that is R_6ᵀ v
+
+    return ToolMotion(*in_chunks(felt, rotation, jacobian, qd, qdd).swapaxes(0, 1))
+
+
+def expected(values: Array, segment: Labels, period: float, clock_std: float) -> Array:
+    """Return the mean of values (N, M) at times that are known to a standard error [s].
+
+    For a normal error of the clock this is a Gaussian filter. What moves faster than the clock is
+    known, such as a vibration, has a mean of zero: subtracting it unfiltered would add noise.
+    """
+    width = clock_std / period
+    if width < NARROWEST:
+        return values
+    return by_segment(
+        partial(gaussian_filter1d, sigma=width, axis=0, mode="nearest"), values, segment
+    )
+
+
+def euler_acceleration(
+    rotation: Array,
+    jacobian: Array,
+    qd: Array,
+    qdd: Array,
+    segment: Labels,
+    period: float,
+    printed: bool,
+) -> Array:
+    """Return Ẍ = J_a q̈ + J̇_a q̇ (Equation 2.35), with the second derivatives of φ, ϑ, ψ last.
+
+    rotation: R_6 (N, 3, 3); jacobian: J_g (N, 6, 6), base frame; qd, qdd: (N, 6) [rad/s, rad/s²];
+    segment: (N,) labels; period: [s]; printed: whether φ and ψ are exchanged as in the printed
+    Equation 2.33 (erratum 1). Returns (N, 6) [m/s², rad/s²]. It peaks near ϑ = 0 and ϑ = π, the
+    singularities of the angles, whether the arm accelerates or not.
+    """
+    # J_a = [J_v; B⁻¹ J_w]
+    phi, theta, psi = Rotation.from_matrix(rotation).as_euler("ZYZ").T
+    rates = _rates_to_angular_velocity(psi if printed else phi, theta)
+    angular = np.linalg.solve(rates, jacobian[:, 3:])
+    analytical = np.concatenate([jacobian[:, :3], angular], axis=1)  # (N, 6, 6)
+    # J̇_a by central differences
+    change = partial(by_segment, partial(differentiate, period=period), segment=segment)
+    analytical_rate = change(values=analytical.reshape(-1, 36)).reshape(-1, 6, 6)
+    return np.einsum("nij,nj->ni", analytical, qdd) + np.einsum("nij,nj->ni", analytical_rate, qd)
+
+
+def _rates_to_angular_velocity(first: Array, theta: Array) -> Array:
+    """Return B (N, 3, 3) of ω = B (φ̇, ϑ̇, ψ̇) (Equation 2.33); `first` is φ if it is correct."""
+    zero, one = np.zeros_like(theta), np.ones_like(theta)
+    rows = [
+        [zero, -np.sin(first), np.cos(first) * np.sin(theta)],
+        [zero, np.cos(first), np.sin(first) * np.sin(theta)],
+        [one, zero, np.cos(theta)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.tables import BY_KEY
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.derivative import differentiate
+from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment
 
 OWN = 4  # parameters of a recording: the accelerometer's bias and a remaining clock error

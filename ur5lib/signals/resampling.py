@@ -6,7 +6,7 @@ from scipy import signal
 from scipy.interpolate import CubicSpline
 
 from ur5lib.signals.clock import Clock
-from ur5lib.signals.clocks import even_samples, interpolate
+from ur5lib.signals.device_clock import even_samples, interpolate
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
 

@@ -7,7 +7,7 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, mode
 
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
 from ur5lib.strict import Strict, existing_file
-from ur5lib.timeseries.fourier import rest_conditions
+from ur5lib.timeseries.profiles import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
 RESTING = 1e-6  # rad, tolerance of the conditions at the start: rounding of written coefficients

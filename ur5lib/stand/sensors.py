@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from ur5lib.stand.engine import SimulatedMotion
 from ur5lib.stand.plan import Clock, ForceSensor, Imu
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 FORCE_RATE, IMU_RATE = 207.6, 266.27  # Hz, by their own clocks
 TICK = 0.001  # s, of the IMU's stamps

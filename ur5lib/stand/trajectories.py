@@ -13,8 +13,7 @@ from ur5lib.robots.urscript import calls, parse, six
 from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.fourier import fourier_terms, rest_conditions
-from ur5lib.timeseries.trapezoid import duration, trapezoid
+from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
 REST = 1.0  # s at rest at the beginning of every recording
 SHORTEST = 0.008  # s, shortest duration of a command, even without motion

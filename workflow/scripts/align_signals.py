@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from ur5lib.signals.clock import OwnClock
-from ur5lib.signals.host_drifts import HostDrift, settle_clocks
+from ur5lib.signals.clock import HostDrift, OwnClock, settle_clocks
 from ur5lib.signals.resampling import resample
 from ur5lib.tables import read_record, read_table, write_json, write_table
 

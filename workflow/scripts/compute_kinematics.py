@@ -9,7 +9,7 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.chunks import in_chunks
+from ur5lib.timeseries.segments import in_chunks
 
 
 def compute_kinematics(input: Any, output: Any, params: Any) -> None:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.signals.clock import OwnClock
-from ur5lib.signals.host_drifts import pool_drifts as pool
+from ur5lib.signals.clock import pool_drifts as pool
 from ur5lib.tables import read_record, write_json
 
 

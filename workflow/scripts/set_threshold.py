@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.force.detection import alarm_threshold
-from ur5lib.force.force_alarms import force_threshold
+from ur5lib.force.detection import alarm_threshold, force_threshold
 from ur5lib.pipeline.estimators import GATED, PUBLISHED
 from ur5lib.pipeline.records.forces import Forces, PublishedForces
 from ur5lib.tables import write_json

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.pipeline.records.table import JOINTS, Table, channel
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.interpolation import interpolated
+from ur5lib.timeseries.sampling import interpolated
 
 
 @dataclass(frozen=True, kw_only=True)

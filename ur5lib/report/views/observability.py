@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.force.trial_pushes import MOST
+from ur5lib.force.trial_contacts import MOST
 from ur5lib.report.cells import fixed, with_error
 from ur5lib.report.document import Cell
 from ur5lib.report.observability_figure import flange_speeds

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ur5lib.force.static_estimate import BREAKAWAY, LEAST_ERROR, SLOW
+from ur5lib.force.map_estimate import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say

@@ -7,7 +7,7 @@ import numpy as np
 
 from ur5lib.stand.rig import STEP, Target
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.trapezoid import duration, trapezoid
+from ur5lib.timeseries.profiles import duration, trapezoid
 
 REST = np.zeros(6)
 

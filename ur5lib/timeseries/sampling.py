@@ -1,8 +1,18 @@
-"""Linear interpolation of several columns at once."""
+"""Derivative and linear interpolation of several columns at once."""
 
 import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
+
+
+def differentiate(values: Array, period: float) -> Array:
+    """Return the derivative of uniform samples by central differences, one-sided at the ends.
+
+    values: (N, M); period: [s]. Returns (N, M); NaN where there are fewer than two samples.
+    """
+    if len(values) < 2:
+        return np.full_like(values, np.nan)
+    return np.gradient(values, period, axis=0)
 
 
 def interpolated(
