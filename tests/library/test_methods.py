@@ -11,11 +11,9 @@ from ur5lib.force import (
     contact_wrench,
     detection,
     external_torque,
-    gears,
+    force_input,
     grasp,
-    mounting,
     residual_model,
-    sensed_contacts,
     sensor,
     wrench_estimate,
 )
@@ -85,7 +83,7 @@ def statements() -> Iterator[str]:
     )
     yield f"| {PRIOR.duration:g} s, {PRIOR.pause:g} s |"
     yield f"| {percent(PRIOR.load_friction)}; {percent(PRIOR.friction_std)} |"
-    yield f"| {contact_wrench.LEVERS:g} samples; 1/{1 / gears.MEAN:g} |"
+    yield f"| {contact_wrench.LEVERS:g} samples; 1/{1 / force_input.MEAN:g} |"
     yield f"| {PRIOR.stiction:g}, {PRIOR.rubbing:g} |"
     yield f"| {listed(PRIOR.hunting)}; {PRIOR.settling:g} s |"
     yield (
@@ -110,15 +108,15 @@ def statements() -> Iterator[str]:
     yield f"A contact of at least {grasp.SHORTEST:g} s counts as a load"
     yield f"a weight explains {percent(grasp.EXPLAINED)} of its squared torque"
     yield f"within {COUNTED[int(sensor.OUTSIDE)]} standard deviations"
-    yield f"below −{-mounting.OPPOSITE:g} along an axis"
-    yield f"carries {percent(mounting.SHARE)} of the squared force"
+    yield f"below −{-sensor.OPPOSITE:g} along an axis"
+    yield f"carries {percent(sensor.SHARE)} of the squared force"
     yield f"where they fall by {detection.HYSTERESIS:g} more"
-    yield f"a contact reaches {sensed_contacts.TOUCH:g}, {sensed_contacts.CONTACT:g}, 10 or 15 N"
-    yield f"while the reading exceeds {sensed_contacts.RELEASE:g} N"
-    yield f"above {sensed_contacts.CONTACT:g} N at the compensated sensor"
+    yield f"a contact reaches {detection.TOUCH:g}, {detection.CONTACT:g}, 10 or 15 N"
+    yield f"while the reading exceeds {detection.RELEASE:g} N"
+    yield f"above {detection.CONTACT:g} N at the compensated sensor"
     yield (
-        f"below {sensed_contacts.FREE:g} N and {sensed_contacts.CLEAR:g} s away from any sample "
-        f"of {sensed_contacts.TOUCH:g} N"
+        f"below {detection.FREE:g} N and {detection.CLEAR:g} s away from any sample "
+        f"of {detection.TOUCH:g} N"
     )
     yield f"from {contact_figures.DRAWS} resamples of whole contacts"
     yield f"{1e3 * thesis.PUBLISHED_JACOBIAN_LAG:g} ms earlier, as in the published script"

@@ -1,4 +1,4 @@
-"""The trajectories of a design: Fourier series that begin and end at rest, their limits and margins."""
+"""Trajectories of a design: Fourier series that begin and end at rest, limits and margins."""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self

@@ -1,4 +1,4 @@
-"""The thesis's torque constants (Equation 6.5) and contact wrenches (Chapter 6) from motor currents."""
+"""The thesis's torque constants (Equation 6.5) and wrenches (Chapter 6) from motor currents."""
 
 from typing import NamedTuple
 

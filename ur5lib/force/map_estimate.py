@@ -1,4 +1,4 @@
-"""The most probable wrench given a torque, its noise and a prior: F̂ᵐᵃᵖ, and that of a resting arm."""
+"""The most probable wrench given a torque, its noise and a prior; F̂ᵐᵃᵖ is one."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Errors of predicted currents: baselines, cross-validation between recordings, and errors by speed."""
+"""Errors of predicted currents: baselines, cross-validation, and errors by speed."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The clock of a device: from its gyroscope and the joints' angular rate, else from start stamps."""
+"""The clock of a device: from its gyroscope and the joints' rates, else from start stamps."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Profiles of motions: Fourier series, those that begin and end at rest (Swevers 1997), trapezoids."""
+"""Profiles of motions: Fourier series that may begin and end at rest (Swevers 1997), trapezoids."""
 
 import numpy as np
 
