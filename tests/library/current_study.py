@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 from scipy import signal
 
-from ur5lib.identification.friction import Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import Record, design
 from ur5lib.pipeline.current_samples import smoother
+from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.02

@@ -20,7 +20,6 @@ from tests.library.current_study import (
     with_noise,
 )
 from tests.made_tables import table
-from ur5lib.identification import friction
 from ur5lib.identification.currents import (
     CONFLICT,
     FOLDS,
@@ -41,7 +40,6 @@ from ur5lib.identification.estimation import (
     estimate_together,
     physical,
 )
-from ur5lib.identification.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.identification.regression import Normal, draw_blocks, draw_units, half_width, regress
 from ur5lib.identification.samples import (
     STEP,
@@ -65,6 +63,8 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
+from ur5lib.robots import friction
+from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.tables import read_json, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE

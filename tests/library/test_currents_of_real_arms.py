@@ -17,11 +17,11 @@ from ur5lib.identification.currents import (
     predict,
     torque_constants,
 )
-from ur5lib.identification.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
+from ur5lib.robots.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.timeseries.arrays import Array
 
 # Coulomb, viscous friction and an offset, fitted on the same recordings: RMSE at 2 Hz [A].

@@ -24,9 +24,9 @@ from tests.examples import (
 from tests.library.synthetic_run import synthetic_run
 from tests.library.test_docs import PAGES
 from ur5lib.cli import app
-from ur5lib.identification import friction
 from ur5lib.recorder.commanded_motion import read_motion, refusals
 from ur5lib.recorder.move_program import plan, read_program
+from ur5lib.robots import friction
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.tables import write_table
 
@@ -133,11 +133,11 @@ def read(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def add_a_term(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """In the module that the page names, on a motion."""
-    scope: dict[str, Any] = dict(vars(friction))
-    exec(code, scope)
+    kinds = dict(friction.KINDS)
+    exec(code, vars(friction) | {"KINDS": kinds})
     qd = np.array([-4.0, 0.0, 9.0])
     motion = friction.JointMotion(np.zeros(3), qd, np.zeros(3), np.sign(qd))
-    (column,) = scope["_root"](motion, 0.0)
+    (column,) = kinds["root"].columns(motion, 0.0)
     assert column.tolist() == [-2.0, 0.0, 3.0]
 
 
@@ -153,7 +153,7 @@ def add_an_estimator(code: str, _: pytest.MonkeyPatch) -> None:
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
-    "def _root(": add_a_term,
+    'KINDS["root"]': add_a_term,
     "from dataclasses import dataclass": add_an_estimator,
 }
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.identification.friction import (
+from ur5lib.robots.friction import (
     BASE,
     CONSIDERED,
     FAMILY,
@@ -103,7 +103,9 @@ def test_friction_that_drives_is_told() -> None:
 
 def test_what_depends_on_the_position_is_not_taken_for_friction() -> None:
     terms = (*BASE, Term("periodic", 1))
-    assert is_dissipative(terms, np.array([1.0, 1.0, 9.0, 9.0]), np.array([-1.0, 1.0]), np.zeros(1))
+    assert is_dissipative(
+        terms, np.array([1.0, 1.0, 0.0, 9.0, 9.0]), np.array([-1.0, 1.0]), np.zeros(1)
+    )
 
 
 VALUES = {  # at q = 0.5 rad, q̇ = -0.4 rad/s, 20 Nm, direction -0.9, worked out by hand

@@ -21,13 +21,13 @@ from tests.library.current_study import (
 from tests.made_tables import table
 from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
-from ur5lib.identification.friction import BASE
 from ur5lib.identification.samples import Record, design
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
 from ur5lib.report.health_figure import health_figure
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts import drift
 from ur5lib.report.views import health
+from ur5lib.robots.friction import BASE
 
 START = date(2026, 3, 3)
 QUALITY = {"frames": 1000, "findings": [{"finding": "lost frames", "count": 20}]}

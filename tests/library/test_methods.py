@@ -23,11 +23,11 @@ from ur5lib.identification import (
     base_parameters,
     closed_loop,
     currents,
-    friction,
     payload,
     samples,
     selection,
 )
+from ur5lib.robots import friction
 from ur5lib.signals import clock, device_clock, noise
 from ur5lib.timeseries import segments
 from ur5lib.timeseries.arrays import Array
@@ -64,8 +64,9 @@ def statements() -> Iterator[str]:
     yield f"gain of {percent(selection.GAIN)} and of {COUNTED[int(selection.STANDARD_ERRORS)]}"
     shortest, usual, longest = (f"{way:.0e}".replace("e-0", "e-") for way in WAYS)
     yield f"of {shortest}, {usual} and {longest} rad"
-    yield f"load-dependent friction {friction.LOAD:g} Nm/Nm"
-    yield f"torque {percent(friction.PERIODIC)} of the motor's largest torque"
+    yield f"load-dependent friction {friction.KINDS['load'].expected(1.0):g} Nm/Nm"
+    share = friction.KINDS["periodic"].expected(1.0)
+    yield f"torque {percent(share)} of the motor's largest torque"
     yield f"with fewer than {COUNTED[samples.FEW]} paths"
     yield f"over stretches of {samples.STRETCH * segments.BLOCK:g} s"
     yield f"over blocks of {segments.BLOCK:g} s alone"

@@ -15,7 +15,6 @@ from tests.library.current_study import (
     with_noise,
 )
 from ur5lib.identification.currents import CurrentFit, fit_currents
-from ur5lib.identification.friction import BASE, Term
 from ur5lib.identification.prior import JointPrior
 from ur5lib.identification.samples import (
     Record,
@@ -33,6 +32,7 @@ from ur5lib.identification.selection import (
     left_out_residuals,
     regress_samples,
 )
+from ur5lib.robots.friction import BASE, Term
 
 COULOMB, VISCOUS, LOAD = BASE
 ASYMMETRIC, QUADRATIC = Term("asymmetric"), Term("quadratic")

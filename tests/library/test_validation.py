@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from tests.library.current_study import PRESLIDING, make_record, prior, smooth
-from ur5lib.identification.friction import BASE
 from ur5lib.identification.samples import Record
 from ur5lib.identification.validation import (
     fitted_on_tested_on,
     least_squares_coefficients,
     score,
 )
+from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array
 
 

@@ -8,10 +8,10 @@ import pytest
 
 from tests.library.current_study import CONSTANT, FRICTION, make_record, prior, smooth, with_noise
 from ur5lib.identification.currents import CurrentFit, fit_currents, parameters, predict
-from ur5lib.identification.friction import USUAL, JointMotion, Term
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.friction_fit import temperatures_differ
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.friction import USUAL, JointMotion, Term
 from ur5lib.stand.friction import COULOMB_WARMING, VISCOUS_WARMING, Friction, friction_of
 
 WARMING = Term("warming")

@@ -161,7 +161,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("estimate_gains", "draw_tracking") | REPORT),
         ("ur5lib/identification/rotor_inertia.py",
          jobs("draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
-        ("ur5lib/identification/friction.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
+        ("ur5lib/robots/friction.py", jobs(*FROM_FRICTION) | FRICTION | REPORT),
         ("ur5lib/dynamics/rigid_body.py",
          jobs("estimate_gains", "draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),

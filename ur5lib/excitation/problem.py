@@ -19,9 +19,9 @@ from ur5lib.identification.base_parameters import (
     prior_width,
 )
 from ur5lib.identification.excitation import candidate_motions
-from ur5lib.identification.friction import BASE
 from ur5lib.identification.prior import JointPrior
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array
 
 INDEPENDENT = 0.1  # s between samples whose errors count as independent, as `samples.py` does

@@ -9,10 +9,10 @@ friction.
 import numpy as np
 
 from ur5lib.identification.currents import CurrentFit, JointFit
-from ur5lib.identification.friction import BASE, CONSIDERED
 from ur5lib.identification.regression import Normal, regress
 from ur5lib.identification.samples import Record, Samples, Smooth, blocks, joint_samples
 from ur5lib.identification.selection import FEWEST
+from ur5lib.robots.friction import BASE, CONSIDERED
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 

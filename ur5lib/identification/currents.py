@@ -18,7 +18,6 @@ from ur5lib.identification.estimation import (
     estimate_together,
     physical,
 )
-from ur5lib.identification.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import half_width
 from ur5lib.identification.samples import (
@@ -40,6 +39,7 @@ from ur5lib.identification.selection import (
     held_current,
     left_out_residuals,
 )
+from ur5lib.robots.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array, Float, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ur5lib.identification.friction import Term
 from ur5lib.identification.prior import JointPrior, Prior
 from ur5lib.identification.regression import (
     DRAWS,
@@ -21,6 +20,7 @@ from ur5lib.identification.regression import (
 )
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
+from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array, Labels
 
 

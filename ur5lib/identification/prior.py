@@ -7,8 +7,8 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ur5lib.errors import RefusalError
-from ur5lib.identification.friction import Term
 from ur5lib.identification.regression import Normal
+from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
 
 PINNED = 1e-3  # of its standard deviation: what is left of it where a constant is pinned

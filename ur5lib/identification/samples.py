@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.identification.friction import (
+from ur5lib.robots.friction import (
     BASE,
     CONSIDERED,
     KARNOPP,

@@ -6,10 +6,10 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from ur5lib.identification.friction import BASE, Term
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
 from ur5lib.identification.selection import regress_samples
+from ur5lib.robots.friction import BASE, Term
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
 

@@ -16,7 +16,6 @@ from ur5lib.identification.currents import (
     too_small,
     torque_constants,
 )
-from ur5lib.identification.friction import FAMILY
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, record_paths
 from ur5lib.identification.validation import (
@@ -24,6 +23,7 @@ from ur5lib.identification.validation import (
     fitted_on_tested_on,
     least_squares_coefficients,
 )
+from ur5lib.robots.friction import FAMILY
 from ur5lib.timeseries.arrays import Array
 
 MOST_LOST = 3  # joints whose current does not follow their torque: the others tell a force

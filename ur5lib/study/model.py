@@ -7,13 +7,14 @@ The model below defines every key of `config.yaml`; `workflow/study.schema.json`
 import datetime
 import json
 from functools import cached_property
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from ur5lib.recorder.lab import Lab
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
+from ur5lib.robots.friction import CANDIDATES
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
@@ -361,14 +362,24 @@ class Lowpass(Strict):
     published_forces: PublishedLowpass = PublishedLowpass()
 
 
-FrictionTerm = Literal["stribeck", "saturating", "quadratic", "cubic", "asymmetric", "warming"]
+def _candidate(term: str) -> str:
+    if term not in CANDIDATES:
+        raise ValueError(f"one of {', '.join(CANDIDATES)}")
+    return term
+
+
+FrictionTerm = Annotated[
+    str,
+    AfterValidator(_candidate),
+    WithJsonSchema({"enum": CANDIDATES, "type": "string"}),
+]
 
 
 class Friction(Strict):
     """The friction model that currents are fitted with."""
 
     terms: list[FrictionTerm] = Field(
-        [*get_args(FrictionTerm)],
+        [*CANDIDATES],
         description="candidate friction terms besides Coulomb, viscous, load-dependent and "
         "once-per-turn friction; only terms that improve cross-validation are used; warming: "
         "friction that changes with recorded temperatures",

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ur5lib.identification.friction import KARNOPP, PRESLIDING
 from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.robots.description import Robot
+from ur5lib.robots.friction import KARNOPP, PRESLIDING
 
 AS_PRINTED = "torque_on_current"
 

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_banded
 
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
@@ -47,6 +46,8 @@ def friction_direction(q: Array, segment: Labels, distance: float) -> Array:
     step = np.where(fresh, 0.0, np.diff(q, prepend=q[0]))
     kept = np.where(fresh, 0.0, np.exp(-np.abs(step) / distance))
     # as a bidiagonal system: z_k - e_k z_k-1 = (1 - e_k) sign(dq_k)
+    from scipy.linalg import solve_banded  # slow to import; a study's settings do without it
+
     bands = np.stack([np.ones(len(q)), np.append(-kept[1:], 0.0)])
     direction: Array = solve_banded((1, 0), bands, (1 - kept) * np.sign(step), check_finite=False)
     return direction
@@ -71,68 +72,57 @@ def resting(qd: Array) -> Array:
     return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
 
 
-def _coulomb(motion: JointMotion, _: float) -> list[Array]:
-    return [motion.direction]  # Equation 3.13
+@dataclass(frozen=True)
+class Kind:
+    """A kind of friction term.
+
+    columns: one (N,) for each coefficient, of a joint's motion and a shape parameter; candidates:
+    shape parameters among which a fit chooses, none if it does not; expected: prior standard
+    deviation of a coefficient, from the motor's largest torque [Nm]; parts: names of two
+    coefficients; odd: whether friction reverses with the velocity, as what brakes does.
+    """
+
+    columns: Callable[[JointMotion, float], list[Array]]
+    candidates: tuple[float, ...] = ()
+    expected: Callable[[float], float] = float
+    parts: tuple[str, ...] = ()
+    odd: bool = True
 
 
-def _viscous(motion: JointMotion, _: float) -> list[Array]:
-    return [motion.qd]  # Equation 3.14
-
-
-def _load(motion: JointMotion, _: float) -> list[Array]:
-    """Return load-dependent friction: Coulomb friction in proportion to the transmitted torque."""
-    return [np.abs(motion.torque) * motion.direction]
-
-
-def _stribeck(motion: JointMotion, velocity: float) -> list[Array]:
-    return [np.exp(-((motion.qd / velocity) ** 2)) * motion.direction]
-
-
-def _saturating(motion: JointMotion, velocity: float) -> list[Array]:
-    return [np.tanh(motion.qd / velocity)]
-
-
-def _quadratic(motion: JointMotion, _: float) -> list[Array]:
-    return [motion.qd * np.abs(motion.qd)]
-
-
-def _cubic(motion: JointMotion, _: float) -> list[Array]:
-    return [motion.qd**3]
-
-
-def _asymmetric(motion: JointMotion, _: float) -> list[Array]:
-    """Return direction-dependent viscous friction; that of Coulomb friction is an offset."""
-    return [np.abs(motion.qd)]
-
-
-def _periodic(motion: JointMotion, cycles: float) -> list[Array]:
-    """Return a torque once or twice per turn of the joint, as a harmonic drive's flexspline has."""
-    return [np.sin(cycles * motion.q), np.cos(cycles * motion.q)]
-
-
-def _warming(motion: JointMotion, _: float) -> list[Array]:
-    """Return what Coulomb and viscous friction gain per kelvin; they lose, as grease thins."""
-    return [motion.warmth * motion.direction, motion.warmth * motion.qd]
-
-
-KINDS: dict[str, Callable[[JointMotion, float], list[Array]]] = {
-    "coulomb": _coulomb,
-    "viscous": _viscous,
-    "load": _load,
-    "stribeck": _stribeck,
-    "saturating": _saturating,
-    "quadratic": _quadratic,
-    "cubic": _cubic,
-    "asymmetric": _asymmetric,
-    "periodic": _periodic,
-    "warming": _warming,
+KINDS = {
+    "coulomb": Kind(lambda motion, _: [motion.direction]),  # Equation 3.13
+    "viscous": Kind(lambda motion, _: [motion.qd]),  # Equation 3.14
+    # Coulomb friction in proportion to the transmitted torque; gears lose some per cent of it
+    "load": Kind(
+        lambda motion, _: [np.abs(motion.torque) * motion.direction], expected=lambda _: 0.1
+    ),
+    "stribeck": Kind(
+        lambda motion, velocity: [np.exp(-((motion.qd / velocity) ** 2)) * motion.direction],
+        (0.05, 0.1, 0.2, 0.3, 0.5),
+    ),
+    "saturating": Kind(lambda motion, velocity: [np.tanh(motion.qd / velocity)], (0.1, 0.3, 1.0)),
+    "quadratic": Kind(lambda motion, _: [motion.qd * np.abs(motion.qd)], (0.0,)),
+    "cubic": Kind(lambda motion, _: [motion.qd**3], (0.0,)),
+    # direction-dependent viscous friction; that of Coulomb friction is an offset
+    "asymmetric": Kind(lambda motion, _: [np.abs(motion.qd)], (0.0,), odd=False),
+    # Once or twice per turn, as of a harmonic drive's flexspline: a tenth of Coulomb friction,
+    # itself a twentieth of the largest torque.
+    "periodic": Kind(
+        lambda motion, cycles: [np.sin(cycles * motion.q), np.cos(cycles * motion.q)],
+        expected=lambda torque_max: 0.005 * torque_max,
+        parts=("sin", "cos"),
+        odd=False,
+    ),
+    # What Coulomb and viscous friction gain per kelvin; they lose, as grease thins: a hundredth
+    # of Coulomb friction.
+    "warming": Kind(
+        lambda motion, _: [motion.warmth * motion.direction, motion.warmth * motion.qd],
+        (0.0,),
+        expected=lambda torque_max: 5e-4 * torque_max,
+        parts=("coulomb", "viscous"),
+    ),
 }
-
-
-LOAD = 0.1  # Nm/Nm
-PERIODIC = 0.005  # of a motor's largest torque
-WARMING = 5e-4  # of it per kelvin: a hundredth of Coulomb friction
-PARTS = {"periodic": ("sin", "cos"), "warming": ("coulomb", "viscous")}  # of kinds with two
+CANDIDATES = [kind for kind, own in KINDS.items() if own.candidates]
 
 
 @dataclass(frozen=True)
@@ -144,52 +134,34 @@ class Term:
 
     def columns(self, motion: JointMotion) -> Array:
         """Return the columns (N, M), M = 2 for periodic and warming terms, 1 for all others."""
-        return np.stack(KINDS[self.kind](motion, self.shape), axis=1)
+        return np.stack(KINDS[self.kind].columns(motion, self.shape), axis=1)
 
     def expected(self, torque_max: float) -> list[float]:
         """Return the prior standard deviation of each coefficient, in its unit.
 
-        torque_max: of the motor [Nm]. Gears lose some per cent of the load; the periodic torque is
-        a tenth of Coulomb friction, itself a twentieth of the largest torque.
+        torque_max: of the motor [Nm].
         """
-        sizes = {
-            "load": LOAD,
-            "periodic": PERIODIC * torque_max,
-            "warming": WARMING * torque_max,
-        }
-        return [sizes.get(self.kind, torque_max)] * len(self.names())
+        return [KINDS[self.kind].expected(torque_max)] * len(self.names())
 
     def names(self) -> list[str]:
         """Return the coefficients' names: the kind, its shape, and which of two."""
         name = f"{self.kind}_{self.shape:g}" if self.shape else self.kind
-        return [f"{name}_{part}" for part in PARTS[self.kind]] if self.kind in PARTS else [name]
+        return [f"{name}_{part}" for part in KINDS[self.kind].parts] or [name]
 
 
 BASE = (Term("coulomb"), Term("viscous"), Term("load"))
 CONSIDERED = (Term("periodic", 1),)
-FAMILY = (
-    *(Term("stribeck", velocity) for velocity in (0.05, 0.1, 0.2, 0.3, 0.5)),
-    *(Term("saturating", velocity) for velocity in (0.1, 0.3, 1.0)),
-    Term("quadratic"),
-    Term("cubic"),
-    Term("asymmetric"),
-    Term("warming"),
-)
+FAMILY = tuple(Term(kind, shape) for kind in CANDIDATES for shape in KINDS[kind].candidates)
 
 
 def is_dissipative(terms: tuple[Term, ...], coefficients: Array, qd: Array, torque: Array) -> bool:
     """Return whether friction brakes at every velocity (N,) [rad/s] under every torque (M,) [Nm].
 
-    At the usual temperature; terms that are even in the velocity (asymmetric, periodic) are
-    excluded.
+    At the usual temperature; terms that do not reverse with the velocity (asymmetric, periodic)
+    are excluded.
     """
-    even = [term.kind in ("asymmetric", "periodic") for term in terms]
     speed, load = (grid.ravel() for grid in np.meshgrid(qd, torque))
     motion = JointMotion(np.zeros_like(speed), speed, load, np.sign(speed))
-    friction, start = np.zeros_like(speed), 0
-    for term, skip in zip(terms, even, strict=True):
-        columns = term.columns(motion)
-        if not skip:
-            friction += columns @ coefficients[start : start + columns.shape[1]]
-        start += columns.shape[1]
+    columns = [KINDS[term.kind].odd * term.columns(motion) for term in terms]
+    friction = np.concatenate(columns, axis=1) @ coefficients
     return bool((friction * speed >= 0).all())
