@@ -6,14 +6,15 @@ from pathlib import Path
 import yaml
 
 from benchmarks.harness.page import markdown
+from ur5lib.report.compose import shown_table
 from ur5lib.report.results import Results
-from ur5lib.report.views.forces import alarms, detections
 from ur5lib.tables import read_csv
 
 
 def detection_tables(folders: Sequence[Path]) -> str:
     """Return, for each study, its contacts at a force sensor, and its alarms where none is."""
-    bodies = [view(judged(folder)) for folder in folders for view in (detections, alarms)]
+    tables = ("forces.detections", "forces.alarms")
+    bodies = [shown_table(table, judged(folder)) for folder in folders for table in tables]
     texts = [(body.header, [[cell.text for cell in row] for row in body.rows]) for body in bodies]
     return "\n\n".join(markdown(header, rows) for header, rows in texts if rows)
 

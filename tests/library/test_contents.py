@@ -8,9 +8,17 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.compose import MENTION, SENTENCE_END, compose, view
+from ur5lib.report.compose import MENTION, SENTENCE_END, body_of, compose, view
 from ur5lib.report.contents import Contents, Part, Repeated, contents
-from ur5lib.report.document import Block, Document, Paragraph, Picture, Reference, Table
+from ur5lib.report.document import (
+    Block,
+    DeclaredTable,
+    Document,
+    Paragraph,
+    Picture,
+    Reference,
+    Table,
+)
 from ur5lib.report.results import Results
 from ur5lib.report.tables.making import declarations
 
@@ -18,19 +26,19 @@ TABLES_MADE = declarations().tables()
 RULES = "".join(path.read_text() for path in (PROJECT / "workflow" / "rules").glob("*.smk"))
 
 
-def blocks(part: Part) -> Iterator[Block]:
+def blocks(part: Part) -> Iterator[Block | DeclaredTable]:
     for block in part.blocks:
         yield from block.blocks if isinstance(block, Repeated) else [block]
 
 
 EVERY = [block for part in contents().sections for block in blocks(part)]
 FIGURES = [block for block in EVERY if isinstance(block, Picture)]
-TABLES = [block for block in EVERY if isinstance(block, Table)]
+TABLES = [block for block in EVERY if isinstance(block, DeclaredTable)]
 
 
 def test_every_view_exists() -> None:
     names = re.findall(
-        r"(?:sentences|entries|table|listing|judged|each): ([a-z_.]+)",
+        r"(?:sentences|entries|rows|listing|judged|each): ([a-z_.]+)",
         (PROJECT / "ur5lib" / "report" / "contents.yaml").read_text(),
     )
     assert len(names) > 40
@@ -50,7 +58,7 @@ LISTS = re.findall(r"^([A-Z_]+) = \[(.*?)\]", RULES, re.DOTALL | re.MULTILINE)
 
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda table: table.table)
-def test_every_table_comes_from_a_file_of_the_workflow(table: Table) -> None:
+def test_every_table_comes_from_a_file_of_the_workflow(table: DeclaredTable) -> None:
     if table.source:
         name = table.source.removeprefix("tables/").removesuffix(".csv")
         assert name in TABLES_MADE or f"{table.source}" in RULES or f'tables(["{name}"])' in RULES
@@ -61,8 +69,8 @@ def test_every_table_and_figure_is_mentioned() -> None:
     for part in contents().sections:
         texts = [block.text for block in blocks(part) if isinstance(block, Paragraph)]
         mentioned = {name for text in texts for name in MENTION.findall(text)}
-        shown = {b.table if isinstance(b, Table) else b.figure for b in blocks(part)
-                 if isinstance(b, Table | Picture)}  # fmt: skip
+        shown = {b.table if isinstance(b, DeclaredTable) else b.figure for b in blocks(part)
+                 if isinstance(b, DeclaredTable | Picture)}  # fmt: skip
         assert shown - mentioned == set(), part.title
         assert mentioned - shown == set(), part.title
 
@@ -127,6 +135,7 @@ def test_remarks_of_the_thesis_stand_in_its_report_alone() -> None:
 
 def test_a_table_named_alone_is_shown_as_it_is() -> None:
     table = pd.DataFrame({"recording": ["one"], "noise_a": [0.0123456]})
-    body = view("noise")(Results(study={}, tables={"noise": table}, figures=Path()))
+    declared = DeclaredTable("noise", "One.")
+    body = body_of(declared, Results(study={}, tables={"noise": table}, figures=Path()))
     assert body.header == ["recording", "noise a"]
     assert [cell.text for cell in body.rows[0]] == ["one", "0.01235"]

@@ -23,6 +23,8 @@ from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
 from ur5lib.identification.samples import Record, design
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
+from ur5lib.report.cells import days
+from ur5lib.report.compose import shown_table
 from ur5lib.report.health_figure import health_figure
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts import drift
@@ -222,7 +224,7 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
     (sentence,) = health.dates(results)
     assert [number.value for number in sentence.numbers] == [12, 2.0]
     assert "not recorded" not in sentence  # temperatures were
-    table = health.changes(results)
+    table = shown_table("health.changes", results)
     assert [row[3].text for row in table.rows] == [
         "jump, 18 to 21 March 2026",
         "drift, 3 March to 5 April 2026",
@@ -244,4 +246,4 @@ def test_every_joint_and_quantity_is_drawn(summary: dict[str, Any]) -> None:
     ],
 )
 def test_two_dates_in_words(first: str, last: str, told: str) -> None:
-    assert health.days(first, last, "and") == told
+    assert days(first, last, "and") == told

@@ -14,6 +14,7 @@ from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
 from ur5lib.pipeline.explanations import AccelerationError, LoopError
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.report.compose import shown_table
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared, judged
 from ur5lib.report.recording_figures import filtered_first_figure
 from ur5lib.report.reference import (
@@ -25,7 +26,7 @@ from ur5lib.report.reference import (
     read_reference,
 )
 from ur5lib.report.results import Results
-from ur5lib.report.views.printed import numbers, sources, summary, unexplained, unexplained_heading
+from ur5lib.report.views.printed import sources, summary, unexplained, unexplained_heading
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -150,14 +151,16 @@ def test_unexplained_numbers_are_findings() -> None:
     assert "25 % more" in missed
     assert len(unexplained_heading(shown)) == 1
     assert sources(shown) == ["Table 1"]
-    first, *others = numbers(shown, "Table 1").rows
+    first, *others = shown_table("printed.numbers", shown, "Table 1").rows
     assert [cell.text for cell in first][1:6] == ["A", "1", "2.0001", "2", "1.000"]
     assert len(others) == 5
 
 
 def test_rows_have_the_names_of_the_report() -> None:
     rows = [row | {"row": "F*"} for row in compared(reference(), rebuilt([2.0] * 6), [])]
-    assert {row[1].text for row in numbers(results(rows), "Table 1").rows} == {"F̂*"}
+    assert {
+        row[1].text for row in shown_table("printed.numbers", results(rows), "Table 1").rows
+    } == {"F̂*"}
 
 
 def test_the_nearest_explanation_tells_the_per_cent() -> None:

@@ -16,6 +16,8 @@ from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
+from ur5lib.report.compose import shown_table
+from ur5lib.report.contents import MOST_ROWS
 from ur5lib.report.document import (
     Cell,
     Code,
@@ -32,10 +34,11 @@ from ur5lib.report.document import (
 from ur5lib.report.house_style import save
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
-from ur5lib.report.results import MOST_ROWS, Results
+from ur5lib.report.results import Results
+from ur5lib.report.sentences import names
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
-from ur5lib.report.views.closed_loop import contradictions, gains
+from ur5lib.report.views.closed_loop import contradictions
 from ur5lib.report.views.contacts import (
     counted,
     elsewhere,
@@ -43,22 +46,9 @@ from ur5lib.report.views.contacts import (
     largest_contacts,
     undetermined_moments,
 )
-from ur5lib.report.views.currents import payloads as payload_table
 from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.findings import left_out_fits, loads_found, loads_taken_up
-from ur5lib.report.views.forces import (
-    PUSHES,
-    VARIANTS,
-    ablation,
-    contacts,
-    detections,
-    fixed_threshold,
-    headline,
-    likely,
-    pushes_found,
-    smallest_pushes,
-    summary,
-)
+from ur5lib.report.views.forces import PUSHES, likely, pushes_found
 from ur5lib.report.views.provenance import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
@@ -267,7 +257,7 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
         "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts.",
         "On pushed, the largest force is 3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s.",
     ]
-    first, second = contacts(results, "pushed").rows
+    first, second = shown_table("forces.contacts", results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
 
@@ -297,7 +287,7 @@ def test_a_contact_whose_links_are_unknown_has_none() -> None:
 
 
 def test_the_listed_links_are_the_likely_ones() -> None:
-    cells = contacts(on_links(FLANGE, OPEN, FOREARM), "pushed").rows
+    cells = shown_table("forces.contacts", on_links(FLANGE, OPEN, FOREARM), "pushed").rows
     assert [row[-1].text for row in cells] == ["6", "3 to 6", "3"]
 
 
@@ -321,7 +311,7 @@ def test_a_load_taken_up_is_no_contact() -> None:
     (told,) = counted(results)
     assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."
     assert [*loads_taken_up(results)] == ["On grasp, the arm takes up a load of 2.04 ± 0.05 kg."]
-    header, rows = contacts(results, "grasp")
+    header, rows = shown_table("forces.contacts", results, "grasp")
     assert header[-1] == "load [kg]"
     assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]
 
@@ -367,7 +357,7 @@ def test_what_is_not_certainly_better_than_none_is_undetermined() -> None:
         .isna()
         .all()
     )
-    told = {row[1].text: row[3].text for row in summary(force_results()).rows}
+    told = {row[1].text: row[3].text for row in shown_table("forces.summary", force_results()).rows}
     assert told["ny [Nm]"] == told["nz [Nm]"] == "undetermined"
     assert told["Fx [N]"] == told["nx [Nm]"] == "4.00"
 
@@ -380,7 +370,7 @@ def test_printed_errors_stand_beside_those_of_the_whole_run() -> None:
 
 
 def test_the_headline_sets_contact_beside_free() -> None:
-    header, rows = headline(force_results())
+    header, rows = shown_table("forces.headline", force_results())
     cells = dict(zip(header, (cell.text for cell in rows[0]), strict=True))
     assert cells["mean force"] == "10.0"
     assert cells["error (95 %)"] == "4.0 (3.0\u00a0to\u00a05.0)"
@@ -403,7 +393,8 @@ def test_the_summary_never_averages_contact_and_free() -> None:
 def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
     force = force_results().tables["force_mae"]
     results = Results({}, {"force_mae": force[force["during"] != "contact"]}, Path())
-    assert headline(results).rows == summary(results).rows == []
+    assert shown_table("forces.headline", results).rows == []
+    assert shown_table("forces.summary", results).rows == []
     assert [*in_contact(results.tables["force_mae"])] == []
 
 
@@ -421,7 +412,7 @@ def test_contacts_are_counted_by_their_force() -> None:
     assert rows["causal_delay_s"].isna().tolist() == [False, False, True, True]
     assert rows["force_class_n"].tolist() == [3, 15] * 2
     assert rows["extra_alarms"].eq(2).all()
-    header, body = detections(Results({}, {"detection": rows}, Path()))
+    header, body = shown_table("forces.detections", Results({}, {"detection": rows}, Path()))
     cells = dict(zip(header, (cell.text for cell in body[0]), strict=True))
     assert (cells["≥ 3 N"], cells["≥ 15 N"]) == ("3 of 4", "4 of 4")
     assert (cells["delay [s]"], cells["causal"]) == ("0.10", "1 of 4, 0.10 s")
@@ -437,14 +428,16 @@ def test_the_fixed_threshold_shows_time_above_and_pushes_found() -> None:
     ]
     rows = table("fixed_threshold", detection=dict(found))
     study = {"recordings": [{"name": "run", "role": "contact"}, {"name": "free", "role": "fit"}]}
-    header, body = fixed_threshold(Results(study, {"fixed_threshold": rows}, Path()))
+    results = Results(study, {"fixed_threshold": rows}, Path())
+    header, body = shown_table("forces.fixed_threshold", results)
     assert header == ["recording", "role", "F̂*", "F̂ᵐᵃᵖ"]
     assert [[cell.text for cell in row] for row in body] == [
         ["run", "contact", "25 %; 3 of 4", "25 %; 3 of 4"],
         ["free", "fit", "0 %", "–"],
     ]
     others = rows[rows["estimate"] != "F*"]
-    assert fixed_threshold(Results(study, {"fixed_threshold": others}, Path())).rows == []
+    without = Results(study, {"fixed_threshold": others}, Path())
+    assert shown_table("forces.fixed_threshold", without).rows == []
 
 
 def test_pushes_never_found_are_told_as_such() -> None:
@@ -457,7 +450,7 @@ def test_pushes_never_found_are_told_as_such() -> None:
     found["smallest_force_95"] += [{"axis": "y", "speed_low": 0.0, "force": 70.0, "std": 20.0}]
     rows = table("detection", detection={"free": {"Fmap": found}})
     results = Results({}, {"detection": rows, "payload": payloads()}, Path())
-    header, (row,) = smallest_pushes(results)
+    header, (row,) = shown_table("forces.smallest_pushes", results)
     assert header[1:] == ["in motion: x [N]", "in motion: z [N]", "at rest: y [N]"]
     assert [cell.text for cell in row] == ["free", "9 ± 2", "20 ± 2", "70 ± 20"]
 
@@ -484,7 +477,7 @@ def load_of(name: str, mass: float, taken: bool) -> tuple[str, dict]:
 
 
 def test_what_a_run_carries_stands_in_a_table() -> None:
-    header, rows = payload_table(Results({}, {"payload": payloads()}, Path()))
+    header, rows = shown_table("currents.payloads", Results({}, {"payload": payloads()}, Path()))
     cells = [dict(zip(header, (cell.text for cell in row), strict=True)) for row in rows]
     assert [own["used in prediction"] for own in cells] == ["no", "yes"]
     assert cells[1]["additional [kg]"] == "2.75 ± 0.03"
@@ -514,13 +507,13 @@ def test_parts_left_out_stand_beside_the_whole() -> None:
         "held": {"whole": whole, "least_squares": {"mae": [9.0, 8.0, 7.0]}},
     }
     results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
-    header, body = ablation(results)
+    header, body = shown_table("forces.ablation", results)
     assert header == ["variant", "pushed", "held"]
     texts = [[cell.text for cell in row] for row in body]
     assert texts == [
-        [VARIANTS["whole"], "1.0, 2.0, 3.0", "1.0, 2.0, 3.0"],
-        [VARIANTS["least_squares"], "1.0, 2.0, 3.0", "9.0, 8.0, 7.0"],
-        [VARIANTS["repeat"], "1.0, 2.0, 3.0", "–, –, –"],
+        [names("variant")["whole"], "1.0, 2.0, 3.0", "1.0, 2.0, 3.0"],
+        [names("variant")["least_squares"], "1.0, 2.0, 3.0", "9.0, 8.0, 7.0"],
+        [names("variant")["repeat"], "1.0, 2.0, 3.0", "–, –, –"],
     ]
 
 
@@ -537,7 +530,9 @@ def test_gains_stand_with_their_range_and_contradictions_are_told() -> None:
     tables = {"gains": pd.concat(rows).assign(gain="position")}
     study = {"recordings": [{"name": name, "robot": "ur5"} for name in ("first", "second")]}
     results = Results(study, tables, Path())
-    assert [[cell.text for cell in row[2:]] for row in gains(results).rows] == [
+    assert [
+        [cell.text for cell in row[2:]] for row in shown_table("closed_loop.gains", results).rows
+    ] == [
         ["9 (8–12)", "< 30"],
         ["> 20", "2–29"],
     ]

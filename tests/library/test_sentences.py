@@ -16,6 +16,7 @@ from ur5lib.strict import read_yaml
 
 REPORT = PROJECT / "ur5lib" / "report"
 TOPICS = read_yaml(REPORT / "sentences.yaml")
+NAMES = TOPICS.pop("names")
 DEFINED = {f"{topic}.{name}" for topic, texts in TOPICS.items() for name in texts}
 CODE = "".join(path.read_text() for path in REPORT.rglob("*.py"))
 
@@ -76,6 +77,11 @@ def test_every_sentence_exists_and_is_said() -> None:
     assert said <= DEFINED
     chosen = re.findall(r'f"([a-z]+)\.\{', CODE)  # by their reason or kind
     assert {name for name in DEFINED - said if name.split(".")[0] not in chosen} == set()
+
+
+def test_every_topic_of_names_is_used() -> None:
+    used = "".join((REPORT / f"{name}.yaml").read_text() for name in ("contents", "sentences"))
+    assert {topic for topic in NAMES if f"name('{topic}')" not in used} == set()
 
 
 # Findings and remarks

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
@@ -22,10 +23,10 @@ from ur5lib.report.verdicts import (
 from ur5lib.report.verdicts.drawings import bars, error_bar
 from ur5lib.report.verdicts.states import state
 from ur5lib.report.views import claimed
-from ur5lib.report.views.currents import constants, cross_validation, next_recordings
+from ur5lib.report.views.currents import next_recordings
 from ur5lib.report.views.findings import findings, left_out
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
-from ur5lib.report.views.models import excitation, identified
+from ur5lib.report.views.models import identified
 from ur5lib.report.views.next_steps import steps
 
 EVERY_JOINT = "1 2 3 4 5 6"
@@ -478,14 +479,17 @@ def test_a_joint_that_never_moved_has_no_friction() -> None:
     rows = pd.DataFrame([known | {"parameter": name} for name in ("torque_constant", "coulomb")])
     results = study({"fitted": "1 2 3"})
     results = Results(results.study, {**results.tables, "friction": rows}, Path())
-    constant, coulomb = ([cell.text for cell in row] for row in constants(results).rows)
+    constant, coulomb = (
+        [cell.text for cell in row] for row in shown_table("currents.constants", results).rows
+    )
     assert constant[3] == "0.000 ± 59.792"
     assert coulomb[3:] == ["did not move", "–", "–", "–", "–"]
 
 
 def test_a_recording_is_not_validated_on_itself() -> None:
     row = {"robot": "ur5", "fitted_on": "one", "tested_on": "one", "joint": 1, "rmse_2hz": 0.1}
-    assert not cross_validation(study(cross_validation=[row]), "ur5").rows
+    results = study(cross_validation=[row])
+    assert not shown_table("currents.cross_validation", results, "ur5").rows
 
 
 def test_excited_is_not_called_determined() -> None:
@@ -493,7 +497,12 @@ def test_excited_is_not_called_determined() -> None:
     told = [*identified(study(parameters=known))]
     assert "determine 1 of its 2 base parameters" in told[0]
     assert told[1] == say("models.undetermined")
-    assert "not excited" in excitation(study()).header
+    groups = ("combinations", "undetermined", "gravity", "inertia", "rotors", "all")
+    table = pd.DataFrame([{"robot": "ur5"} | dict.fromkeys(groups, 1.0)])
+    assert (
+        "not excited"
+        in shown_table("models.excitation", Results({}, {"excitation": table}, Path())).header
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,15 @@
 """Formatting of numbers in the report's tables."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from datetime import date
+from typing import TypeVar
 
 import numpy as np
 
 from ur5lib.report.document import Cell, Mark
 
+Name = TypeVar("Name", bound=Hashable)
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
 
 
@@ -53,6 +57,34 @@ def with_error(value: float, std: float, digits: int) -> Cell:
     return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
 
 
+def power(value: float, digits: int = 3) -> str:
+    """Format a value with some significant digits, as a power of ten where it is far from one."""
+    if np.isnan(value):
+        return "–"
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    factor = f"·10{str(int(exponent)).translate(SUPERSCRIPTS)}" if exponent else ""
+    return mantissa.replace("-", "−") + factor
+
+
+def flange_speeds(low: float, high: float) -> str:
+    """Return a range of the flange's speeds [m/s] in words; the slowest counts as rest."""
+    if np.isnan(high):
+        return f"≥ {low:g}"
+    return f"{low:g}–{high:g}" if low > 0 else "at rest"
+
+
+def days(first: str, last: str, word: str) -> str:
+    """Return two ISO dates in words, without repeating month and year."""
+    _, month, year = day(last).split()
+    return f"{day(first).removesuffix(f' {year}').removesuffix(f' {month}')} {word} {day(last)}"
+
+
+def day(iso: str) -> str:
+    """Return an ISO date in words."""
+    parsed = date.fromisoformat(iso)
+    return f"{parsed.day} {parsed:%B %Y}"
+
+
 def interval(low: float, high: float, digits: int) -> str:
     """Format an interval without a line break."""
     return f"{fixed(low, digits)}\u00a0to\u00a0{fixed(high, digits)}"
@@ -70,9 +102,9 @@ def numbered(numbers: Sequence[int]) -> str:
     return f"{numbers[0]} to {numbers[-1]}" if row else ", ".join(map(str, numbers))
 
 
-def extremes(values: Mapping[str, float]) -> dict[str, Mark | None]:
+def extremes(values: Mapping[Name, float]) -> dict[Name, Mark | None]:
     """Mark the lowest and the highest entry; none if they agree."""
-    marks: dict[str, Mark | None] = dict.fromkeys(values)
+    marks: dict[Name, Mark | None] = dict.fromkeys(values)
     lowest, highest = min(values, key=values.__getitem__), max(values, key=values.__getitem__)
     if values[highest] - values[lowest] > SMALLEST_DIFFERENCE:
         marks |= {lowest: "lowest", highest: "highest"}

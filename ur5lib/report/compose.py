@@ -3,15 +3,15 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from ur5lib.report.contents import Contents, Part, Repeated
+from ur5lib.report.contents import MOST_ROWS, Contents, Part, Repeated, contents
 from ur5lib.report.document import (
     Block,
     Code,
+    DeclaredTable,
     Document,
     Heading,
     Items,
@@ -22,8 +22,9 @@ from ur5lib.report.document import (
     Table,
     Verdicts,
 )
-from ur5lib.report.results import MOST_ROWS, Body, Results
+from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
+from ur5lib.report.tabulated import Body, tabulate
 from ur5lib.report.views import (
     audit,
     claimed,
@@ -31,7 +32,6 @@ from ur5lib.report.views import (
     comparison,
     contacts,
     currents,
-    errata,
     findings,
     forces,
     glance,
@@ -49,27 +49,12 @@ from ur5lib.report.views import (
 )
 
 VIEWS: dict[str, ModuleType] = {
-    "audit": audit,
-    "claimed": claimed,
-    "closed_loop": closed_loop,
-    "comparison": comparison,
-    "contacts": contacts,
-    "currents": currents,
-    "errata": errata,
-    "forces": forces,
-    "findings": findings,
-    "glance": glance,
-    "health": health,
-    "models": models,
-    "motion": motion,
-    "next_steps": next_steps,
-    "observability": observability,
-    "printed": printed,
-    "provenance": provenance,
-    "recordings": recordings,
-    "sensed": sensed,
-    "torque_constants": torque_constants,
-    "truth": truth,
+    module.__name__.rpartition(".")[2]: module
+    for module in (
+        *(audit, claimed, closed_loop, comparison, contacts, currents, findings, forces, glance),
+        *(health, models, motion, next_steps, observability, printed, provenance, recordings),
+        *(sensed, torque_constants, truth),
+    )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")
 THESIS = re.compile(r"\{thesis\|(.*?)\}")  # a remark of the thesis's study alone
@@ -109,13 +94,8 @@ def compose(contents: Contents, results: Results) -> Document:
 
 
 def view(name: str) -> Callable[..., Any]:
-    """Return the view `module.function`; a name without a point shows the table of this name.
-
-    Raises KeyError or AttributeError where there is none.
-    """
+    """Return the view `module.function`. Raises KeyError or AttributeError where there is none."""
     module, _, function = name.partition(".")
-    if not function:
-        return partial(Results.whole, table=name)
     found: Callable[..., Any] = getattr(VIEWS[module], function)
     return found
 
@@ -174,7 +154,9 @@ def _drafts(part: Part, results: Results) -> Iterator[Block | Draft]:
             yield from drafts
 
 
-def _single(wanted: Block, results: Results, name: str = "") -> Iterator[Block | Draft]:
+def _single(
+    wanted: Block | DeclaredTable, results: Results, name: str = ""
+) -> Iterator[Block | Draft]:
     """Yield a block of the contents, filled from results; name: recording, arm or study of it."""
     arguments = (results, name) if name else (results,)
     match wanted:
@@ -186,8 +168,8 @@ def _single(wanted: Block, results: Results, name: str = "") -> Iterator[Block |
             items = [*view(wanted.entries)(*arguments)]
             if items:
                 yield replace(wanted, items=items)
-        case Table():
-            body = view(wanted.table)(*arguments)
+        case DeclaredTable():
+            body = body_of(wanted, results, name)
             if body.rows:
                 yield _table(wanted, body, results, name)
         case Picture():
@@ -222,12 +204,31 @@ def _filled(text: str, results: Results, name: str) -> str:
     return THESIS.sub(lambda remark: remark[1] if remarked else "", text).replace("{of}", name)
 
 
-def _table(wanted: Table, body: Body, results: Results, name: str) -> Table:
+def shown_table(table: str, results: Results, name: str = "") -> Body:
+    """Return header and rows of a table of the contents; name: recording, arm or study of it."""
+    blocks = (block for part in contents().sections for block in part.blocks)
+    single = (one for b in blocks for one in (b.blocks if isinstance(b, Repeated) else [b]))
+    declared = {block.table: block for block in single if isinstance(block, DeclaredTable)}
+    return body_of(declared[table], results, name)
+
+
+def body_of(declared: DeclaredTable, results: Results, name: str = "") -> Body:
+    """Return header and rows of a declared table; name: recording, arm or study of it."""
+    if declared.rows:
+        rows = view(declared.rows)(*((results, name) if name else (results,)))
+    else:
+        rows = results.rows(Path(declared.source).stem or declared.table)
+    if declared.where:
+        rows = rows.query(declared.where, local_dict={"of": name}, engine="python")
+    return tabulate(declared, rows, {"results": results})
+
+
+def _table(wanted: DeclaredTable, body: Body, results: Results, name: str) -> Table:
     caption, rows = _filled(wanted.caption, results, name), body.rows
     if len(rows) > MOST_ROWS:
         caption += f" The first {MOST_ROWS} of {len(rows)} rows."
     label = _label(wanted.table, name)
-    return replace(wanted, caption=caption, header=body.header, rows=rows[:MOST_ROWS], label=label)
+    return Table(caption, body.header, rows[:MOST_ROWS], label, wanted.source)
 
 
 def _picture(wanted: Picture, results: Results, path: Path, name: str) -> Picture:

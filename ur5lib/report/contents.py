@@ -3,10 +3,11 @@
 from functools import cache
 from pathlib import Path
 
-from ur5lib.report.document import Block
+from ur5lib.report.document import Block, DeclaredTable
 from ur5lib.strict import Strict, read_yaml
 
 MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
+MOST_ROWS = 60  # shown of a table; its CSV file has all
 
 
 class Repeated(Strict):
@@ -14,7 +15,7 @@ class Repeated(Strict):
 
     each: str
     heading: str = ""
-    blocks: list[Block]
+    blocks: list[Block | DeclaredTable]
 
 
 class Part(Strict):
@@ -22,7 +23,7 @@ class Part(Strict):
 
     title: str
     absent: str = ""
-    blocks: list[Block | Repeated]
+    blocks: list[Block | DeclaredTable | Repeated]
 
 
 class Contents(Strict):

@@ -79,18 +79,17 @@ class Items(FromContents):
 
 
 @dataclass(frozen=True)
-class Table(FromContents):
-    """A table with one header row; the first column names the rows; left out without rows.
+class Table:
+    """A table with one header row; the first column names the rows.
 
-    source: the file it was made from, relative to the study's results; table: its view.
+    source: the file it was made from, relative to the study's results.
     """
 
     caption: str
-    header: list[str] = field(default_factory=list)
-    rows: list[list[Cell]] = field(default_factory=list)
+    header: list[str]
+    rows: list[list[Cell]]
     label: str = ""
     source: str = ""
-    table: str = ""
     number: int = 0
     kind: str = "table"
 
@@ -98,6 +97,32 @@ class Table(FromContents):
         """ "left" for columns that hold words, "right" for numbers."""
         columns = zip(*self.rows, strict=True) if self.rows else [[] for _ in self.header]
         return ["right" if all(map(_is_number, column)) else "left" for column in columns]
+
+
+@dataclass(frozen=True)
+class DeclaredTable(FromContents):
+    """A table of the contents, which becomes a `Table`; left out without rows.
+
+    table: its name, by which texts mention it. rows: the view that returns its rows, by default all
+    of the table of results in `source` or of the same name; where: a query of pandas that selects
+    among them, with @of as in texts. lines: columns whose values share a line, by default one line
+    a row. columns, last: cells by header, from the first row of a line; cells: those of each value
+    of the columns `across`, between the former. Cells are templates (`sentences.cell`), headers of
+    `cells` likewise; a column of empty cells is left out. marked: the column of errors whose
+    smallest and largest are marked in each line, in the cells that begin with its name.
+    """
+
+    table: str
+    caption: str
+    source: str = ""
+    rows: str = ""
+    where: str = ""
+    lines: list[str] = field(default_factory=list)
+    columns: dict[str, str] = field(default_factory=dict)
+    across: list[str] = field(default_factory=list)
+    cells: dict[str, str] = field(default_factory=dict)
+    last: dict[str, str] = field(default_factory=dict)
+    marked: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from ur5lib.report.cells import flange_speeds
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -45,16 +46,9 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
         else:
             half = NORMAL95 * row.std
             axis.errorbar(place, row.force, half, fmt="o", markersize=4, color=JOINTS[0])
-    axis.set_xticks(range(len(rows)), [flange_speeds(row) for row in rows.itertuples()])
+    axis.set_xticks(range(len(rows)), [*map(flange_speeds, rows["speed_low"], rows["speed_high"])])
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
     axis.set(xlim=(-0.5, len(rows) - 0.5), ylim=(0, 1.12 * most))
-
-
-def flange_speeds(row: Any) -> str:
-    """Return a range of the flange's speeds in words; the slowest counts as rest."""
-    if pd.isna(row.speed_high):
-        return f"≥ {row.speed_low:g}"
-    return f"{row.speed_low:g}–{row.speed_high:g}" if row.speed_low > 0 else "at rest"
 
 
 def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:

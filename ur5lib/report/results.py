@@ -1,46 +1,38 @@
 """The results of a study, as the report's views read them."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from operator import attrgetter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+import numpy as np
 import pandas as pd
 import yaml
 
 from ur5lib.report.contents import MOST_SHOWN
-from ur5lib.report.document import Cell
+from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.report.sentences import Sentence
+from ur5lib.report.truth_table import COLUMNS as TRUTH
 from ur5lib.report.versions import commit, versions
 from ur5lib.tables import read_csv
 
-MOST_ROWS = 60  # shown of a table; its CSV file has all
+OPTIONAL = {  # tables that only studies of simulated recordings or of published values have
+    "truth": pd.DataFrame(columns=TRUTH),
+    "printed": pd.DataFrame(columns=PRINTED),
+}
 
 
-class Body(NamedTuple):
-    """Result of a view: a table's header and rows."""
+def with_zero(rows: pd.DataFrame, method: str, each: list[str]) -> pd.DataFrame:
+    """Return rows, and after each recording's its `zero` as values of a further method "zero".
 
-    header: list[str]
-    rows: list[list[Cell]]
-
-
-NOTHING = Body([], [])
-Column = str | Callable[[Any], Cell | str]
-
-
-def tabulated(rows: Iterable[Any], columns: Mapping[str, Column]) -> Body:
-    """Return the table of rows with named fields.
-
-    columns: by header, the name of a field, or the function that makes the cell of a row.
+    method: column of the methods' names; each: columns that tell apart a method's rows.
     """
-    makers = [attrgetter(one) if isinstance(one, str) else one for one in columns.values()]
-    cells = [[cell if isinstance(cell := make(row), Cell) else Cell(str(cell)) for make in makers]
-             for row in rows]  # fmt: skip
-    return Body([*columns], cells)
+    zero = rows.dropna(subset="zero").drop_duplicates(["recording", *each], keep="last")
+    both = pd.concat([rows, zero.assign(**{method: "zero", "value": zero["zero"]})])
+    return both.iloc[np.argsort(pd.factorize(both["recording"])[0], kind="stable")]
 
 
 @dataclass(frozen=True)
@@ -128,22 +120,13 @@ class Results:
         """Return the arm of each recording, by its name in results."""
         return {entry["name"]: _arm(entry["robot"]) for entry in self.study["recordings"]}
 
-    def whole(self, table: str) -> Body:
-        """Return all columns and rows of a table, numbers to four digits."""
-        rows = self.tables[table]
-        cells = [
-            [Cell(f"{value:.4g}" if isinstance(value, float) else str(value)) for value in row]
-            for row in rows.itertuples(index=False)
-        ]
-        return Body([str(name).replace("_", " ") for name in rows], cells)
-
     def shown(self, names: Sequence[str], most: int = MOST_SHOWN) -> list[str]:
         """Return the first few recordings, as a report has room for, of those with figures."""
         return [name for name in dict.fromkeys(names) if name in self.drawn][:most]
 
     def rows(self, table: str, **values: Any) -> pd.DataFrame:
         """Return the rows of a table with these values."""
-        rows = self.tables[table]
+        rows = self.tables.get(table, OPTIONAL.get(table))
         for column, value in values.items():
             rows = rows[rows[column] == value]
         return rows

@@ -1,10 +1,11 @@
-"""Sentences of the report: templates in `sentences.yaml`, filled with numbers.
+"""Sentences and cells of the report: templates of Jinja, filled with numbers.
 
-A sentence knows the numbers that it states, in their order, so that none is read from its text.
+Sentences stand in `sentences.yaml`, cells in `contents.yaml`. A sentence knows the numbers that it
+states, in their order, so that none is read from its text.
 """
 
 import re
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from numbers import Real
@@ -12,7 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
+import pandas as pd
+from jinja2.environment import TemplateExpression
 
+from ur5lib.pipeline.estimators import ESTIMATES, PUBLISHED
 from ur5lib.report import cells
 from ur5lib.strict import read_yaml
 
@@ -61,6 +65,33 @@ def say(name: str, /, **values: Any) -> Sentence:
     return sentence(re.sub(r" +", " ", text).strip(), numbers)
 
 
+def cell(template: str, values: Mapping[Hashable, object]) -> str | None:
+    """Return the text of a cell: an expression of Jinja or, with braces, a template.
+
+    None where the expression is none: the cell is empty.
+    """
+    if "{" in template:
+        return filled(template, values)
+    found = _expression(template)(values)
+    return None if found is None else str(found)
+
+
+def filled(template: str, values: Mapping[Hashable, object]) -> str:
+    """Return a template filled with values."""
+    return _template(template).render(values, _numbers=[])
+
+
+def name(value: str, topic: str) -> str:
+    """Return the name of a value in the report, the value itself where it has no other."""
+    return names(topic).get(value, value)
+
+
+@cache
+def names(topic: str) -> dict[str, str]:
+    """Return the names of the values of a topic, in the report's order; empty if it has none."""
+    return {"estimate": ESTIMATES, **_written()["names"]}.get(topic, {})
+
+
 @jinja2.pass_context
 def _noted(context: jinja2.runtime.Context, value: Any) -> Any:
     """Collect the numbers that a template shows."""
@@ -71,7 +102,9 @@ def _noted(context: jinja2.runtime.Context, value: Any) -> Any:
 
 
 def _fixed(value: float, digits: int = 0, unit: str = "") -> Sentence:
-    """Format a value with some decimals, and its unit."""
+    """Format a value with some decimals, and its unit; a dash for NaN."""
+    if pd.isna(value):
+        return sentence("–")
     return _with_unit(cells.fixed(value, digits), round(float(value), digits), unit)
 
 
@@ -82,7 +115,9 @@ def _rounded(value: float, digits: int = 0, unit: str = "") -> Sentence:
 
 
 def _significant(value: float, digits: int, unit: str = "") -> Sentence:
-    """Format a value with some significant digits."""
+    """Format a value with some significant digits; a dash for NaN."""
+    if pd.isna(value):
+        return sentence("–")
     text = cells.significant(value, digits).replace("-", "−")
     return _with_unit(text, float(f"{value:.{digits}g}"), unit)
 
@@ -91,9 +126,16 @@ def _percent(share: float, digits: int = 0) -> Sentence:
     return _fixed(100 * share, digits, "%")
 
 
+def _signed(value: float, digits: int, unit: str = "") -> Sentence:
+    """Format a difference with its sign and its unit."""
+    return sentence(cells.signed(value, digits, unit).text)
+
+
 def _error(value: float, std: float, digits: int, unit: str = "") -> Sentence:
-    """Format a value with its standard error and its unit."""
-    text = f"{cells.rounded(value, digits)} ± {cells.rounded(std, digits)}"
+    """Format a value with its standard error and its unit; a dash for NaN."""
+    if pd.isna(value):
+        return sentence("–")
+    text = f"{cells.fixed(value, digits)} ± {cells.rounded(std, digits)}"
     return _with_unit(text, round(float(value), digits), unit, round(float(std), digits))
 
 
@@ -134,6 +176,7 @@ FILTERS = {
     "fixed": _fixed,
     "rounded": _rounded,
     "significant": _significant,
+    "signed": _signed,
     "percent": _percent,
     "error": _error,
     "to": _to,
@@ -142,16 +185,42 @@ FILTERS = {
     "joined": joined,
     "capital": capital,
     "counted": _counted,
+    "power": cells.power,
+    "days": cells.days,
+    "flange_speeds": cells.flange_speeds,
+    "name": name,
 }
 
 
 @cache
-def _templates() -> dict[str, jinja2.Template]:
+def _written() -> dict[str, dict[str, Any]]:
+    """Return the templates and names in `sentences.yaml`, by topic."""
+    return dict(read_yaml(Path(__file__).with_name("sentences.yaml")))
+
+
+@cache
+def _environment() -> jinja2.Environment:
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, finalize=_noted)
     environment.filters |= FILTERS
-    topics = read_yaml(Path(__file__).with_name("sentences.yaml"))
+    environment.tests |= {"known": pd.notna, "published": PUBLISHED.__contains__}
+    return environment
+
+
+@cache
+def _template(text: str) -> jinja2.Template:
+    return _environment().from_string(text)
+
+
+@cache
+def _expression(text: str) -> TemplateExpression:
+    return _environment().compile_expression(text, undefined_to_none=False)
+
+
+@cache
+def _templates() -> dict[str, jinja2.Template]:
     return {
-        f"{topic}.{name}": environment.from_string(text)
-        for topic, texts in topics.items()
+        f"{topic}.{name}": _template(text)
+        for topic, texts in _written().items()
+        if topic != "names"
         for name, text in texts.items()
     }

@@ -1,5 +1,6 @@
 """Whether an arm changes over time."""
 
+from ur5lib.report.cells import days
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, capital, say
@@ -34,7 +35,6 @@ def _evidence(results: Results, changes: int) -> Sentence:
     """Return the number of dates, tests and changes, and the chance of a false one."""
     dates = results.tables["health"]
     tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
-    days = dates["date"]
-    span = health.span(days.min(), days.max())
-    words = {"days": days.nunique(), "span": span, "tested": tested}
+    first, last = dates["date"].min(), dates["date"].max()
+    words = {"days": dates["date"].nunique(), "span": days(first, last, "to"), "tested": tested}
     return say("health.evidence", changes=changes, **words)

@@ -4,23 +4,11 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ur5lib.report.cells import fixed, interval, number
+from ur5lib.report.cells import fixed
 from ur5lib.report.contents import MOST_SHOWN
-from ur5lib.report.results import Body, Column, Results, tabulated
-from ur5lib.report.sentences import Sentence, capital, joined, say
+from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, capital, joined, name, say
 
-NAMES = {
-    "bias": "bias at the start",
-    "drift": "drift",
-    "turn": "turn of the axes",
-    "scale": "scale",
-    "mass": "mass on the sensor",
-    "center_of_mass": "its centre of mass",
-    "shift": "shift by a contact",
-    "zero": "actual_TCP_force without contact",
-    "left_mass": "mass left in actual_TCP_force",
-    "mass_by_currents": "mass by the motor currents",
-}
 WORDS = {"scale": "the scale", "drift": "the drift", "shift": "the shift by a contact"}
 LIMITS = {"scale": "5 %", "drift": "1 N/min", "shift": "1 N"}
 DIGITS = {"N": 2, "N/min": 2, "Nm": 3, "Nm/min": 3, "°": 2, "1": 4, "kg": 3, "m": 4}
@@ -43,22 +31,14 @@ def faults(results: Results) -> Iterator[Sentence]:
     rows = results.rows("audit", verdict="wrong")
     for quantity, part in rows.groupby("quantity", sort=False):
         names = [*map(str, part["recording"].unique())]
-        yield say("sensor.fault", name=NAMES[str(quantity)], names=names)
+        yield say("sensor.fault", name=name(str(quantity), "audit"), names=names)
 
 
-def values(results: Results, recording: str) -> Body:
-    """Return every value of a recording's sensor, with its verdict."""
+def values(results: Results, recording: str) -> pd.DataFrame:
+    """Return every value of a recording's sensor, with its number of digits."""
     rows = results.rows("audit", recording=recording)
-    rows = rows[rows["quantity"] != "free_time"]
-    columns: dict[str, Column] = {
-        "quantity": lambda row: f"{NAMES[row.quantity]} {row.component}".strip(),
-        "unit": "unit",
-        "value": lambda row: number(row.value, DIGITS[row.unit]),
-        "95 %": lambda row: interval(row.low, row.high, DIGITS[row.unit]),
-        "should be": lambda row: number(row.expected, DIGITS[row.unit]),
-        "verdict": lambda row: row.verdict or "–",
-    }
-    return tabulated(rows.fillna({"component": "", "verdict": ""}).itertuples(), columns)
+    rows = rows[rows["quantity"] != "free_time"].fillna({"component": "", "verdict": ""})
+    return rows.assign(digits=rows["unit"].map(DIGITS))
 
 
 def verdicts(rows: pd.DataFrame) -> Iterator[Sentence]:

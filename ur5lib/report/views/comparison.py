@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator
 
-from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results, tabulated
+import pandas as pd
+
+from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 
 
@@ -21,18 +22,9 @@ def summary(results: Results) -> Iterator[Sentence]:
         yield say("changes.found", study=study, topics=[*changed["topic"].unique()], **words)
 
 
-def topics(results: Results, study: str) -> Body:
+def topics(results: Results, study: str) -> pd.DataFrame:
     """Return how many numbers of each topic were compared, differ and changed."""
     rows = results.rows("changes", study=study)
-    body = []
-    for topic, part in rows.groupby("topic", sort=False):
-        counts = [len(part), *((part[name] == "yes").sum() for name in ("differs", "changed"))]
-        body.append([Cell(str(topic)), *(Cell(str(count)) for count in counts)])
-    return Body(["topic", "compared", "beyond their error", "changed"], body)
-
-
-def changed(results: Results, study: str) -> Body:
-    """Return the numbers that changed, before and now."""
-    rows = results.rows("changes", study=study, changed="yes")
-    columns = {"topic": "topic", "what": "name", "before": "before", "now": "after"}
-    return tabulated(rows.itertuples(index=False), columns)
+    flags = {name: rows[name] == "yes" for name in ("differs", "changed")}
+    counts = rows.assign(compared=True, **flags).groupby("topic", sort=False)
+    return counts[["compared", *flags]].sum().reset_index()

@@ -128,7 +128,7 @@ def elsewhere(results: Results) -> Iterator[Sentence]:
     """Report the contacts that are not on the flange: stated forces hold only for the flange."""
     contacts = results.rows("contacts", estimate="Fmap", kind="contact")
     for name in [*found_without_sensor(results)][:MOST_SHOWN]:
-        links = [likely(row) for row in contacts[contacts["recording"] == name].itertuples()]
+        links = [likely(row) for _, row in contacts[contacts["recording"] == name].iterrows()]
         others = [likely for likely in links if likely and FLANGE not in likely]
         if others:
             yield say("contacts.elsewhere", name=name, count=len(others), total=len(links))

@@ -35,7 +35,7 @@ def findings(results: Results) -> list[Sentence]:
         *claimed.judged(results),
         *undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
-        *beside_truth(results.tables.get("truth")),
+        *beside_truth(results.rows("truth")),
         *comparison.summary(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
@@ -117,9 +117,9 @@ def _detection(results: Results) -> Iterator[Sentence]:
         yield say("findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max())
 
 
-def beside_truth(truth: pd.DataFrame | None) -> Iterator[Sentence]:
+def beside_truth(truth: pd.DataFrame) -> Iterator[Sentence]:
     """Report how many stated intervals contain the simulated truth, and the expected count."""
-    stated = pd.Series(dtype=object) if truth is None else truth["within95"].dropna()
+    stated = truth["within95"].dropna()
     if len(stated):
         count, held = len(stated), int((stated == "yes").sum())
         yield say("findings.truth", count=count, held=held)

@@ -7,10 +7,7 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.force.trial_contacts import MOST
-from ur5lib.report.cells import fixed, with_error
-from ur5lib.report.document import Cell
-from ur5lib.report.observability_figure import flange_speeds
-from ur5lib.report.results import Body, Column, Results, tabulated
+from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say
 
 
@@ -48,54 +45,37 @@ def _limit(row: Any) -> Sentence:
     return say("observed.limit", row=row, most=MOST)
 
 
-def pushes(results: Results) -> Body:
+def pushes(results: Results) -> pd.DataFrame:
     """Return the smallest push that is detected, by speed of the flange."""
-    rows = results.rows("observability", quantity="smallest_push_95")
-    columns: dict[str, Column] = {
-        "arm": "robot",
-        "speed of the flange [m/s]": flange_speeds,
-        "trial pushes": lambda row: f"{row.samples:.0f}",
-        "smallest push [N]": _push,
-    }
-    return tabulated(rows.itertuples(), columns)
+    return results.rows("observability", quantity="smallest_push_95").assign(most=MOST)
 
 
-def velocities(results: Results) -> Body:
-    """Return the speeds of each joint at which its friction is predicted within its band."""
+def velocities(results: Results) -> pd.DataFrame:
+    """Return the speeds of each joint at which its friction is predicted within its band.
+
+    slower, between, faster: share [%] of the samples within the band, below, in and above them.
+    """
     rows = results.rows("observability", quantity="least_velocity")
     shares = results.rows("observability", quantity="friction_in_band").dropna(subset="value")
-    body = []
-    for row in rows.itertuples():
-        ranges = shares[(shares["robot"] == row.robot) & (shares["joint"] == row.joint)]
-        slower = ranges[~(ranges["speed_low"] >= row.speed_low)]  # all, where no range suffices
-        faster = ranges[ranges["speed_low"] >= row.speed_high]
-        shown = [
-            _share(part) for part in (slower, ranges.drop([*slower.index, *faster.index]), faster)
-        ]
-        place = [Cell(row.robot), Cell(f"{row.joint:.0f}")]
-        body.append([*place, _speed(row.value), _speed(row.speed_high), *shown])
-    header = ["arm", "joint", "from [rad/s]", "up to [rad/s]"]
-    return Body([*header, "slower: in band [%]", "between [%]", "faster [%]"], body)
+    ranges = [_ranges(shares, row) for _, row in rows.iterrows()]
+    return rows.reset_index(drop=True).join(pd.DataFrame(ranges))
 
 
-def _speed(speed: float) -> Cell:
-    return Cell("–" if math.isnan(speed) else f"{speed:g}")
+def _ranges(shares: pd.DataFrame, row: "pd.Series[float]") -> dict[str, float]:
+    own = shares[(shares["robot"] == row["robot"]) & (shares["joint"] == row["joint"])]
+    slower = ~(own["speed_low"] >= row["speed_low"])  # all, where no range suffices
+    faster = own["speed_low"] >= row["speed_high"]
+    parts = {"slower": slower, "between": ~slower & ~faster, "faster": faster}
+    return {name: _share(own[within]) for name, within in parts.items()}
 
 
-def _share(rows: pd.DataFrame) -> Cell:
-    """Return the share [%] of samples within the band over several bins."""
-    if rows.empty:
-        return Cell("–")
-    return Cell(fixed(100 * (rows["value"] * rows["samples"]).sum() / rows["samples"].sum(), 0))
-
-
-def _push(row: Any) -> Cell:
-    if row.value <= MOST:
-        return with_error(row.value, row.std_error, 0)
-    return Cell(f"> {MOST:.0f}")
+def _share(rows: pd.DataFrame) -> float:
+    """Return the share [%] of samples within the band over several bins, NaN without samples."""
+    count = rows["samples"].sum()
+    return float(100 * (rows["value"] * rows["samples"]).sum() / count) if count else math.nan
 
 
 def _push_at(row: Any) -> tuple[Sentence, Sentence]:
     """Return the speed at a push, and its force."""
-    during = say("observed.during", speeds=flange_speeds(row))
+    during = say("observed.during", row=row)
     return during, say("observed.force", force=row.value, most=MOST)

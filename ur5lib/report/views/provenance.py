@@ -6,9 +6,8 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from ur5lib.report.cells import number
-from ur5lib.report.document import Cell
-from ur5lib.report.results import MOST_ROWS, Body, Column, Results, tabulated
+from ur5lib.report.contents import MOST_ROWS
+from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 
 CODE_WIDTH = 110  # characters per line in the PDF
@@ -19,35 +18,14 @@ def commit(results: Results) -> Iterator[Sentence]:
     yield say("provenance.commit", commit=results.commit)
 
 
-def versions(results: Results) -> Body:
+def versions(results: Results) -> pd.DataFrame:
     """Return the versions of the software that the numbers depend on."""
-    rows = [[Cell(name), Cell(version)] for name, version in results.versions.items()]
-    return Body(["package", "version"], rows)
+    return pd.DataFrame(results.versions.items(), columns=["package", "version"])
 
 
-def files(results: Results) -> Body:
-    """Return the files of each recording."""
-    columns: dict[str, Column] = {
-        "recording": "recording",
-        "file": "file",
-        "SHA-256 begins": lambda row: row.sha256[:16],
-    }
-    return tabulated(results.tables["files"].itertuples(), columns)
-
-
-def run_times(results: Results) -> Body:
-    """Return how long each step took, and how much of that was start-up."""
-    columns: dict[str, Column] = {
-        "step": "step",
-        "jobs": "jobs",
-        "wall [s]": lambda row: number(row.wall_s, 1),
-        "processor [s]": lambda row: number(row.cpu_s, 1),
-        "start-up [s]": lambda row: number(row.start_up_s, 1),
-        "memory [MB]": lambda row: number(row.max_rss_mb, 0),
-        "first ended (UTC)": lambda row: row.first_end.replace("T", " "),
-        "last ended (UTC)": lambda row: row.last_end.replace("T", " "),
-    }
-    return tabulated(results.tables["run_times"].itertuples(), columns)
+def errata(results: Results) -> list[str]:
+    """Return each error found in the published work, with its place and the choice made here."""
+    return [f"{each.place}: {each.error} Here: {each.choice}" for each in results.errata]
 
 
 def total_time(results: Results) -> Iterator[Sentence]:

@@ -5,9 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.cells import number, with_error
-from ur5lib.report.document import Cell
-from ur5lib.report.results import Body, Results
+from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.friction import AS_PRINTED
 
@@ -19,26 +17,26 @@ def printed(results: Results) -> list[str]:
     return results.printed("torque_constants", "printed_offset")
 
 
-def rebuilt(results: Results, recording: str) -> Body:
+def rebuilt(results: Results, recording: str) -> pd.DataFrame:
     """Return Equation 6.5: printed, rebuilt, and by this study's fit with all friction terms."""
-    rows = results.rows("torque_constants", recording=recording, regression=AS_PRINTED)
-    right = _fitted(results, recording)
-    body = []
-    for row in rows.to_dict("records"):
-        line = [Cell(str(row["joint"]))]
-        for name in PARAMETERS:
-            fitted = right.loc[(row["joint"], name)]
-            line += [
-                number(row[f"printed_{name}"], 3),
-                with_error(row[name], row[f"{name}_std_error"], 3),
-                with_error(fitted["value"], fitted["std_error"], 2),
-            ]
-        body.append(line)
-    header = [f"{sign} {what}" for sign in PARAMETERS.values() for what in KINDS]
-    return Body(["joint", *header], body)
+    rows = _by_sign(results.rows("torque_constants", recording=recording, regression=AS_PRINTED))
+    fitted = _fitted(results, recording)[["value", "std_error"]].add_prefix("fitted_")
+    return rows.join(fitted, on=["joint", "parameter"])
 
 
-KINDS = ("printed", "rebuilt", "fitted here")
+def _by_sign(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for k and for b of each row."""
+    parts = [
+        rows.assign(
+            sign=sign,
+            parameter=name,
+            value=rows[name],
+            std_error=rows[f"{name}_std_error"],
+            printed=rows[f"printed_{name}"],
+        )
+        for name, sign in PARAMETERS.items()
+    ]
+    return pd.concat(parts)
 
 
 def _fitted(results: Results, recording: str) -> pd.DataFrame:
@@ -55,27 +53,14 @@ def doubted_joint(results: Results, recording: str) -> int:
     return int(away.idxmax())
 
 
-def on_every_run(results: Results, recording: str) -> Body:
-    """Return k and b of the doubted joint by both regressions on every recording in which it
+def on_every_run(results: Results, recording: str) -> pd.DataFrame:
+    """Return b and k of the doubted joint by both regressions on every recording in which it
     moves, in the order of its mean torque.
     """
     rows = results.rows("torque_constants", joint=doubted_joint(results, recording))
-    body = []
-    for (_, recording), pair in rows.groupby(["mean_torque", "recording"]):
-        lines = pair.set_index("regression")
-        forward, reverse = (lines.loc[name] for name in (AS_PRINTED, "current_on_torque"))
-        body.append([
-            Cell(recording),
-            number(forward["mean_torque"], 1),
-            *(with_error(line[name], line[f"{name}_std_error"], 1)
-              for name in reversed(PARAMETERS) for line in (forward, reverse)),
-        ])  # fmt: skip
-    columns = [
-        f"{sign}, {way}"
-        for sign in ("b", "k")
-        for way in ("torque on current", "current on torque")
-    ]
-    return Body(["recording", "mean torque [Nm]", *columns], body)
+    return _by_sign(rows).sort_values(
+        ["mean_torque", "recording", "sign", "regression"], ascending=[True, True, True, False]
+    )
 
 
 def follows_the_mean(results: Results, recording: str) -> Iterator[Sentence]:

@@ -1,0 +1,119 @@
+"""Tables of the report: rows of a study's tables in the lines and columns that they declare."""
+
+from collections.abc import Hashable, Iterator, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from ur5lib.report.cells import extremes
+from ur5lib.report.document import UNDETERMINED, Cell, DeclaredTable, Mark
+from ur5lib.report.sentences import cell, filled, names
+
+Record = dict[Hashable, Any]  # the values of a row by column
+Place = tuple[Hashable, ...]  # values of the columns `across`
+Line = dict[Place, Record]
+
+DASH = Cell("–")
+
+
+class Body(NamedTuple):
+    """A table's header and rows."""
+
+    header: list[str]
+    rows: list[list[Cell]]
+
+
+def tabulate(declared: DeclaredTable, rows: pd.DataFrame, known: Record) -> Body:
+    """Return header and rows of a table; known: further values for its templates.
+
+    Without any declared column: all columns and rows, numbers to four digits.
+    """
+    if not declared.columns | declared.cells:
+        return _whole(rows)
+    if rows.empty:
+        return Body([], [])
+    places = [*_places(rows, declared.across)]
+    lines = _lines(rows.to_dict("records"), declared, places)
+    columns = [
+        *_columns(declared.columns, lines, known),
+        *_across(declared, places, lines, known),
+        *_columns(declared.last, lines, known),
+    ]
+    shown = [(title, cells) for title, cells in columns if any(cells)]
+    body = zip(*([cell or DASH for cell in cells] for _, cells in shown), strict=True)
+    return Body([title for title, _ in shown], [list(row) for row in body])
+
+
+def _whole(rows: pd.DataFrame) -> Body:
+    cells = [
+        [Cell(f"{value:.4g}" if isinstance(value, float) else str(value)) for value in row]
+        for row in rows.itertuples(index=False)
+    ]
+    return Body([str(name).replace("_", " ") for name in rows], cells)
+
+
+def _places(rows: pd.DataFrame, across: Sequence[str]) -> Iterator[Place]:
+    """Yield the values of the columns that stand side by side, in their order."""
+    found = {*zip(*(rows[name] for name in across), strict=True)} if across else {()}
+    yield from (place for place in product(*(_ordered(rows, n) for n in across)) if place in found)
+
+
+def _ordered(rows: pd.DataFrame, column: str) -> list[Hashable]:
+    """Return the values of a column: those with names in the order of these, then the others."""
+    found, named = dict.fromkeys(rows[column]), names(column)
+    return [*(value for value in named if value in found), *(v for v in found if v not in named)]
+
+
+def _lines(
+    records: Sequence[Record], declared: DeclaredTable, places: Sequence[Place]
+) -> list[Line]:
+    """Return the records of each line by their place; without `lines`, one line a record."""
+    lines: dict[Place, Line] = {}
+    for number, record in enumerate(records):
+        key = tuple(record[name] for name in declared.lines) or (number,)
+        lines.setdefault(key, {}).setdefault(tuple(record[n] for n in declared.across), record)
+    rank = [*names(declared.lines[0])] if declared.lines else []
+    keys = sorted(lines, key=lambda key: rank.index(key[0]) if key[0] in rank else len(rank))
+    return [{place: lines[key][place] for place in places if place in lines[key]} for key in keys]
+
+
+def _columns(
+    templates: dict[str, str], lines: Sequence[Line], known: Record
+) -> Iterator[tuple[str, list[Cell | None]]]:
+    """Yield columns of the first record of each line."""
+    first = [next(iter(line.values())) for line in lines]
+    for title, template in templates.items():
+        yield title, [_cell(template, known | record) for record in first]
+
+
+def _across(
+    declared: DeclaredTable, places: Sequence[Place], lines: Sequence[Line], known: Record
+) -> Iterator[tuple[str, list[Cell | None]]]:
+    """Yield columns of the records side by side, their smallest and largest value marked."""
+    marks = [_marks(line, declared.marked) for line in lines]
+    for place in places:
+        heading = next(line[place] for line in lines if place in line)
+        for title, template in declared.cells.items():
+            marked = declared.marked and template.startswith(declared.marked)
+            cells = [
+                _cell(template, known | line[place], mark.get(place) if marked else None)
+                if place in line
+                else None
+                for line, mark in zip(lines, marks, strict=True)
+            ]
+            yield filled(title, known | heading), cells
+
+
+def _marks(line: Line, marked: str) -> dict[Place, Mark | None]:
+    """Return the marks of a line, whose records are compared where only the last place differs."""
+    groups: dict[Place, dict[Place, float]] = {}
+    for place, record in line.items() if marked else ():
+        if pd.notna(record[marked]):
+            groups.setdefault(place[:-1], {})[place] = record[marked]
+    return {place: mark for values in groups.values() for place, mark in extremes(values).items()}
+
+
+def _cell(template: str, values: Record, mark: Mark | None = None) -> Cell | None:
+    text = cell(template, values)
+    return None if text is None else Cell(text, None if text == UNDETERMINED else mark)
