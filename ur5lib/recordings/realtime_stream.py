@@ -11,19 +11,15 @@ Lost bytes in whole multiples of the message size leave no trace in the sizes: t
 message may be joined to the tail of a later one, unless a damaged line shows where bytes were lost.
 """
 
-import binascii
 import math
 import re
-from collections import deque
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from binascii import unhexlify
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-import pyarrow as pa
-import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import Finding
@@ -32,11 +28,8 @@ from ur5lib.strict import expect_file
 from ur5lib.tables import columns
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-Integers = Labels
-
 HEADER = b"received_s"
-BLOCK = 1 << 22  # bytes of CSV parsed at a time; no line may be longer
-AHEAD = 4  # blocks parsed ahead of their use
+BLOCK = 1 << 21  # bytes that are searched at a time; no line may be twice as long
 HEAD = 12  # bytes: size and timestamp
 RUN = 1024  # messages processed together, so that they stay in the cache
 EVIDENCE = 16  # messages whose timestamps decide between size words
@@ -48,8 +41,7 @@ AGES = 1e9  # s; longer than any controller runs
 SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
 
 
-@dataclass(frozen=True)
-class _Run:
+class _Run(NamedTuple):
     """Consecutive messages of one size [bytes], starting at an offset."""
 
     start: int
@@ -62,24 +54,12 @@ class _Run:
         return self.start + self.count * self.size
 
 
-@dataclass(frozen=True)
-class _Lines:
-    """Lines of two cells: the bytes in each (L,), -1 where damaged, and when received [s]."""
-
-    lengths: Integers
-    received: Array
-
-    @property
-    def ends(self) -> Integers:
-        """Return the offset after each line's bytes (L,)."""
-        return np.cumsum(np.maximum(self.lengths, 0))
-
-
 class _Messages:
-    """The complete messages in a stream of bytes that arrives piece by piece.
+    """The complete messages in a stream of bytes that arrives line by line.
 
     runs: where they lie; length: number of bytes so far; tables: by message size, a row for `time`,
-    one for `received`, filled in later, and one per channel (2 + C, room for all messages).
+    one for `received`, filled in later, and one per channel (2 + C, room for all messages);
+    received, ends: when each line was received [s], and the offset after its bytes.
     """
 
     def __init__(self, most: int) -> None:
@@ -88,18 +68,31 @@ class _Messages:
         self.tables: dict[int, Array] = {}
         self.counts: dict[int, int] = {}
         self.length = 0
+        self.received: list[float] = []
+        self.ends: list[int] = []
         self._most = most
-        self._rest = b""
+        self._waiting: list[bytes] = []
+        self._searched = 0
         self._last = math.nan  # timestamp of the last message [s]
 
-    def add(self, data: bytes, more: bool) -> None:
-        """Process the next bytes; more: whether further bytes follow directly.
+    def add(self, received: float, payload: bytes) -> None:
+        """Add the bytes of a line, received at a time [s]."""
+        self._waiting.append(payload)
+        self.length += len(payload)
+        self.received.append(received)
+        self.ends.append(self.length)
+        if self.length - self._searched > BLOCK:
+            self._search(more=True)
 
-        Bytes that cannot be judged without their successors are kept for the next call.
-        """
-        stream = self._rest + data
-        offset = self.length - len(self._rest)
-        self.length += len(data)
+    def interrupt(self) -> None:
+        """Search what was added so far: the bytes that follow, if any, do not continue it."""
+        self._search(more=False)
+        self._waiting, self._searched = [], self.length
+
+    def _search(self, more: bool) -> None:
+        """Find the messages; bytes that cannot be judged without their successors stay waiting."""
+        stream = b"".join(self._waiting)
+        offset = self.length - len(stream)
         at, end = 0, len(stream)
         limit = end - MARGIN if more else end
         while at < limit:
@@ -111,17 +104,18 @@ class _Messages:
                 self.runs.append(_Run(offset + at, count, size))
                 self._keep(np.ndarray((count, size // 8), ">f8", stream, at + 4, (size, 8)), size)
             at += max(count * size, 1)
-        self._rest = stream[at:]
+        self._waiting, self._searched = [stream[at:]], self.length
+
+    def received_until(self, offsets: Labels | int) -> Array:
+        """Return when all bytes before some offsets had been received [s]."""
+        return np.asarray(np.array(self.received)[np.searchsorted(self.ends, offsets)])
 
     def _keep(self, doubles: Array, size: int) -> None:
         """Append messages, doubles as sent (N, D), to the table of their size."""
         layout = fields(size)
         if size not in self.tables:
             rows = 2 + sum(count for _, count in layout.values())
-            # Channels first, as in pandas. Not np.empty: it requests huge pages, and clearing those
-            # can take longer than everything else.
-            room = pa.allocate_buffer(rows * (self._most // size) * 8)
-            self.tables[size] = np.frombuffer(room, np.float64).reshape(rows, -1)
+            self.tables[size] = np.empty((rows, self._most // size))  # channels first, as in pandas
             self.counts[size] = 0
         first = self.counts[size]
         self.counts[size] += len(doubles)
@@ -146,18 +140,19 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
     Raises InputError when the file cannot be read as lines or has no complete message of a known
     layout.
     """
-    findings: list[Finding] = []
-    expect_file(Path(path))
+    expect_file(path)
     try:
-        lines, messages = _read(Path(path), findings)
+        messages, damaged = _read(path)
     except OSError as error:
         raise InputError(
             f"{path} cannot be read ({error.strerror}); save the capture there"
         ) from error
-    except pa.ArrowInvalid as error:
-        raise InputError(
-            f"{path} is not a CSV with one line `received_s,payload_hex` per recv; capture it again"
-        ) from error
+    findings: list[Finding] = []
+    if damaged:
+        place = {"line": damaged[0]}
+        findings.append(
+            Finding("robot", "damaged lines", "warning", len(damaged), place, "no messages")
+        )
     if not messages.runs:
         raise InputError(
             f"{path} has no complete message of a known layout ({min(SOFTWARE)} to "
@@ -165,134 +160,46 @@ def read_stream(path: Path) -> tuple[pd.DataFrame, list[Finding]]:
             "`received_s,payload_hex` per recv"
         )
     size = _layout(messages.counts, findings)
-    findings += _skipped(messages, lines, size)
-    return _frame(messages, lines, size), findings
+    findings += _skipped(messages, size)
+    return _frame(messages, size), findings
 
 
-def _read(path: Path, findings: list[Finding]) -> tuple[_Lines, _Messages]:
-    """Read the lines of a file and the messages in them; skip and report damaged lines."""
-    try:
-        return _go_through(path, None, findings)  # fast, but only for files without torn lines
-    except pa.ArrowInvalid:
-        return _go_through(path, [], findings)
+def _read(path: Path) -> tuple[_Messages, list[int]]:
+    """Return the messages of a file, and the numbers of its damaged lines, whose bytes are lost.
 
-
-def _go_through(
-    path: Path, torn: list[int] | None, findings: list[Finding]
-) -> tuple[_Lines, _Messages]:
-    """Do the work of _read. torn: collects numbers of lines without two cells; None: none exist.
-
-    Raises pyarrow.ArrowInvalid when lines cannot be separated, or one is torn and `torn` is None.
+    Raises InputError for a file without lines.
     """
+    messages, damaged, number = _Messages(path.stat().st_size // 2), list[int](), 0
     with path.open("rb") as file:
-        skip = int(file.read(len(HEADER)) == HEADER)
-    messages = _Messages(path.stat().st_size // 2)
-    blocks, count = [_Lines(np.zeros(0, np.int64), np.zeros(0))], 0
-    for batch in _batches(path, skip, torn):
-        payload, block = _unhex(batch)
-        start = 0
-        for loss in _losses(block, _before(torn, skip) - count):
-            messages.add(payload[start:loss], more=False)
-            start = loss
-        messages.add(payload[start:], more=True)
-        blocks.append(block)
-        count += len(block.lengths)
-    messages.add(b"", more=False)
-    lengths, received = zip(*((block.lengths, block.received) for block in blocks), strict=True)
-    lines = _Lines(np.concatenate(lengths), np.concatenate(received))
-    _find_damaged(lines, _before(torn, skip), skip, findings)
-    return lines, messages
+        for number, line in enumerate(iter(partial(file.readline, 2 * BLOCK), b""), 1):
+            if len(line) == 2 * BLOCK:
+                raise _no_csv(path)
+            if not line.strip() or (number == 1 and line.startswith(HEADER)):
+                continue
+            try:
+                messages.add(*_unhex(line))
+            except ValueError:
+                damaged.append(number)
+                messages.interrupt()
+    if not number:
+        raise _no_csv(path)
+    messages.interrupt()
+    return messages, damaged
 
 
-def _before(torn: list[int] | None, skip: int) -> Integers:
-    """Return how many lines of two cells precede each torn line (T,), after `skip` header lines."""
-    torn = torn or []
-    return np.array(torn, np.int64) - 1 - skip - np.arange(len(torn))
-
-
-def _losses(block: _Lines, before: Integers) -> list[int]:
-    """Return the offsets in a block's bytes at which lines were skipped.
-
-    before (T,): how many lines of the block precede each torn line.
-    """
-    ends = np.append(0, block.ends)
-    here = before[(before >= 0) & (before < len(ends) - 1)]
-    offsets: list[int] = np.union1d(ends[here], ends[:-1][block.lengths < 0]).tolist()
-    return offsets
-
-
-def _find_damaged(lines: _Lines, before: Integers, skip: int, findings: list[Finding]) -> None:
-    """Report how many lines were skipped and which was the first; arguments as above."""
-    damaged = np.flatnonzero(lines.lengths < 0)
-    if count := len(damaged) + len(before):
-        torn = before + np.arange(len(before))
-        others = damaged + np.searchsorted(before, damaged, side="right")
-        first = int(np.concatenate([torn, others]).min()) + 1 + skip
-        place = {"line": first}
-        findings.append(Finding("robot", "damaged lines", "warning", count, place, "no messages"))
-
-
-def _batches(path: Path, skip: int, torn: list[int] | None) -> Iterator[pa.RecordBatch]:
-    """Yield the lines of two cells, as bytes; the next blocks are parsed in the meantime."""
-
-    def leave_out(row: pacsv.InvalidRow) -> str:
-        assert torn is not None
-        torn.append(row.number)
-        return "skip"
-
-    cells = ["received", "payload"]
-    options = pacsv.ReadOptions(
-        column_names=cells,
-        skip_rows=skip,
-        use_threads=False,  # otherwise lines are not numbered
-        block_size=BLOCK,
-        encoding="utf8" if torn is None else "latin1",  # a torn line may hold any byte
-    )
-    parsing = pacsv.ParseOptions(
-        quote_char=False,
-        ignore_empty_lines=False,
-        invalid_row_handler=None if torn is None else leave_out,
-    )
-    converting = pacsv.ConvertOptions(column_types=dict.fromkeys(cells, pa.binary()))
-    reader = pacsv.open_csv(pa.memory_map(str(path)), options, parsing, converting)
-    with ThreadPoolExecutor(1) as ahead:
-        coming = deque(ahead.submit(next, reader, None) for _ in range(AHEAD))
-        while (batch := coming.popleft().result()) is not None:
-            coming.append(ahead.submit(next, reader, None))
-            yield batch
-
-
-def _unhex(batch: pa.RecordBatch) -> tuple[bytes, _Lines]:
-    """Return the bytes of all lines, joined, and how many each line holds.
-
-    All lines are converted at once; only if that fails, one by one.
-    """
-    offsets = np.frombuffer(batch[1].buffers()[1], np.int32, len(batch) + 1, 4 * batch[1].offset)
-    text = memoryview(batch[1].buffers()[2] or b"")[offsets[0] : offsets[-1]]
-    digits = np.diff(offsets)
-    try:
-        received = batch[0].cast(pa.string()).cast(pa.float64()).to_numpy()
-        if np.isfinite(received).all() and not (digits & 1).any():
-            return binascii.unhexlify(text), _Lines(digits.astype(np.int64) // 2, received)
-    except (pa.ArrowInvalid, binascii.Error):
-        pass
-    lines = [_unhex_line(*line) for line in zip(*batch.to_pydict().values(), strict=True)]
-    lengths = [-1 if payload is None else len(payload) for _, payload in lines]
-    received = np.array([received for received, _ in lines])
-    return b"".join(payload or b"" for _, payload in lines), _Lines(
-        np.array(lengths, np.int64), received
+def _no_csv(path: Path) -> InputError:
+    return InputError(
+        f"{path} is not a CSV with one line `received_s,payload_hex` per recv; capture it again"
     )
 
 
-def _unhex_line(received: bytes, payload: bytes) -> tuple[float, bytes | None]:
-    """Return when a line was received [s] and its bytes; NaN and None if it is damaged."""
-    if not received and not payload:  # an empty line means no loss
-        return math.nan, b""
-    try:
-        seconds, data = float(received), binascii.unhexlify(payload)
-    except ValueError:
-        return math.nan, None
-    return (seconds, data) if math.isfinite(seconds) else (math.nan, None)
+def _unhex(line: bytes) -> tuple[float, bytes]:
+    """Return when a line was received [s] and its bytes. Raises ValueError if it is damaged."""
+    received, payload = line.rstrip(b"\r\n").split(b",")
+    seconds = float(received)
+    if not math.isfinite(seconds):
+        raise ValueError(received)
+    return seconds, unhexlify(payload)
 
 
 def _seek(stream: bytes, at: int, end: int, last: float) -> int:
@@ -380,7 +287,7 @@ def _layout(counts: dict[int, int], findings: list[Finding]) -> int:
     return size
 
 
-def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
+def _skipped(messages: _Messages, size: int) -> list[Finding]:
     """Report the bytes that belong to no complete message."""
     total = messages.length
     starts = [0, *(run.end for run in messages.runs)]
@@ -390,8 +297,8 @@ def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
     skipped = [gap for gap in gaps if gap not in partial]
     findings = []
     if skipped:
-        first = lines.received[np.searchsorted(lines.ends, skipped[0][0], side="right")]
-        where = {"places": len(skipped), "seconds": float(first - lines.received[0])}
+        since = float(messages.received_until(skipped[0][0] + 1) - messages.received[0])
+        where = {"places": len(skipped), "seconds": since}
         count = sum(end - start for start, end in skipped)
         code = "bytes skipped" if len(skipped) == 1 else "bytes skipped often"
         findings.append(Finding("robot", "bytes skipped", "warning", count, where, code))
@@ -400,13 +307,13 @@ def _skipped(messages: _Messages, lines: _Lines, size: int) -> list[Finding]:
     return findings
 
 
-def _frame(messages: _Messages, lines: _Lines, size: int) -> pd.DataFrame:
+def _frame(messages: _Messages, size: int) -> pd.DataFrame:
     """Return the messages of one size [bytes], one row each."""
     table = messages.tables[size][:, : messages.counts[size]]
     ends = [
         run.start + size * np.arange(1, run.count + 1) for run in messages.runs if run.size == size
     ]
-    table[1] = lines.received[np.searchsorted(lines.ends, np.concatenate(ends))]
+    table[1] = messages.received_until(np.concatenate(ends))
     names = ["time", "received"]
     for name, (_, count) in fields(size).items():
         names += columns(name, count) if count > 1 else [name]
