@@ -43,6 +43,7 @@ from ur5lib.pipeline.records.truth import Truth
 from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
+from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.report import truth_table
 from ur5lib.report.truth_table import Row
@@ -161,7 +162,7 @@ def taken(plan: dict[str, Any], folder: Path) -> Taken:
     """Simulated in a folder, and read as a real recording is."""
     robot = load_robot(robot_path("ur5"))
     wanted = SimulatedRecording.model_validate(plan | {"imu": {}})
-    truth, entry = folder / "truth", {"format": "thesis-csv", "folder": str(folder)}
+    truth, entry = folder / "truth", ThesisFiles(format="thesis-csv", folder=str(folder))
     simulate(robot, wanted, "thesis-csv", folder, truth)
     intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
     return Taken(robot, intake, read_json(f"{truth}.json"), Truth.read(f"{truth}.parquet"))

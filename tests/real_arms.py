@@ -15,6 +15,7 @@ import pandas as pd
 import yaml
 
 from tests.conftest import PROJECT
+from tests.entries import read_and_repair
 from ur5lib.commands.check import look_through, settled
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
@@ -41,7 +42,7 @@ from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.signals.clock import Clock
 from ur5lib.signals.resampling import resample
@@ -78,7 +79,7 @@ class RealRecording:
     @cached_property
     def intake(self) -> Intake:
         max_gap = self.settings.frames.max_gap_s
-        return read_and_repair(self.entry.model_dump(), self.robot, max_gap)
+        return read_and_repair(self.entry, self.robot, max_gap)
 
     @cached_property
     def signals(self) -> Signals:

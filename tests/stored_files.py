@@ -12,9 +12,9 @@ import scipy.io
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from tests.entries import read_recording
 from tests.synthetic import write_recording
 from ur5lib.channels import SUFFIXES
-from ur5lib.recordings.formats import read_recording
 
 Channels = dict[str, np.ndarray]  # (n, k) by channel of RTDE
 Made = tuple[np.ndarray, Channels]  # time (n,) [s], and channels

@@ -11,10 +11,11 @@ import pandas as pd
 import pytest
 
 from tests.corpus import Case, corpus
+from tests.entries import read_and_repair
 from tests.time_limit import time_limit
 from ur5lib.commands.check import print_tables, text_console, unusable
 from ur5lib.errors import InputError
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.quality import Device
 from ur5lib.robots.description import Robot
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.entries import read_recording
 from ur5lib.errors import InputError
 from ur5lib.recorder.arm_identity import identify
 from ur5lib.recorder.arm_motion import ArmMotion, MotionError
@@ -19,7 +20,6 @@ from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.realtime_arm import RealtimeArm
 from ur5lib.recorder.rtde_arm import RtdeArm
-from ur5lib.recordings.formats import read_recording
 from ur5lib.robots.rtde_variables import columns
 from ur5lib.stand.lab.controller import EmulatedController, Ports
 from ur5lib.stand.lab.stream_faults import StreamFaults

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.excerpt import excerpt
+from ur5lib.recordings.formats import excerpt
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
 BOOT = 5000.0  # s, of the controller's clock at the first frame

@@ -16,7 +16,8 @@ from ur5lib.excitation import design as search
 from ur5lib.excitation.trajectory import Path as Motion
 from ur5lib.recorder.arm_state import read_state
 from ur5lib.recorder.commanded_motion import read_motion, refusals
-from ur5lib.recordings.rtde_csv import read_rtde_csv
+from ur5lib.recordings.entries import RtdeFiles
+from ur5lib.recordings.formats import read_rtde_csv
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
@@ -128,7 +129,7 @@ def test_the_arm_of_the_stand_follows_it(folder: Path, ur5e: Robot, tmp_path: Pa
     assert isinstance(plan, SimulatedRecording)
     simulate(ur5e, plan, "rtde-csv", tmp_path, tmp_path / "truth")
     (file,) = tmp_path.glob("*.csv")
-    entry = {"name": "designed", "folder": str(tmp_path), "file": file.name}
+    entry = RtdeFiles(format="rtde-csv", folder=str(tmp_path), file=file.name)
     frames = read_rtde_csv(entry).robot.table
     time = frames["time"].to_numpy() - frames["time"].iloc[0] - REST
     moving = (time > 0) & (time < SECONDS)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 
 from tests.conftest import said
-from ur5lib.recordings.formats import read_recording
+from tests.entries import read_recording
 from ur5lib.recordings.host_clock import least_delayed, without_delays
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.starts import place_sensors

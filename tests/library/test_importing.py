@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
 from tests.damage import DRAWS, damaged_file, drawn
+from tests.entries import read_recording
 from tests.stored_files import (
     Made,
     made_up_channels,
@@ -30,8 +31,7 @@ from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import NIST, contents
 from ur5lib.importing.files import import_files
 from ur5lib.importing.proposal import propose
-from ur5lib.recordings.columns import expand
-from ur5lib.recordings.formats import read_recording
+from ur5lib.recordings.entries import expand
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.study.reading import parse_study

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.recorder.commanded_motion import CommandedMotion, refusals
 from ur5lib.recorder.move_program import is_program, plan, read_program
+from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.inverse_kinematics import geometric_jacobian, solutions
@@ -93,7 +94,7 @@ def test_the_jacobian_is_the_derivative_of_the_pose(ur5: Robot) -> None:
 def test_the_controller_s_pose_is_that_of_frame_6(thesis_data: Path, ur5: Robot) -> None:
     """The tool vector that the thesis's controller sent beside the joint angles."""
     folder = thesis_data / "Movement_No8_Singularity_Free_1"
-    table = read_thesis_csv({"folder": str(folder)}).robot.table
+    table = read_thesis_csv(ThesisFiles(format="thesis-csv", folder=str(folder))).robot.table
     q, sent = channel(table, "actual_q"), channel(table, "actual_TCP_pose")
     rotation, position = flange(ur5, q)
     np.testing.assert_allclose(position, sent[:, :3], atol=1e-5)

@@ -12,6 +12,7 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from tests.conftest import PROJECT
+from tests.entries import read_recording
 from tests.examples import examples
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
@@ -21,7 +22,6 @@ from ur5lib.recorder import live
 from ur5lib.recorder.arm_state import PLAYING
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
-from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path

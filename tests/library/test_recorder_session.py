@@ -17,13 +17,13 @@ import pandas as pd
 import pytest
 
 from tests.conftest import PROJECT
+from tests.entries import read_recording
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.device import NewSamples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.manifest import NAME, write_manifest
 from ur5lib.recorder.session import Session
-from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors

@@ -12,16 +12,17 @@ import pytest
 from pydantic import TypeAdapter
 
 from tests.conftest import said
+from tests.entries import read_and_repair, read_recording
 from tests.real_arms import RealStudy
 from tests.synthetic import PERIOD, START, write_channel, write_recording
 from ur5lib.channels import SIX, SUFFIXES
 from ur5lib.errors import InputError
 from ur5lib.recordings import text_blocks
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
-from ur5lib.recordings.columns import FACTORS, expand
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.formats import READERS, read_recording
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.entries import FACTORS, expand
+from ur5lib.recordings.formats import READERS
+from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording, Stamp
@@ -715,7 +716,7 @@ def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealS
     logs = {path.stem for path in ur10e_data.glob("*.csv")}
     assert {*real_ur10e.entries} <= logs  # the folder has more of them than the study uses
     for name, entry in real_ur10e.entries.items():
-        taken = intake(entry.model_dump(), arm)
+        taken = intake(entry, arm)
         names = {finding["finding"] for finding in taken.quality["findings"]}
         assert "irregular steps" in names
         damaged = {"torn last line", "impossible frames", "split"}

@@ -10,13 +10,15 @@ import pandas as pd
 import pytest
 from pydantic import ValidationError
 
+from tests.entries import read_and_repair
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import told_payload
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings.entries import ThesisFiles
+from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord
 from ur5lib.recordings.thesis_csv import read_thesis_csv
@@ -431,6 +433,11 @@ def test_drives_stray_as_far_as_real_ones(like_no8: Recorded, real_no8: Intake) 
     assert (np.abs(np.log2(own / real)) < 1).all(), own / real
 
 
+def real_force(folder: Path) -> pd.DataFrame:
+    entry = ThesisFiles(format="thesis-csv", folder=str(folder))
+    return read_thesis_csv(entry).sensors["force"].table
+
+
 def test_stamps_jitter_as_real_ones(
     like_no8: Recorded, real_no8: Intake, thesis_data: Path
 ) -> None:
@@ -438,7 +445,7 @@ def test_stamps_jitter_as_real_ones(
     folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
     real = {
         "imu": real_no8.sensors["imu"],
-        "force": read_thesis_csv({"folder": str(folder)}).sensors["force"].table,
+        "force": real_force(folder),
     }
     for device, table in real.items():
         steps, own = (np.diff(t["time"]) for t in (table, like_no8.repaired().sensors[device]))
@@ -461,7 +468,7 @@ def test_imu_is_as_noisy_as_the_real_one(like_no8: Recorded, real_no8: Intake) -
 def test_force_sensor_is_as_noisy_as_the_real_one(like_no8: Recorded, thesis_data: Path) -> None:
     """From sample to sample in the first second at rest, within a third."""
     folder = thesis_data / "Movement_No10_Standstill_ForceSensor_All"
-    real = read_thesis_csv({"folder": str(folder)}).sensors["force"].table
+    real = real_force(folder)
     own = like_no8.repaired().sensors["force"]
     noise = [t.drop(columns="time").iloc[:190].diff().std().to_numpy() for t in (own, real)]
     np.testing.assert_allclose(noise[0], noise[1], rtol=0.35)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ur5lib.errors import InputError
+from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.plan import POSTURE, Fourier, Movej, Standstill
@@ -90,8 +91,8 @@ def test_way_points_that_are_all_the_same_are_a_standstill(ur5: Robot) -> None:
 
 def test_a_move_is_the_real_controller_s(thesis_data: Path, ur5: Robot) -> None:
     """The thesis's way-points at 60 deg/s and 80 deg/s², until the real one ends a move early."""
-    recording = {"folder": str(thesis_data / "Movement_No8_Singularity_Free_1")}
-    real = read_thesis_csv(recording).robot.table
+    folder = str(thesis_data / "Movement_No8_Singularity_Free_1")
+    real = read_thesis_csv(ThesisFiles(format="thesis-csv", folder=folder)).robot.table
     start = 393  # the frame where its first long move begins, from where it stands
     q, qd = channel(real, "target_q")[start - 1 :], channel(real, "target_qd")[start:]
     plan = Movej(

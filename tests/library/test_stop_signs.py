@@ -16,13 +16,13 @@ import yaml
 from scipy.signal import butter, sosfiltfilt
 
 from tests.conftest import PROJECT, recordings, said
+from tests.entries import read_and_repair
 from tests.synthetic import write_recording
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.current_checks import foreign_currents
 from ur5lib.recordings.innovations import innovation_likelihoods
-from ur5lib.recordings.intake import read_and_repair
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import load_torque
@@ -125,7 +125,7 @@ class Taken:
 
 def take(entry: Recording) -> Taken:
     arm = load_robot(robot_path(entry.robot)).mounted(entry.gravity)
-    return Taken(read_and_repair(entry.model_dump(), arm, 0.1).robot, arm, entry)
+    return Taken(read_and_repair(entry, arm, 0.1).robot, arm, entry)
 
 
 @cache

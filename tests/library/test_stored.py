@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.damage import DRAWS, FLIPPED, damaged_file, drawn
+from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
     JOINTS,
     WRITERS,
@@ -26,9 +27,8 @@ from tests.stored_files import (
 )
 from tests.time_limit import time_limit
 from ur5lib.errors import InputError
-from ur5lib.recordings import storage
-from ur5lib.recordings.formats import read_recording
-from ur5lib.recordings.intake import Intake, read_and_repair
+from ur5lib.recordings import array_files
+from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
@@ -181,7 +181,7 @@ def test_a_package_that_is_not_installed_is_named(
     def missing(name: str) -> None:
         raise ImportError(name)
 
-    monkeypatch.setattr(storage.importlib, "import_module", missing)
+    monkeypatch.setattr(array_files.importlib, "import_module", missing)
     with pytest.raises(InputError, match=r"package h5py, .*; install the extra `formats`"):
         read_recording(entry)
 

@@ -95,7 +95,7 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
     arm = recording.arm.description().mounted(recording.known_gravity())
     try:
-        intake = read_and_repair(recording.model_dump(), arm, study.settings.frames.max_gap_s)
+        intake = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
     except InputError as error:
         return unusable(error), {}
     declared, tool = recording.known_payload(), recording.known_tool()

@@ -9,25 +9,14 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS, Block, grouped
-from ur5lib.recordings.columns import expand
+from ur5lib.recordings.arrays import LOADERS, load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
+from ur5lib.recordings.entries import expand
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.stored import load_arrays, seconds_of
 from ur5lib.timeseries.arrays import Array
 
-FORMATS = {
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".mat": "mat",
-    ".db3": "rosbag",
-    ".mcap": "rosbag",
-    ".parquet": "parquet",
-    ".feather": "feather",
-    ".csv": "table-csv",
-    ".txt": "table-csv",
-    ".tsv": "table-csv",
-    ".gz": "table-csv",
-}
+FORMATS = {ending: name for name, format in LOADERS.items() for ending in format.endings}
+FORMATS |= dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 HUGE = 1e9  # in any unit of a channel

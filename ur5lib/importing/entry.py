@@ -10,7 +10,7 @@ from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import printable
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.proposal import Proposal
-from ur5lib.recordings.columns import OPPOSITE, SKIPPED
+from ur5lib.recordings.entries import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line

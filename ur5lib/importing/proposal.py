@@ -16,7 +16,7 @@ from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.importing.wrenches import Frame, wrench_frame
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
-from ur5lib.recordings.columns import OPPOSITE
+from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.readings import Order, Reading
 from ur5lib.robots.description import Robot

@@ -1,50 +1,121 @@
 """The readers of all formats, by the name that a study uses."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
-from ur5lib.recordings.excerpt import excerpt
+import numpy as np
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.arrays import LOADERS, read_arrays
+from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
+from ur5lib.recordings.entries import (
+    RESERVED,
+    Files,
+    RecordedFiles,
+    TableFiles,
+    expand,
+)
 from ur5lib.recordings.host_clock import on_robot_clock
+from ur5lib.recordings.plausibility import first_time
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
-from ur5lib.recordings.rtde_csv import read_rtde_csv
-from ur5lib.recordings.sensors import read_sensors
-from ur5lib.recordings.stored import LOADERS, read_stored
-from ur5lib.recordings.table_csv import read_table_csv
+from ur5lib.recordings.sensors import counted_from_first, read_sensors
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 
 RECEIVED_STD = 0.01  # s, uncertainty of the delay between sending and receiving a message
 
 
-def read_recording(recording: Mapping[str, Any]) -> RawRecording:
+def read_recording(recording: Files) -> RawRecording:
     """Read the files of a recording, or the part that is wanted of them.
 
-    recording: an entry of a study, as plain data. Raises InputError when they cannot be read.
+    Raises InputError when they cannot be read.
     """
-    raw = on_robot_clock(READERS[recording["format"]](recording))
-    return excerpt(raw, recording.get("from_s"), recording.get("to_s"))
+    raw = on_robot_clock(READERS[recording.format](recording))
+    return excerpt(raw, recording.from_s, recording.to_s)
 
 
-def read_realtime_stream(recording: Mapping[str, Any]) -> RawRecording:
-    """Read a capture of the realtime port. recording: `folder`, `file`, and sensors.
+def excerpt(raw: RawRecording, start: float | None, end: float | None) -> RawRecording:
+    """Return a recording with the robot's frames from `start` until before `end` alone.
 
-    Time counts from the first message. Its send time is unknown, so its time of receipt is used.
+    start, end: [s] since the recording's first frame; None: its own. Clocks and stamps stay, and
+    with them the place of the sensors. Raises InputError when no frame is left.
     """
-    path = Path(recording["folder"]) / recording["file"]
-    table, found = read_stream(path)
-    findings: list[Finding] = [*found]
-    start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")
-    own = table["time"] - table["time"].iloc[0]
-    robot = DeviceRecord(table.assign(time=own), start, str(path))
+    if start is None and end is None:
+        return raw
+    table = raw.robot.table
+    since = table["time"].to_numpy(float) - first_time(table["time"].to_numpy(float))
+    within = (since >= (start or 0.0)) & (since < (np.inf if end is None else end))
+    if not within.any():
+        raise InputError(
+            f"{raw.robot.source}: has no frame between `from_s` and `to_s`; it lasts "
+            f"{np.nanmax(since):.4g} s"
+        )
+    part = table[within].reset_index(drop=True)
+    return replace(raw, robot=replace(raw.robot, table=part))
+
+
+def read_table_csv(recording: TableFiles) -> RawRecording:
+    """Read a table. Raises InputError when the file has no row of that many numbers."""
+    findings: list[Finding] = []
+    path, names = recording.path, expand(recording.columns)
+    table = read_numbers(path, names, "robot", findings)
+    table = drop_untimed(table, path, "robot", findings)
+    if table.empty:
+        raise InputError(
+            f"{path}, line 1: no complete row of {len(names)} numbers (it begins "
+            f"{first_line(path)}); correct `columns`, or remove the recording from the study"
+        )
+    table = recording.in_si(table)
+    robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
     return RawRecording(robot, None, read_sensors(recording, findings), findings)
 
 
-READERS: dict[str, Callable[[Mapping[str, Any]], RawRecording]] = {
+def read_rtde_csv(recording: RecordedFiles) -> RawRecording:
+    """Read a CSV with RTDE names in its header, from ur_rtde or Universal Robots' own client.
+
+    `timestamp` counts from the controller's start; the time returned counts from the first row.
+    `host_time`, if there is one, is when each row arrived [s].
+    Raises InputError when there is no `timestamp` column or no complete row.
+    """
+    path, findings = recording.path, list[Finding]()
+    table = read_numbers(path, None, "robot", findings)
+    begins = f"(it begins {first_line(path)})"
+    if "timestamp" not in table:
+        raise InputError(
+            f"{path}, line 1: no column `timestamp` {begins}; "
+            "record it with a header, or use format table-csv and name the columns in the study"
+        )
+    if not np.isfinite(table["timestamp"]).any():
+        raise InputError(
+            f"{path}, line 1: no complete row of {len(table.columns)} numbers {begins}; record it "
+            "again, or use format table-csv and name the columns in the study"
+        )
+    table = table.drop(columns=RESERVED, errors="ignore")
+    table = table.rename(columns={"timestamp": "time", "host_time": "received"})
+    table = drop_untimed(table, path, "robot", findings)
+    table["time"] -= first_time(table["time"].to_numpy())
+    robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))
+    return RawRecording(robot, None, read_sensors(recording, findings), findings)
+
+
+def read_realtime_stream(recording: RecordedFiles) -> RawRecording:
+    """Read a capture of the realtime port; time counts from the first message.
+
+    Its send time is unknown, so its time of receipt is used.
+    """
+    table, findings = read_stream(recording.path)
+    start = Stamp(float(table["received"].iloc[0]), RECEIVED_STD, "epoch_s")
+    own = table["time"] - table["time"].iloc[0]
+    robot = DeviceRecord(table.assign(time=own), start, str(recording.path))
+    return RawRecording(robot, None, read_sensors(recording, findings), findings)
+
+
+READERS: dict[str, Callable[[Any], RawRecording]] = {
     "thesis-csv": read_thesis_csv,
     "realtime-stream": read_realtime_stream,
     "rtde-csv": read_rtde_csv,
     "table-csv": read_table_csv,
-    **dict.fromkeys(LOADERS, read_stored),
+    **dict.fromkeys(LOADERS, read_arrays),
 }

@@ -2,13 +2,13 @@
 
 import re
 import warnings
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
 import pandas as pd
 
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
+from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.motor_torque import with_currents
@@ -39,8 +39,8 @@ class Intake:
     quality: dict[str, Any]
 
 
-def read_and_repair(recording: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
-    """Read and repair a recording. recording: an entry of a study; max_gap: [s].
+def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
+    """Read and repair a recording; max_gap: [s].
 
     Raises InputError when it cannot be used.
     """

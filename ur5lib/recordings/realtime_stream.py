@@ -14,9 +14,9 @@ message may be joined to the tail of a later one, unless a damaged line shows wh
 import math
 import re
 from binascii import unhexlify
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -41,7 +41,8 @@ AGES = 1e9  # s; longer than any controller runs
 SIZE_WORD = re.compile(b"|".join(re.escape(size.to_bytes(4, "big")) for size in SOFTWARE))
 
 
-class _Run(NamedTuple):
+@dataclass(frozen=True)
+class _Run:
     """Consecutive messages of one size [bytes], starting at an offset."""
 
     start: int

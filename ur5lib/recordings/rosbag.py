@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ur5lib.recordings.array_files import Arrays, damaged, optional_import
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.storage import Arrays, damaged, optional_import
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 XYZ = ("x", "y", "z")

@@ -1,22 +1,19 @@
 """Reader of force sensor and IMU files, each on its own clock."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.columns import expand, to_si
 from ur5lib.recordings.delimited import drop_untimed, read_numbers
+from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
-from ur5lib.recordings.quality import SENSORS, Device, Finding
+from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, Stamp
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
@@ -37,14 +34,11 @@ class SensorSamples:
     first: float
 
 
-def read_sensors(
-    recording: Mapping[str, Any], findings: list[Finding]
-) -> dict[Device, DeviceRecord]:
+def read_sensors(recording: WithSensors, findings: list[Finding]) -> dict[Device, DeviceRecord]:
     """Read the sensors that a study names for a recording, as far as they recorded something."""
     records = {
-        device: _read_sensor(Path(recording["folder"]), recording[key], device, findings)
-        for key, device in SENSORS.items()
-        if recording.get(key)
+        device: _read_sensor(Path(recording.folder), sensor, device, findings)
+        for device, sensor in recording.sensors().items()
     }
     return {device: record for device, record in records.items() if record is not None}
 
@@ -54,20 +48,20 @@ def read_device(
     names: list[str],
     device: Device,
     findings: list[Finding],
-    units: Mapping[str, str] = MappingProxyType({}),
+    clocked: Clocked = Clocked(),  # noqa: B008 - frozen
 ) -> SensorSamples | None:
     """Return a sensor's complete rows in order; None, and a finding, when there are none.
 
-    units: of channels that are not in SI units. A damaged sensor file never makes the robot's data
+    clocked: its units and time base. A damaged sensor file never makes the robot's data
     unusable; only an invalid unit in the study raises InputError.
     """
-    to_si(pd.DataFrame(columns=names, dtype=float), units)
+    clocked.in_si(pd.DataFrame(columns=names, dtype=float))
     absence = _absence(path)
     if absence is not None:
         findings.append(Finding(device, "no sensor", "note", 1, {"file": path.name}, absence))
         return None
     try:
-        table = without_delays(to_si(read_numbers(path, names, device, findings), units))
+        table = without_delays(clocked.in_si(read_numbers(path, names, device, findings)))
         return repair_samples(table, path, device, findings)
     except InputError as error:
         findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
@@ -101,9 +95,15 @@ def device_start(
         return None
 
 
-def table_start(first: float, counts: str) -> Stamp:
-    """Return the start of a table. first: time of its first row [s]; counts: its time base."""
-    return Stamp(first, STAMP_STD, counts)  # type: ignore[arg-type]
+def counted_from_first(
+    table: pd.DataFrame, first: float, clocked: Clocked, path: Path
+) -> DeviceRecord:
+    """Return a table with its time counted from its first row, which started it.
+
+    first: time of that row [s].
+    """
+    start = Stamp(first, STAMP_STD, clocked.time)
+    return DeviceRecord(table.assign(time=table["time"] - first), start, str(path))
 
 
 def _absence(path: Path) -> str | None:
@@ -188,17 +188,15 @@ def _report_timing(time: Array, device: Device, findings: list[Finding]) -> None
 
 
 def _read_sensor(
-    folder: Path, sensor: Mapping[str, Any], device: Device, findings: list[Finding]
+    folder: Path, sensor: Sensor, device: Device, findings: list[Finding]
 ) -> DeviceRecord | None:
-    path, counts = folder / sensor["file"], sensor["time"]
-    units = sensor["units"] | ({"time": "ms"} if counts == "day_ms" else {})
-    samples = read_device(path, expand(sensor["columns"]), device, findings, units)
+    path = folder / sensor.file
+    samples = read_device(path, expand(sensor.columns), device, findings, sensor)
     if samples is None:
         return None
-    if sensor["start_file"] is None:
-        table = samples.table.assign(time=samples.table["time"] - samples.first)
-        return DeviceRecord(table, table_start(samples.first, counts), str(path))
-    zero = device_start(folder / sensor["start_file"], device, findings)
-    scale = 1000 if sensor["start"] == "day_ms" else 1
-    stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor["start"])
+    if sensor.start_file is None:
+        return counted_from_first(samples.table, samples.first, sensor, path)
+    zero = device_start(folder / sensor.start_file, device, findings)
+    scale = 1000 if sensor.start == "day_ms" else 1
+    stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor.start)
     return DeviceRecord(samples.table, stamp, str(path))

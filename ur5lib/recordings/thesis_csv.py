@@ -1,13 +1,12 @@
 """Reader of the thesis's recordings: a folder `csv_files` with one CSV per channel."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
+from ur5lib.recordings.entries import Clocked, ThesisFiles
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
 from ur5lib.recordings.quality import Device, Finding
@@ -42,12 +41,12 @@ ROBOT_CHANNELS = {  # file: RTDE name
 ROBOT_START_STD, FORCE_START_STD, IMU_START_STD = 0.005, 0.003, 0.1
 
 
-def read_thesis_csv(recording: Mapping[str, Any]) -> RawRecording:
-    """Read a recording of the thesis. recording: `folder`, which holds `csv_files`.
+def read_thesis_csv(recording: ThesisFiles) -> RawRecording:
+    """Read a recording of the thesis, whose folder holds `csv_files`.
 
     Raises InputError when a robot channel is missing or has no complete row.
     """
-    csv = Path(recording["folder"]) / "csv_files"
+    csv = Path(recording.folder) / "csv_files"
     findings: list[Finding] = []
     start = _stamp(first_number(csv / "start_time.csv", ended=True), ROBOT_START_STD)
     robot = DeviceRecord(_read_robot(csv, findings), start, str(csv))
@@ -124,7 +123,7 @@ def _read_force(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
 
 def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
     path = csv / "acc_data.csv"
-    samples = read_device(path, ["time", *IMU_CHANNELS], "imu", findings, {"time": "ms"})
+    samples = read_device(path, ["time", *IMU_CHANNELS], "imu", findings, Clocked(time="day_ms"))
     if samples is None:
         return None
     table = samples.table.assign(time=samples.table["time"] - samples.first)

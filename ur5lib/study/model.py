@@ -12,6 +12,15 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, WithJsonSchema
 
 from ur5lib.recorder.lab import Lab
+from ur5lib.recordings.entries import (
+    ChannelFiles,
+    Files,
+    RtdeFiles,
+    StoredFiles,
+    StreamFiles,
+    TableFiles,
+    ThesisFiles,
+)
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.robots.friction import CANDIDATES
@@ -34,7 +43,7 @@ Day = Annotated[datetime.date, BeforeValidator(_day)]
 
 
 class Part(Strict):
-    """One run of an arm: the keys that every format has."""
+    """One run of an arm, and its use in the study: the keys that every format has."""
 
     name: Name
     robot: NamedArm | None = Field(
@@ -42,7 +51,6 @@ class Part(Strict):
         description="the arm, as described in ur5lib/robots/ or robots/, or a mapping with its "
         "differences; default: `robot` of the study",
     )
-    folder: str = Field(description="the folder that holds the device files")
     role: Literal["fit", "validate", "contact"] = Field(
         description="fit: contact-free, used for fitting; validate: contact-free, never used for "
         "fitting; contact: something touches the arm"
@@ -71,13 +79,6 @@ class Part(Strict):
         description="day of the recording, as in 2026-03-09; default: that of its start stamp (UTC)"
         ", where it has one; six dates or more show how an arm changes",
     )
-    from_s: float | None = Field(
-        None, ge=0, description="use the recording from this time on, counted from its first frame"
-    )
-    to_s: float | None = Field(
-        None, gt=0, description="use the recording until this time, counted from its first frame"
-    )
-    format: str = Field(description="format of the files")
 
     @cached_property
     def arm(self) -> Arm:
@@ -102,72 +103,6 @@ class Part(Strict):
         """Return the payload that the study declares in addition to the tool."""
         return self.payload
 
-    def file_names(self) -> list[str]:
-        """Return the files that the entry names; none when it uses all of its folder."""
-        parts = [self, getattr(self, "force_sensor", None), getattr(self, "imu", None)]
-        names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
-        return [name for name in names if name is not None]
-
-
-TimeBase = Literal["relative_s", "epoch_s", "day_ms", "host_s"]
-TIME_BASE = (
-    "time base: seconds since the start, seconds since 1970, milliseconds of the day, seconds of "
-    "the clock of the computer that recorded robot and sensors together"
-)
-UNITS = (
-    "units of the channels not in SI units: deg, deg/s, ms, mA, g, ...; `opposite`: SI units with "
-    "the opposite sign, as of a force sensor that reads the force of the arm on its surroundings"
-)
-
-
-class DeviceTable(Strict):
-    """A delimited table of numbers, with or without a header line."""
-
-    file: str = Field(description="path within the recording's folder")
-    columns: list[str] = Field(
-        min_length=1,
-        description="contents of the columns, in order: `time` and channels by their RTDE names; a "
-        "channel without suffix stands for all its columns, `-` for a column to skip",
-    )
-    units: dict[str, str] = Field(default={}, description=UNITS)
-    time: TimeBase = Field("relative_s", description=TIME_BASE)
-
-
-class Sensor(DeviceTable):
-    """A force sensor or an IMU with its own clock."""
-
-    start_file: str | None = Field(
-        None, description="file with the time at which a relative clock read zero"
-    )
-    start: Literal["epoch_s", "day_ms"] = Field(
-        "epoch_s",
-        description="unit of the time in `start_file`: seconds since 1970, milliseconds of the day",
-    )
-
-
-class SensorMounting(Strict):
-    """How a force sensor is mounted on the flange."""
-
-    position_m: Vector3 = Field((0.0, 0.0, 0.0), description="its origin in frame 6 [m]")
-    rotation_deg: Vector3 = Field(
-        (0.0, 0.0, 0.0), description="rotation vector from frame 6 to its axes [°]"
-    )
-
-
-class ForceSensor(Sensor):
-    """A force sensor with its own clock."""
-
-    mounting: SensorMounting | None = Field(
-        None, description="how it is mounted; default: as described for the arm"
-    )
-
-
-class Sensors(Strict):
-    """The sensors that were recorded together with the robot."""
-
-    force_sensor: ForceSensor | None = Field(None, description="file of the force sensor, if any")
-    imu: Sensor | None = Field(None, description="file of the IMU, if any")
-
 
 def _or_simulated(schema: dict[str, Any]) -> None:
     """Require either the keys that locate real files, or `simulate`."""
@@ -176,7 +111,7 @@ def _or_simulated(schema: dict[str, Any]) -> None:
     schema["oneOf"] = [{"required": files}, {"required": ["simulate"]}]
 
 
-class Simulable(Part):
+class Simulable(Files, Part):
     """A recording that the virtual test stand can simulate."""
 
     model_config = ConfigDict(json_schema_extra=_or_simulated)
@@ -209,10 +144,9 @@ class Simulable(Part):
         return layout.file_names(self.format, self.simulate.model_dump())
 
 
-class Recorded(Simulable, Sensors):
-    """A file of the robot and files of its sensors, as `ur5 record` leaves them."""
+class Recorded(Simulable):
+    """A recording that may be one of an emulated lab."""
 
-    file: str = Field(description="path within the recording's folder")
     truth: str | None = Field(
         None,
         description="path within the recording's folder of the truth about it, which the emulated "
@@ -220,76 +154,28 @@ class Recorded(Simulable, Sensors):
     )
 
 
-class ThesisRecording(Simulable):
+class ThesisRecording(ThesisFiles, Simulable):
     """A folder `csv_files` with one CSV per channel, as recorded for the thesis."""
 
-    format: Literal["thesis-csv"] = Field(description="format of the files")
 
-
-class StreamRecording(Recorded):
+class StreamRecording(StreamFiles, Recorded):
     """A capture of the controller's realtime port, with lines received_s,payload_hex."""
 
-    format: Literal["realtime-stream"] = Field(description="format of the files")
 
-
-class RtdeRecording(Recorded):
+class RtdeRecording(RtdeFiles, Recorded):
     """One CSV with RTDE names in its header, as written by ur_rtde and UR's own client."""
 
-    format: Literal["rtde-csv"] = Field(description="format of the files")
 
-
-class TableRecording(Part, DeviceTable, Sensors):
+class TableRecording(TableFiles, Part):
     """Any delimited table whose columns the study declares."""
 
-    format: Literal["table-csv"] = Field(description="format of the files")
 
-
-def _maps_the_time(channels: dict[str, Any]) -> dict[str, Any]:
-    if "time" not in channels:
-        raise ValueError("a mapping with `time`, which names the array of the stamps")
-    if not all(channels.values()):
-        raise ValueError("a mapping in which each channel names an array")
-    return channels
-
-
-class StoredTable(Strict):
-    """Arrays with one clock, in a file."""
-
-    channels: Annotated[dict[str, str | list[str]], AfterValidator(_maps_the_time)] = Field(
-        description="the array of each channel: of `time` and of channels by their RTDE names, "
-        "without suffix; an array by its path in the file, or a list of those that hold its "
-        "columns. Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
-    )
-    units: dict[str, str] = Field(default={}, description=UNITS)
-    time: TimeBase = Field("relative_s", description=TIME_BASE)
-
-
-class StoredRobot(StoredTable):
-    """Arrays of the robot, and of sensors in the same file."""
-
-    joints: list[Annotated[int, Field(ge=1, le=6)]] | None = Field(
-        None,
-        min_length=6,
-        max_length=6,
-        description="joint, 1 to 6, of each column of the joints' arrays; default: in order",
-    )
-    force_sensor: StoredTable | None = Field(None, description="arrays of the force sensor, if any")
-    imu: StoredTable | None = Field(None, description="arrays of the IMU, if any")
-
-
-class StoredRecording(Part, StoredRobot):
+class StoredRecording(StoredFiles, Part):
     """Arrays in an HDF5, MAT, Parquet or Feather file, or in a ROS 2 bag (.db3, .mcap)."""
 
-    format: Literal["hdf5", "mat", "rosbag", "parquet", "feather"] = Field(
-        description="format of the files"
-    )
-    file: str = Field(description="path within the recording's folder")
 
-
-class ChannelFilesRecording(Part, StoredRobot):
+class ChannelFilesRecording(ChannelFiles, Part):
     """A text file for each channel: one value a line, or one row of values."""
-
-    format: Literal["channel-files"] = Field(description="format of the files")
 
 
 Recording = Annotated[

@@ -1,57 +1,63 @@
-"""Reader of files that hold arrays: the study says which of them is which channel."""
+"""Reader of files that hold arrays: the study names the array of each channel."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import InputError
-from ur5lib.recordings.channel_files import channel_file_arrays
-from ur5lib.recordings.columnar import feather_arrays, parquet_arrays
-from ur5lib.recordings.columns import to_si
+from ur5lib.recordings.array_files import (
+    Arrays,
+    channel_file_arrays,
+    feather_arrays,
+    hdf5_arrays,
+    mat_arrays,
+    parquet_arrays,
+)
 from ur5lib.recordings.delimited import drop_untimed
-from ur5lib.recordings.hdf5 import hdf5_arrays
-from ur5lib.recordings.mat import mat_arrays
+from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import first_time
-from ur5lib.recordings.quality import SENSORS, Device, Finding
+from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.rosbag import rosbag_arrays
-from ur5lib.recordings.sensors import repair_samples, table_start
-from ur5lib.recordings.storage import Arrays
+from ur5lib.recordings.sensors import counted_from_first, repair_samples
 from ur5lib.recordings.zeroed import drop_zeroed
 from ur5lib.strict import expect_file
 
-LOADERS: dict[str, Callable[[Path, Collection[str] | None, list[Finding]], Arrays]] = {
-    "hdf5": hdf5_arrays,
-    "mat": mat_arrays,
-    "rosbag": rosbag_arrays,
-    "parquet": parquet_arrays,
-    "feather": feather_arrays,
-    "channel-files": channel_file_arrays,
+
+class ArrayFormat(NamedTuple):
+    """The function that loads a file's arrays by name, and the endings of such files."""
+
+    load: Callable[[Path, Collection[str] | None, list[Finding]], Arrays]
+    endings: tuple[str, ...] = ()
+
+
+LOADERS = {
+    "hdf5": ArrayFormat(hdf5_arrays, (".h5", ".hdf5")),
+    "mat": ArrayFormat(mat_arrays, (".mat",)),
+    "rosbag": ArrayFormat(rosbag_arrays, (".db3", ".mcap")),
+    "parquet": ArrayFormat(parquet_arrays, (".parquet",)),
+    "feather": ArrayFormat(feather_arrays, (".feather",)),
+    "channel-files": ArrayFormat(channel_file_arrays),
 }
 
 
-def read_stored(recording: Mapping[str, Any]) -> RawRecording:
-    """Read arrays. recording: `format`, `folder`, `file`, `channels`, `joints`, `units`, `time`.
+def read_arrays(recording: ArrayFiles) -> RawRecording:
+    """Read the arrays of a robot, and those of sensors in the same file.
 
-    A sensor is read from the same file. Raises InputError when the file lacks an array, or arrays
-    of one clock differ in length.
+    Raises InputError when the file lacks an array, or arrays of one clock differ in length.
     """
-    path, findings = _path(recording), list[Finding]()
-    sensors = {d: recording[key] for key, d in SENSORS.items() if recording.get(key)}
-    named = [recording, *sensors.values()]
-    arrays = load_arrays(recording["format"], path, _wanted(named), findings)
-    table = _table(recording, arrays, path)
-    table = _in_arm_order(table, recording["joints"] or [*range(1, 7)])
+    path, findings, sensors = recording.path, list[Finding](), recording.sensors()
+    wanted = _wanted([recording, *sensors.values()])
+    arrays = load_arrays(recording.format, path, wanted, findings)
+    table = _in_arm_order(_table(recording, arrays, path), recording.joints or [*range(1, 7)])
     table = drop_untimed(drop_zeroed(table, findings), path, "robot", findings)
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
-    first = first_time(table["time"].to_numpy())
-    start = table_start(first, recording["time"])
-    robot = DeviceRecord(table.assign(time=table["time"] - first), start, str(path))
+    robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
     records = {d: _sensor(sensor, arrays, path, d, findings) for d, sensor in sensors.items()}
     return RawRecording(robot, None, {d: r for d, r in records.items() if r}, findings)
 
@@ -69,34 +75,29 @@ def load_arrays(
             f"{path} is missing or is a folder; add the file, or remove the recording from the "
             "study"
         )
-    return LOADERS[format](path, wanted, findings)
+    return LOADERS[format].load(path, wanted, findings)
 
 
-def _path(recording: Mapping[str, Any]) -> Path:
-    return Path(recording["folder"]) / (recording.get("file") or "")
-
-
-def _wanted(tables: list[Mapping[str, Any]]) -> set[str]:
+def _wanted(tables: Iterable[StoredTable]) -> set[str]:
     """Return the names of all arrays that may be meant: also of single columns."""
     named = {
         (channel, name)
         for table in tables
-        for channel, given in table["channels"].items()
+        for channel, given in table.channels.items()
         for name in ([given] if isinstance(given, str) else given)
     }
     single = {name + suffix for channel, name in named for suffix in SUFFIXES.get(channel, [])}
     return {name for _, name in named} | single
 
 
-def _table(named: Mapping[str, Any], arrays: Arrays, path: Path) -> pd.DataFrame:
-    """Return `time` and the channels in SI units; named: `channels`, `units` and `time`."""
-    time = seconds_of(_array(arrays, "time", named["channels"]["time"], path))
+def _table(named: StoredTable, arrays: Arrays, path: Path) -> pd.DataFrame:
+    """Return `time` and the channels in SI units."""
+    time = seconds_of(_array(arrays, "time", named.channels["time"], path))
     columns = {"time": time}
-    for channel, given in named["channels"].items():
+    for channel, given in named.channels.items():
         if channel != "time":
             columns |= _columns(channel, given, arrays, len(time), path)
-    units = named["units"] | ({"time": "ms"} if named["time"] == "day_ms" else {})
-    return to_si(pd.DataFrame(columns), units)
+    return named.in_si(pd.DataFrame(columns))
 
 
 def _columns(
@@ -164,11 +165,7 @@ def _in_arm_order(table: pd.DataFrame, joints: list[int]) -> pd.DataFrame:
 
 
 def _sensor(
-    sensor: Mapping[str, Any],
-    arrays: Arrays,
-    path: Path,
-    device: Device,
-    findings: list[Finding],
+    sensor: StoredTable, arrays: Arrays, path: Path, device: Device, findings: list[Finding]
 ) -> DeviceRecord | None:
     """Return a sensor's record; where it cannot be used, None and a finding."""
     try:
@@ -178,5 +175,4 @@ def _sensor(
         return None
     if samples is None:
         return None
-    table = samples.table.assign(time=samples.table["time"] - samples.first)
-    return DeviceRecord(table, table_start(samples.first, sensor["time"]), str(path))
+    return counted_from_first(samples.table, samples.first, sensor, path)

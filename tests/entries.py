@@ -1,0 +1,18 @@
+"""Recordings read through their entries in a study, given as plain data."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from ur5lib.recordings import formats, intake
+from ur5lib.recordings.entries import ENTRY
+from ur5lib.recordings.intake import Intake
+from ur5lib.recordings.recording import RawRecording
+from ur5lib.robots.description import Robot
+
+
+def read_recording(entry: Mapping[str, Any]) -> RawRecording:
+    return formats.read_recording(ENTRY.validate_python(entry))
+
+
+def read_and_repair(entry: Mapping[str, Any], arm: Robot, max_gap: float) -> Intake:
+    return intake.read_and_repair(ENTRY.validate_python(entry), arm, max_gap)

@@ -1,0 +1,184 @@
+"""Arrays by their names in a file: HDF5, MAT, Parquet, Feather, text files of one channel each."""
+
+import importlib
+import re
+from collections.abc import Callable, Collection, Iterator
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.feather as feather
+import pyarrow.parquet as pq
+
+from ur5lib.errors import InputError
+from ur5lib.recordings.delimited import read_numbers
+from ur5lib.recordings.quality import Finding
+
+Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
+Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
+HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
+BLANK = re.compile(rb"\n[ \t\r]*\n")
+
+
+def optional_import(package: str) -> Any:
+    """Return a package that only some formats need. Raises InputError where it is missing."""
+    try:
+        return importlib.import_module(package)
+    except ImportError as error:
+        raise InputError(
+            f"this format needs the package {package}, which is not installed; install the extra "
+            "`formats`: pip install --editable '.[formats]'"
+        ) from error
+
+
+def damaged(path: Path, kind: str, error: Exception) -> InputError:
+    """Return the error of a file that a library could not read."""
+    if isinstance(error, InputError):
+        return error
+    if isinstance(error, FileNotFoundError | IsADirectoryError | PermissionError):
+        return InputError(
+            f"{path} is missing or cannot be read ({error.strerror or 'no such file'}); "
+            "add the file, or remove the recording from the study"
+        )
+    return InputError(
+        f"{path} cannot be read as {kind}: it is damaged, incomplete or of another format; copy "
+        "it again from its source, or correct `format` in the study"
+    )
+
+
+def file_of(kind: str) -> Callable[[Load], Load]:
+    """Turn any error of a function that loads a file of some kind into an InputError."""
+
+    def guarded(load: Load) -> Load:
+        @wraps(load)
+        def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+            try:
+                return load(path, wanted, findings)
+            except Exception as error:  # of damaged files, a library may raise anything
+                raise damaged(path, kind, error) from error
+
+        return loaded
+
+    return guarded
+
+
+@file_of("a Parquet file")
+def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the columns of numbers by name."""
+    return _columns(pq.read_table(path), wanted)
+
+
+@file_of("a Feather file")
+def feather_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the columns of numbers by name."""
+    table = feather.read_table(path)
+    table.validate(full=True)
+    return _columns(table, wanted)
+
+
+def _columns(table: pa.Table, wanted: Collection[str] | None) -> Arrays:
+    """Return the columns: of numbers as (n,), of stamps in seconds, of lists as (n, k)."""
+    names = table.column_names
+    columns = {n: _column(table.column(k)) for k, n in enumerate(names) if names.count(n) == 1}
+    return {
+        name: values
+        for name, values in columns.items()
+        if values is not None and (wanted is None or name in wanted)
+    }
+
+
+def _column(column: pa.ChunkedArray) -> np.ndarray | None:
+    kind = column.type
+    if pa.types.is_timestamp(kind):
+        return column.cast(pa.timestamp("ns")).cast(pa.int64()).to_numpy() * 1e-9
+    if pa.types.is_integer(kind) or pa.types.is_floating(kind):
+        return column.cast(pa.float64()).to_numpy()
+    if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind):
+        rows = column.to_pylist()
+        width = len(rows[0] or []) if rows else 0
+        return np.array([row if row and len(row) == width else [np.nan] * width for row in rows])
+    return None
+
+
+@file_of("an HDF5 file")
+def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the arrays of numbers by their path in the file."""
+    with optional_import("h5py").File(path) as file:
+        names: list[str] = []
+        file.visit(names.append)  # follows no link to another file
+        paths = names if wanted is None else wanted
+        return {name: values for name in paths if (values := _numbers(file, name)) is not None}
+
+
+def _numbers(file: Any, name: str) -> np.ndarray | None:
+    """Return a data set of numbers with one or two dimensions, None for anything else."""
+    found = file.get(name)
+    kind, shape = (getattr(found, key, None) for key in ("dtype", "shape"))
+    if kind is None or kind.kind not in "iuf" or not shape or len(shape) > 2:
+        return None
+    return np.asarray(found[()])
+
+
+@file_of("a MAT file")
+def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
+    """Return the arrays of numbers by name, fields of structures by `structure/field`.
+
+    Version 7.3 of MAT is HDF5.
+    """
+    import scipy.io
+
+    with path.open("rb") as stream:
+        head = stream.read(520)
+    if head[512:] == HDF5_INSIDE or head.startswith(HDF5_INSIDE):
+        return hdf5_arrays(path, wanted, findings)
+    content = scipy.io.loadmat(path, simplify_cells=True)
+    return {name: values for name, values in _leaves(content) if wanted is None or name in wanted}
+
+
+def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    for name, value in part.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{above}{name}/")
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim in (1, 2):
+            yield above + name, value
+
+
+def channel_file_arrays(
+    folder: Path, wanted: Collection[str] | None, findings: list[Finding]
+) -> Arrays:
+    """Return the numbers (n, k) of text files, by their names in a folder.
+
+    Rows belong together by their number, so that a line that is lost inside a file would shift all
+    later ones: raises InputError for it.
+    """
+    there = sorted(path.name for path in folder.iterdir() if path.is_file())
+    return {
+        name: _read_rows(folder / name, findings)
+        for name in there
+        if wanted is None or name in wanted
+    }
+
+
+def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
+    own: list[Finding] = []
+    table = read_numbers(path, _column_names(path), "robot", own)
+    if any(finding.finding == "damaged lines" for finding in own) or _has_blank_line(path):
+        raise InputError(
+            f"{path} has lines without a number, so that its rows can no longer be matched with "
+            "those of the other files; correct these lines, or record it again"
+        )
+    findings += own
+    return table.to_numpy()
+
+
+def _column_names(path: Path) -> list[str]:
+    """Return a name for each cell of the first line."""
+    with path.open("rb") as stream:
+        cells = re.split(rb"[;,\t]\s*|\s+", stream.readline(4096).strip())
+    return [str(index) for index in range(len(cells))]
+
+
+def _has_blank_line(path: Path) -> bool:
+    return BLANK.search(path.read_bytes().strip()) is not None

@@ -1,0 +1,246 @@
+"""The entry of a recording in a study, as far as its reader needs it: files, columns, units."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
+
+from ur5lib.channels import columns as columns_of
+from ur5lib.errors import InputError
+from ur5lib.recordings.quality import SENSORS, Device
+from ur5lib.robots.description import Vector3
+from ur5lib.strict import Strict
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+SKIPPED = "-"
+RESERVED = ["time", "received", "epoch", "slot", "segment", "interpolated"]  # of frame repair
+OPPOSITE = "opposite"  # SI, with the opposite sign: a wrench of the arm on its surroundings
+FACTORS = {  # from these units to SI
+    "deg": math.pi / 180,
+    "deg/s": math.pi / 180,
+    "deg/s2": math.pi / 180,
+    "ms": 1e-3,
+    "us": 1e-6,
+    "ns": 1e-9,
+    "mA": 1e-3,
+    "mm": 1e-3,
+    "mNm": 1e-3,
+    "g": 9.80665,
+    OPPOSITE: -1.0,
+}
+
+
+class Clocked(Strict):
+    """Channels with one clock, and their units."""
+
+    units: dict[str, str] = Field(
+        default={},
+        description="units of the channels not in SI units: deg, deg/s, ms, mA, g, ...; "
+        "`opposite`: SI units with the opposite sign, as of a force sensor that reads the force of "
+        "the arm on its surroundings",
+    )
+    time: Literal["relative_s", "epoch_s", "day_ms", "host_s"] = Field(
+        "relative_s",
+        description="time base: seconds since the start, seconds since 1970, milliseconds of the "
+        "day, seconds of the clock of the computer that recorded robot and sensors together",
+    )
+
+    def in_si(self, table: "pd.DataFrame") -> "pd.DataFrame":
+        """Return a table with its channels in SI units and without the columns to skip.
+
+        Raises InputError for an unknown unit, and for units of channels that the table lacks.
+        """
+        table = table.drop(columns=[name for name in table if name.startswith(SKIPPED)])
+        units = self.units | ({"time": "ms"} if self.time == "day_ms" else {})
+        for channel, unit in units.items():
+            names = columns_of(channel)
+            if unit not in FACTORS or not set(names) <= set(table):
+                raise InputError(
+                    f"`units` in the study give {channel} in {unit}; "
+                    f"use one of {', '.join(FACTORS)}, for channels that `columns` names"
+                )
+            table[names] = table[names] * FACTORS[unit]
+        return table
+
+
+class DeviceTable(Clocked):
+    """A delimited table of numbers, with or without a header line."""
+
+    file: str = Field(description="path within the recording's folder")
+    columns: list[str] = Field(
+        min_length=1,
+        description="contents of the columns, in order: `time` and channels by their RTDE names; a "
+        "channel without suffix stands for all its columns, `-` for a column to skip",
+    )
+
+
+class Sensor(DeviceTable):
+    """A force sensor or an IMU with its own clock."""
+
+    start_file: str | None = Field(
+        None, description="file with the time at which a relative clock read zero"
+    )
+    start: Literal["epoch_s", "day_ms"] = Field(
+        "epoch_s",
+        description="unit of the time in `start_file`: seconds since 1970, milliseconds of the day",
+    )
+
+
+class SensorMounting(Strict):
+    """How a force sensor is mounted on the flange."""
+
+    position_m: Vector3 = Field((0.0, 0.0, 0.0), description="its origin in frame 6 [m]")
+    rotation_deg: Vector3 = Field(
+        (0.0, 0.0, 0.0), description="rotation vector from frame 6 to its axes [°]"
+    )
+
+
+class ForceSensor(Sensor):
+    """A force sensor with its own clock."""
+
+    mounting: SensorMounting | None = Field(
+        None, description="how it is mounted; default: as described for the arm"
+    )
+
+
+def _maps_the_time(channels: dict[str, str | list[str]]) -> dict[str, str | list[str]]:
+    if "time" not in channels:
+        raise ValueError("a mapping with `time`, which names the array of the stamps")
+    if not all(channels.values()):
+        raise ValueError("a mapping in which each channel names an array")
+    return channels
+
+
+class StoredTable(Clocked):
+    """Arrays with one clock, in a file."""
+
+    channels: Annotated[dict[str, str | list[str]], AfterValidator(_maps_the_time)] = Field(
+        description="the array of each channel: of `time` and of channels by their RTDE names, "
+        "without suffix; an array by its path in the file, or a list of those that hold its "
+        "columns. Arrays may be n × 6 or 6 × n, stamps pairs of seconds and nanoseconds"
+    )
+
+
+class Files(Strict):
+    """The device files of a recording, in any format; other keys of its entry are ignored."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    folder: str = Field(description="the folder that holds the device files")
+    from_s: float | None = Field(
+        None, ge=0, description="use the recording from this time on, counted from its first frame"
+    )
+    to_s: float | None = Field(
+        None, gt=0, description="use the recording until this time, counted from its first frame"
+    )
+    format: str = Field(description="format of the files")
+
+    @property
+    def path(self) -> Path:
+        """Return the robot's file, or the folder where the format has several."""
+        return Path(self.folder, getattr(self, "file", ""))
+
+    def sensors(self) -> dict[Device, Any]:
+        """Return the entries of the sensors."""
+        parts = {device: getattr(self, key, None) for key, device in SENSORS.items()}
+        return {device: part for device, part in parts.items() if part is not None}
+
+    def file_names(self) -> list[str]:
+        """Return the files that the entry names; none when it uses all of its folder."""
+        parts = [self, *self.sensors().values()]
+        names = [getattr(part, key, None) for part in parts for key in ("file", "start_file")]
+        return [name for name in names if name is not None]
+
+
+class WithSensors(Files):
+    """Files of a robot and of sensors, each with its own clock."""
+
+    force_sensor: ForceSensor | None = Field(None, description="file of the force sensor, if any")
+    imu: Sensor | None = Field(None, description="file of the IMU, if any")
+
+
+class RecordedFiles(WithSensors):
+    """A file of the robot and files of its sensors, as `ur5 record` leaves them."""
+
+    file: str = Field(description="path within the recording's folder")
+
+
+class ThesisFiles(Files):
+    """The files of the thesis's format."""
+
+    format: Literal["thesis-csv"] = Field(description="format of the files")
+
+
+class StreamFiles(RecordedFiles):
+    """A capture of the realtime port."""
+
+    format: Literal["realtime-stream"] = Field(description="format of the files")
+
+
+class RtdeFiles(RecordedFiles):
+    """A CSV with RTDE names."""
+
+    format: Literal["rtde-csv"] = Field(description="format of the files")
+
+
+class TableFiles(DeviceTable, WithSensors):
+    """A delimited table with declared columns."""
+
+    format: Literal["table-csv"] = Field(description="format of the files")
+
+
+class ArrayFiles(StoredTable, Files):
+    """Arrays of the robot, and of sensors in the same file."""
+
+    joints: list[Annotated[int, Field(ge=1, le=6)]] | None = Field(
+        None,
+        min_length=6,
+        max_length=6,
+        description="joint, 1 to 6, of each column of the joints' arrays; default: in order",
+    )
+    force_sensor: StoredTable | None = Field(None, description="arrays of the force sensor, if any")
+    imu: StoredTable | None = Field(None, description="arrays of the IMU, if any")
+
+
+class StoredFiles(ArrayFiles):
+    """Arrays in one file."""
+
+    format: Literal["hdf5", "mat", "rosbag", "parquet", "feather"] = Field(
+        description="format of the files"
+    )
+    file: str = Field(description="path within the recording's folder")
+
+
+class ChannelFiles(ArrayFiles):
+    """A folder of text files with one array each."""
+
+    format: Literal["channel-files"] = Field(description="format of the files")
+
+
+ENTRY: TypeAdapter[Files] = TypeAdapter(
+    Annotated[
+        ThesisFiles | StreamFiles | RtdeFiles | TableFiles | StoredFiles | ChannelFiles,
+        Field(discriminator="format"),
+    ]
+)
+
+
+def expand(columns: Sequence[str]) -> list[str]:
+    """Return the names of the single columns: actual_q becomes actual_q_0 .. actual_q_5.
+
+    Raises InputError when a column is named twice or `time` is missing.
+    """
+    names = [
+        f"{SKIPPED}{index}" if column == SKIPPED else name
+        for index, column in enumerate(columns)
+        for name in columns_of(column)
+    ]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice or "time" not in names:
+        fault = f"name {twice[0]} twice" if twice else "lack `time`"
+        raise InputError(f"`columns` in the study {fault}; name `time` and each channel once")
+    return names
