@@ -18,8 +18,7 @@ from typing import Any
 
 import yaml
 
-from ur5lib.commands.earlier_information import KEPT
-from ur5lib.commands.excite import ExciteOptions, excite, known_load
+from ur5lib.commands.excite import KEPT, ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.problem import PER_JOINT
 from ur5lib.tables import read_json

@@ -1,10 +1,29 @@
 """The channels of recordings, under RTDE's names: unit, columns, and the largest possible value."""
 
 import math
+import re
 from typing import NamedTuple
 
 SIX = tuple(f"_{index}" for index in range(6))
 AXES = ("x", "y", "z")
+UNUSED = (
+    "actual_robot_braking_energy_dissipated",
+    "actual_robot_energy_consumed",
+    "analog_io_types",
+    "collision_detection_ratio",
+    r"encoder[01]_raw",
+    r"euromap67_(input_bits|output_bits|24V_voltage|24V_current)",
+    r"input_(bit_registers\d+_to_\d+|(bit|int|double)_register_\d+)",
+    "io_current",
+    "joint_position_deviation_ratio",
+    r"output_(bit_registers\d+_to_\d+|(bit|int|double)_register_\d+)",
+    "script_control_line",
+    r"standard_analog_(in|out)put[01]",
+    "time_scale_source",
+    r"tool_analog_input(_types|[01])",
+    r"tool_(mode|output_mode|digital_output[01]_mode)",
+    r"tool_(output_voltage|output_current|temperature)",
+)
 
 
 class ChannelSpec(NamedTuple):
@@ -87,3 +106,8 @@ JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
 def columns(channel: str) -> list[str]:
     """Return the names of a channel's columns: actual_q_0 .. actual_q_5, or its own name."""
     return [channel + suffix for suffix in SUFFIXES.get(channel, ("",))]
+
+
+def is_unused(column: str) -> bool:
+    """Return whether a column holds an output of RTDE that nothing here uses."""
+    return re.fullmatch("|".join(UNUSED), column) is not None

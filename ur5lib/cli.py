@@ -147,8 +147,7 @@ def compare(
     junit: Annotated[Path | None, typer.Option(help="JUnit XML file to write")] = None,
 ) -> None:
     """List what changed between two results by more than its error."""
-    from ur5lib.comparing.output import lines, write_junit
-    from ur5lib.comparing.topics import TOPICS
+    from ur5lib.comparing.topics import TOPICS, lines, write_junit
     from ur5lib.comparing.topics import compare as compare_results
 
     topics = [topic for topic in fail_on.split(",") if topic]
@@ -356,7 +355,7 @@ def schema() -> None:
 @app.command()
 def settings() -> None:
     """Print every setting of a study with its default (docs/settings.md)."""
-    from ur5lib.study.settings_table import settings_text
+    from ur5lib.study.schema import settings_text
 
     typer.echo(settings_text(), nl=False)
 

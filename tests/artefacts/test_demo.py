@@ -20,8 +20,7 @@ from tests.conftest import PROJECT, Workflow
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.commands.exported import exported
-from ur5lib.exporting.contents import TABLES
-from ur5lib.exporting.recordings import write_recordings
+from ur5lib.exporting.recordings import TABLES, write_recordings
 from ur5lib.finished import FinishedStudy
 from ur5lib.importing.files import import_files
 from ur5lib.tables import read_csv, read_json

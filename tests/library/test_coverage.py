@@ -3,7 +3,7 @@
 import pytest
 
 from tests.conftest import said
-from ur5lib.recordings.coverage import robot_coverage, sensor_coverage
+from ur5lib.recordings.starts import robot_coverage, sensor_coverage
 
 LENGTH, STD = 200.0, 0.5  # s, of the robot's recording, and of a sensor's start stamp
 SENSOR = 2 + 0.005 * LENGTH + 3 * STD  # s that may be missing: tolerance, drift, start stamp

@@ -18,10 +18,8 @@ from tests.commands import Command, words
 from tests.conftest import PROJECT, shared_folder
 from ur5lib import cli
 from ur5lib.commands.check import print_findings
-from ur5lib.datasets.archive import fetch_archive
 from ur5lib.datasets.catalogue import catalogue, listing
-from ur5lib.datasets.fetching import fetch
-from ur5lib.datasets.record import fetch_record
+from ur5lib.datasets.fetching import fetch, fetch_archive, fetch_record
 from ur5lib.errors import InputError
 
 FILES = {"a/csv_files/one.csv": b"1, 2\n", "b/csv_files/two.csv": b"3, 4\n"}

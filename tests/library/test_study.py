@@ -13,7 +13,7 @@ from tests.conftest import PROJECT
 from ur5lib.errors import InputError
 from ur5lib.study.model import Settings, Study, arms_without_fit, schema_text
 from ur5lib.study.reading import RENAMED, parse_study
-from ur5lib.study.settings_table import settings_text
+from ur5lib.study.schema import settings_text
 
 GONE = object()
 

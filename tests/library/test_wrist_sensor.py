@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from tests.conftest import said
+from ur5lib.recordings.derived import with_wrist_sensor
 from ur5lib.recordings.sensors import FORCE_CHANNELS
-from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.tables import named

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.recordings.plausibility import drop_zeroed
 from ur5lib.recordings.quality import Finding
-from ur5lib.recordings.zeroed import drop_zeroed
 
 COUNT = 300
 NOISE = np.random.default_rng(0).uniform(0.1, 1.0, (COUNT, 6))  # A

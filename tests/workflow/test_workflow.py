@@ -176,7 +176,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/identification/payload.py",
          jobs(*FROM_CURRENTS) | RESIDUALS | INDEX | HEALTH | REPORT),
         ("ur5lib/timeseries/changes.py", HEALTH | REPORT),
-        ("ur5lib/recordings/joint_currents.py",
+        ("ur5lib/recordings/current_checks.py",
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
         ("ur5lib/report/templates/findings.yaml", REPORT),

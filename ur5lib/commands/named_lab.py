@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 from ur5lib.errors import InputError
 from ur5lib.recorder.lab import Lab
 from ur5lib.study.arms import Arm, Name, NamedArm
-from ur5lib.study.explanation import explain
+from ur5lib.study.schema import explain
 
 EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 

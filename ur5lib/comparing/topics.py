@@ -1,18 +1,98 @@
-"""The numbers that are compared between two results, by topic: estimates, errors, findings."""
+"""Comparison of the numbers of two results, by topic: what changed by more than its error."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
+from scipy.stats import norm
 
-from ur5lib.comparing.changes import Comparison, compare_errors, compare_estimates
 from ur5lib.finished import FinishedStudy
+from ur5lib.tables import write_text
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
+LEVEL = 0.05  # chance of any false change in a topic, and of a miss of a single interval
+WORSE = 1.1  # ratio of two errors without interval from which they count as different
 UNITS = {"torque_constant": "Nm/A", "viscous": "Nm s/rad", "load": ""}  # others: Nm
 SEVERE = ["stop", "error", "warning"]
-Compare = Callable[[FinishedStudy, FinishedStudy], list[Comparison]]
+COLUMNS = ["study", "topic", "name", "before", "after", "differs", "changed"]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One number in two results, and whether it has changed between them.
+
+    topic, name: of the number; before, after: its values with errors, as text; differs: whether the
+    difference exceeds its 95 % interval; changed: whether it also exceeds the interval widened for
+    the number of comparisons in the topic.
+    """
+
+    topic: str
+    name: str
+    before: str
+    after: str
+    differs: bool
+    changed: bool
+
+    def sentence(self) -> str:
+        """Return the name and both values as a sentence."""
+        return f"{self.name}: {self.before} before, {self.after} now"
+
+
+def compare_estimates(
+    topic: str, rows: pd.DataFrame, names: Sequence[str], unit: Sequence[str]
+) -> list[Comparison]:
+    """Compare estimates by their 95 % intervals, as independent normal variables.
+
+    rows: one pair of estimates each, with columns `value` and `half` (half of the interval's width)
+    that have the suffixes `_a` (before) and `_b` (after); names, unit: of each row. An estimate has
+    changed if the difference exceeds its interval, widened by Bonferroni's correction for the
+    number of rows.
+    """
+    # `to_numpy(float)` also gives the right shape and type without rows.
+    numbers = rows[["value_a", "value_b", "half_a", "half_b"]].to_numpy(float)
+    difference = np.abs(numbers[:, 1] - numbers[:, 0])
+    half = np.hypot(numbers[:, 2], numbers[:, 3])
+    wider = norm.isf(LEVEL / 2 / max(len(rows), 1)) / norm.isf(LEVEL / 2)
+    texts = [
+        [
+            _with_error(value, width, measure)
+            for value, width, measure in zip(
+                rows[f"value_{side}"], rows[f"half_{side}"], unit, strict=True
+            )
+        ]
+        for side in "ab"
+    ]
+    verdicts = ((difference > half).tolist(), (difference > wider * half).tolist())
+    return [Comparison(topic, *row) for row in zip(names, *texts, *verdicts, strict=True)]
+
+
+def compare_errors(
+    topic: str, rows: pd.DataFrame, names: Sequence[str], unit: str
+) -> list[Comparison]:
+    """Compare errors that have no interval; they have changed if their ratio exceeds WORSE.
+
+    rows: one pair of errors each, `value_a` (before) and `value_b` (after); names: of each row.
+    """
+    changed = _ratio(rows["value_a"].to_numpy(float), rows["value_b"].to_numpy(float)) > WORSE
+    return [
+        Comparison(topic, name, f"{a:.3g} {unit}", f"{b:.3g} {unit}", bool(is_new), bool(is_new))
+        for name, a, b, is_new in zip(names, rows["value_a"], rows["value_b"], changed, strict=True)
+    ]
+
+
+def _ratio(before: Array, after: Array) -> Array:
+    """Return the ratio, at least 1, of the larger to the smaller error; 1 where both are zero."""
+    low, high = np.minimum(before, after), np.maximum(before, after)
+    ratio: Array = np.divide(high, low, out=np.full(len(low), np.inf), where=low > 0)
+    return np.where(high == 0, 1.0, ratio)
+
+
+def _with_error(value: float, half: float, unit: str) -> str:
+    return f"{value:.4g} ± {half:.2g} {unit}".strip()
 
 
 def compare(before: Path, after: Path) -> list[Comparison]:
@@ -88,7 +168,7 @@ def data(before: FinishedStudy, after: FinishedStudy) -> list[Comparison]:
     return comparisons
 
 
-TOPICS: dict[str, Compare] = {
+TOPICS: dict[str, Callable[[FinishedStudy, FinishedStudy], list[Comparison]]] = {
     "data": data,
     "model": model,
     "friction": friction,
@@ -119,3 +199,41 @@ def _findings(study: FinishedStudy) -> dict[str, int]:
 
 def _words(name: str) -> str:
     return name.replace("_", " ")
+
+
+def lines(comparisons: Sequence[Comparison]) -> Iterator[str]:
+    """Yield lines of text: for each topic the number of comparisons, then each change."""
+    for topic in TOPICS:
+        in_topic = [comparison for comparison in comparisons if comparison.topic == topic]
+        if not in_topic:
+            yield f"{topic}: nothing to compare"
+            continue
+        differ = sum(comparison.differs for comparison in in_topic)
+        changed = [comparison for comparison in in_topic if comparison.changed]
+        count = len(in_topic)
+        yield f"{topic}: {count} compared, {differ} beyond their error, {len(changed)} changed"
+        yield from (f"  {comparison.sentence()}" for comparison in changed)
+
+
+def rows(study: str, comparisons: Sequence[Comparison]) -> Iterator[dict[str, str]]:
+    """Yield each comparison as a row of changes.csv; study: name of the study compared with."""
+    for comparison in comparisons:
+        row = {"study": study, "topic": comparison.topic, "name": comparison.name}
+        row |= {"before": comparison.before, "after": comparison.after}
+        verdicts = {"differs": comparison.differs, "changed": comparison.changed}
+        yield row | {name: "yes" if holds else "no" for name, holds in verdicts.items()}
+
+
+def write_junit(comparisons: Sequence[Comparison], path: Path) -> None:
+    """Write JUnit XML with one test case per comparison, which fails if the number has changed."""
+    suites = ElementTree.Element("testsuites")
+    for topic in TOPICS:
+        in_topic = [comparison for comparison in comparisons if comparison.topic == topic]
+        failures = str(sum(comparison.changed for comparison in in_topic))
+        counts = {"tests": str(len(in_topic)), "failures": failures}
+        suite = ElementTree.SubElement(suites, "testsuite", {"name": topic} | counts)
+        for comparison in in_topic:
+            case = ElementTree.SubElement(suite, "testcase", classname=topic, name=comparison.name)
+            if comparison.changed:
+                ElementTree.SubElement(case, "failure", message=comparison.sentence())
+    write_text(ElementTree.tostring(suites, encoding="unicode", xml_declaration=True), path)

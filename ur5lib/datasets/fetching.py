@@ -1,11 +1,214 @@
-"""Download of a data set by its name."""
+"""Download of a published data set, whose files are verified."""
 
+import os
+import shutil
+import tempfile
+from collections.abc import Collection, Mapping
 from pathlib import Path
+from typing import Any, NamedTuple
 
-from ur5lib.datasets.archive import fetch_archive
+import pooch
+import requests
+
 from ur5lib.datasets.catalogue import catalogue
-from ur5lib.datasets.record import fetch_record
 from ur5lib.errors import InputError
+
+TIMEOUT = 30  # s
+PLAIN = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.- ")
+
+
+def is_there(path: Path, checksum: str, kind: str = "sha256") -> bool:
+    """Return whether a file exists. Raises InputError if its checksum is another."""
+    if not path.exists():
+        return False
+    if pooch.file_hash(path, alg=kind) != checksum:
+        raise InputError(
+            f"{path} differs from the published file; move it away and fetch again, "
+            "or put your own recording into another folder"
+        )
+    return True
+
+
+def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> None:
+    """Copy a file under a temporary name, verify it and rename it.
+
+    Raises InputError if its checksum is another, or it cannot be written.
+    """
+    aside = target.with_name(f".{target.name}.part")
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, aside)
+        if pooch.file_hash(aside, alg=kind) != checksum:
+            raise InputError(
+                f"{source} is not the published file (its checksum differs); download it again"
+            )
+        os.replace(aside, target)
+    except OSError as error:
+        raise InputError(
+            f"{target} cannot be written ({error.strerror}); "
+            "check its name, the disk space and the permissions"
+        ) from error
+    finally:
+        if aside.exists():
+            aside.unlink()
+
+
+def fetch_archive(
+    archive: str, checksums: Mapping[str, str], target: Path, source: Path | None = None
+) -> int:
+    """Copy files into a folder, from a zip file in the network or from another folder.
+
+    archive: URL of the zip file; checksums: SHA-256 by name. Every file is verified before it is
+    put in place; files that exist already are kept. Returns the number of files added.
+    Raises InputError for a failure of the network, the source, a checksum or the target.
+    """
+    missing = {f: sha for f, sha in checksums.items() if not is_there(target / f, sha)}
+    if missing and source is None:
+        _download_archive(archive, missing, target)
+    elif missing and source is not None:
+        _copy_all(source, str(source), missing, target)
+    return len(missing)
+
+
+def _download_archive(archive: str, checksums: Mapping[str, str], target: Path) -> None:
+    pooch.get_logger().setLevel("WARNING")
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            pooch.retrieve(
+                archive,
+                known_hash=None,  # archives are repacked on request; the files are verified
+                fname="archive.zip",
+                path=folder,
+                processor=pooch.Unzip(extract_dir="."),
+                downloader=pooch.HTTPDownloader(progressbar=True),
+            )
+        except (requests.RequestException, OSError, ValueError, KeyError) as error:
+            raise InputError(
+                f"{archive} could not be downloaded ({type(error).__name__}); check the "
+                "network, or copy the recordings from a local folder with --from"
+            ) from error
+        _copy_all(Path(folder), archive, checksums, target)
+
+
+def _copy_all(source: Path, origin: str, checksums: Mapping[str, str], target: Path) -> None:
+    paths = located(checksums, source)
+    absent = [file for file in checksums if file not in paths]
+    if absent:
+        raise InputError(
+            f"{origin} lacks {len(absent)} of {len(checksums)} files, e.g. {absent[0]}; "
+            "use --from with a folder that contains all of them"
+        )
+    for file, checksum in checksums.items():
+        place(paths[file], target / file, checksum)
+
+
+def located(checksums: Mapping[str, str], source: Path) -> dict[str, Path]:
+    """Return the paths of files in a folder: by their names, or else by their SHA-256.
+
+    In a repository, they may have other paths and names.
+    """
+    named = {file: source / file for file in checksums if (source / file).is_file()}
+    others = [file for file in checksums if file not in named]
+    endings = {Path(file).suffix for file in others}
+    paths = [path for path in source.rglob("*") if path.suffix in endings and path.is_file()]
+    hashed = {pooch.file_hash(path): path for path in paths}
+    renamed = {file: hashed[checksums[file]] for file in others if checksums[file] in hashed}
+    return named | renamed
+
+
+class Listed(NamedTuple):
+    """A file of a record: its URL, size [bytes] and MD5."""
+
+    name: str
+    url: str
+    size: int
+    md5: str
+
+
+class Record(NamedTuple):
+    """The files of a record, and Zenodo's name of its licence, empty without one."""
+
+    files: list[Listed]
+    licence: str
+
+
+def fetch_record(
+    record: str, leave_out: Collection[str], target: Path, source: Path | None = None
+) -> Record:
+    """Copy the files of a record into a folder, from the network or from another folder.
+
+    record: URL of its listing, which is always read; leave_out: names of files. Every file is
+    verified before it is put in place; files that exist already are kept. Returns the files in
+    place, and the licence. Raises InputError for a failure of the network, the listing, the source,
+    a checksum or the target.
+    """
+    listed = read_listing(record)
+    wanted = [file for file in listed.files if file.name not in leave_out]
+    for file in wanted:
+        if is_there(target / file.name, file.md5, "md5"):
+            continue
+        if source is None:
+            _download(file, target)
+        else:
+            _copy(file, source, target)
+    return Record(wanted, listed.licence)
+
+
+def read_listing(record: str) -> Record:
+    """Return a record's files and licence. Raises InputError if its listing cannot be read."""
+    try:
+        answer = requests.get(record, timeout=TIMEOUT)
+        answer.raise_for_status()
+        listing = answer.json()
+        licence = listing.get("metadata", {}).get("license", {}).get("id", "")
+        return Record([_listed(entry) for entry in listing["files"]], str(licence))
+    except (requests.RequestException, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise InputError(
+            f"the list of files at {record} could not be read ({type(error).__name__}); check the "
+            "network, or download the files by hand and use `ur5 import`"
+        ) from error
+
+
+def _listed(entry: dict[str, Any]) -> Listed:
+    name, (kind, md5) = str(entry["key"]), entry["checksum"].split(":")
+    if kind != "md5" or not {*name} <= PLAIN or name.startswith("."):
+        raise ValueError(name)  # a name that might leave the folder, or another kind of checksum
+    return Listed(name, entry["links"]["self"], int(entry["size"]), md5)
+
+
+def _download(file: Listed, target: Path) -> None:
+    pooch.get_logger().setLevel("WARNING")
+    with tempfile.TemporaryDirectory(dir=_made(target), prefix=".") as folder:
+        try:
+            path = pooch.retrieve(
+                file.url,
+                known_hash=f"md5:{file.md5}",
+                fname=file.name,
+                path=folder,
+                downloader=pooch.HTTPDownloader(progressbar=True, timeout=TIMEOUT),
+            )
+        except (requests.RequestException, OSError, ValueError) as error:
+            raise InputError(
+                f"{file.url} could not be downloaded ({type(error).__name__}); check the network "
+                f"and the disk space ({file.size / 1e6:,.0f} MB), and fetch again"
+            ) from error
+        Path(path).rename(target / file.name)
+
+
+def _made(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{folder} cannot be written ({error.strerror}); check its name and the permissions"
+        ) from error
+    return folder
+
+
+def _copy(file: Listed, source: Path, target: Path) -> None:
+    if not (source / file.name).is_file():
+        raise InputError(f"{source} lacks {file.name}; use --from with a folder that contains it")
+    place(source / file.name, target / file.name, file.md5, "md5")
 
 
 def fetch(name: str, target: Path | None = None, source: Path | None = None) -> str:

@@ -1,14 +1,181 @@
-"""The recordings of a finished study, written in a format of other programs."""
+"""The recordings of a finished study as files of other programs: CSV, MAT, MCAP."""
 
+import json
+import math
+import re
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
 
 from ur5lib.errors import InputError
-from ur5lib.exporting.contents import Contents, contents
-from ur5lib.exporting.csv import write_csv_folder
-from ur5lib.exporting.mat import write_mat
-from ur5lib.exporting.mcap import write_mcap
 from ur5lib.finished import FinishedStudy
+from ur5lib.tables import write_aside, write_csv
+
+if TYPE_CHECKING:
+    from mcap.writer import Writer
+
+
+DIGITS = 12
+TABLES = ("signals", "motion", "currents", "forces", "sensor")
+INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
+FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose or a wrench
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A recording's tables by name.
+
+    start: time zero in seconds since 1970, None where unknown; tables: with the common index `time`
+    [s], and the columns' units in `attrs["units"]`.
+    """
+
+    name: str
+    start: float | None
+    tables: dict[str, pd.DataFrame]
+
+
+def contents(study: FinishedStudy, name: str) -> Contents:
+    """Return the tables of a recording that are not empty.
+
+    Raises InputError where the study lacks the recording or one of its tables.
+    """
+    frames = {table: study.frame(name, table) for table in TABLES}
+    filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
+    for frame in filled.values():
+        units = frame.attrs["units"]
+        frame.attrs["units"] = {column: column_unit(column, unit) for column, unit in units.items()}
+    return Contents(name, study.start(name), filled)
+
+
+def column_unit(column: str, unit: str) -> str:
+    """Return the unit of one column of a channel: of `N, Nm`, forces have the first."""
+    first, _, second = unit.partition(", ")
+    return first if FIRST_HALF.search(column) or not second else second
+
+
+def channels(columns: list[str]) -> dict[str, list[str]]:
+    """Return the columns of each channel: those of `actual_q` are actual_q_0 to actual_q_5."""
+    groups = groupby(columns, key=lambda column: INDEX.sub("", column))
+    return {name: [*group] for name, group in groups}
+
+
+def write_csv_folder(contents: Contents, folder: Path) -> None:
+    """Write <table>.csv for each table, `time` [s] first, and units.csv: table, column, unit.
+
+    A cell is empty where a value is unknown. Raises InputError where a file cannot be written.
+    """
+    for name, table in contents.tables.items():
+        flags = dict.fromkeys(table.select_dtypes(bool), int)  # 0 and 1: every program reads them
+        write_csv(table.astype(flags).reset_index(), folder / f"{name}.csv", DIGITS)
+    units = [
+        (name, column, unit)
+        for name, table in contents.tables.items()
+        for column, unit in table.attrs["units"].items()
+    ]
+    write_csv(pd.DataFrame(units, columns=["table", "column", "unit"]), folder / "units.csv")
+
+
+def write_mat(contents: Contents, path: Path) -> None:
+    """Write a structure for each table: `time` (N, 1) [s], channels (N, k), and their `units`.
+
+    `start_epoch_s` is time zero in seconds since 1970, NaN where unknown. Raises InputError where
+    the file cannot be written or a table is too large for the format.
+    """
+    from scipy.io import savemat
+    from scipy.io.matlab import MatWriteError
+
+    start = np.nan if contents.start is None else contents.start
+    structures = {name: _structure(table) for name, table in contents.tables.items()}
+    variables = {"recording": contents.name, "start_epoch_s": start, **structures}
+
+    def write(aside: Path) -> None:
+        savemat(
+            aside,
+            variables,
+            appendmat=False,
+            long_field_names=True,
+            do_compression=True,
+            oned_as="column",
+        )
+
+    try:
+        write_aside(path, write)
+    except MatWriteError as error:
+        raise InputError(
+            f"{path}: {contents.name} is too long for a MAT file; export it with --to mcap"
+        ) from error
+
+
+def _structure(table: pd.DataFrame) -> dict[str, Any]:
+    groups = channels([*table])
+    units = table.attrs["units"]
+    arrays = {name: table[columns].to_numpy() for name, columns in groups.items()}
+    joined = {name: ", ".join({units[c]: None for c in group}) for name, group in groups.items()}
+    return {"time": table.index.to_numpy(), **arrays, "units": {"time": "s", **joined}}
+
+
+def write_mcap(contents: Contents, path: Path) -> None:
+    """Write a topic for each table, e.g. /forces, and a JSON message for each sample and table.
+
+    A message has a number for each column, without unknown values. The topic's JSON schema has the
+    units. Time stamps count from 1970, or from the recording's start if its date is unknown.
+    Raises InputError where the file cannot be written, or the package `mcap` is missing.
+    """
+    try:
+        from mcap.writer import Writer
+    except ImportError as error:
+        raise InputError(
+            "MCAP needs the package mcap; install it by pip install --editable '.[formats]'"
+        ) from error
+
+    def write(aside: Path) -> None:
+        with aside.open("wb") as stream:
+            writer = Writer(stream)
+            writer.start()
+            _write_messages(writer, contents)
+            writer.finish()
+
+    write_aside(path, write)
+
+
+def _write_messages(writer: "Writer", contents: Contents) -> None:
+    """Write the samples of all tables in the order of their time stamps, as players expect."""
+    topics = {name: _add_topic(writer, name, table) for name, table in contents.tables.items()}
+    rows = [_messages(table) for table in contents.tables.values()]
+    first = next(iter(contents.tables.values()))
+    stamps = [round(1e9 * (time + (contents.start or 0.0))) for time in first.index]
+    for number, (stamp, *messages) in enumerate(zip(stamps, *rows, strict=True)):
+        for topic, message in zip(topics.values(), messages, strict=True):
+            writer.add_message(topic, stamp, message, stamp, number)
+
+
+def _add_topic(writer: "Writer", name: str, table: pd.DataFrame) -> int:
+    schema = json.dumps(schema_of(table)).encode()
+    number = writer.register_schema(f"ur5lib.{name}", "jsonschema", schema)
+    return int(writer.register_channel(f"/{name}", "json", number))
+
+
+def schema_of(table: pd.DataFrame) -> dict[str, Any]:
+    """Return the JSON schema of a table's messages; each column's description is its unit."""
+    units = table.attrs["units"]
+    kinds = {name: "boolean" if table[name].dtype == bool else "number" for name in table}
+    properties = {name: {"type": kinds[name], "description": units[name]} for name in table}
+    return {"type": "object", "properties": properties}
+
+
+def _messages(table: pd.DataFrame) -> Iterator[bytes]:
+    names = [*table]
+    for row in table.itertuples(index=False, name=None):
+        message = {
+            name: value for name, value in zip(names, row, strict=True) if math.isfinite(value)
+        }
+        yield json.dumps(message).encode()
+
 
 WRITERS: dict[str, tuple[str, Callable[[Contents, Path], None]]] = {  # ending of a path, writer
     "mat": (".mat", write_mat),

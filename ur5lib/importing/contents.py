@@ -1,4 +1,4 @@
-"""The contents of a file: format, clocks, and blocks of columns."""
+"""The contents of a file, and the evidence for their meaning."""
 
 import re
 from collections.abc import Iterator
@@ -16,6 +16,8 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.timeseries.arrays import Array
 
 FORMATS = {ending: name for name, format in LOADERS.items() for ending in format.endings}
+
+
 FORMATS |= dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
@@ -206,3 +208,20 @@ def _shared(one: str, other: str) -> int:
 def _listed(arrays: dict[str, np.ndarray]) -> str:
     shown = [f"{name} {values.shape}" for name, values in [*arrays.items()][:8]]
     return ", ".join(shown) + (", ..." if len(arrays) > 8 else "") or "its arrays (it has none)"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Sentences about a file; ambiguous: parts that the entry therefore leaves out."""
+
+    proven: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    ambiguous: list[str] = field(default_factory=list)
+
+    def lines(self) -> list[str]:
+        """Return the three lists as comments of a study."""
+        return [
+            f"# {kind}: {sentence}"
+            for kind in ("proven", "assumed", "ambiguous")
+            for sentence in getattr(self, kind)
+        ]

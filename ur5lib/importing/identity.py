@@ -2,23 +2,74 @@
 
 import re
 from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.importing import poses
 from ur5lib.importing.blocks import Block, names_joints
-from ur5lib.importing.contents import Contents
-from ur5lib.importing.evidence import Evidence
+from ur5lib.importing.contents import Contents, Evidence
 from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.readings import IN_ORDER, SURE, Order, Reading
 from ur5lib.robots.description import Robot, robot_names
+from ur5lib.robots.statics import link_frames
+from ur5lib.timeseries.arrays import Array
 
+FITS = 0.004  # m; a calibrated arm misses its nominal kinematics by less
+WORSE = 3.0  # times the distance of the best; readings farther away are excluded
+POSTURES = 12  # postures that are compared
 UNNAMED = "unnamed joints"  # the finding for a bag whose messages do not name an arm's joints
 PARTS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
+
+
+class Placed(NamedTuple):
+    """A reading, and the root mean square distance [m] of its flange from the recorded pose."""
+
+    arm: str
+    order: Order
+    miss: float
+
+
+def placed(
+    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
+) -> tuple[list[Placed], bool]:
+    """Return the readings, the best first, and whether the pose is that of the flange.
+
+    q: (N, 6) [rad], columns as in the file; position: (N, 3) [m], in the base frame. Otherwise, the
+    pose is taken as that of a tool with a constant offset from the flange.
+    """
+    rows = np.unique(np.linspace(0, len(q) - 1, POSTURES).astype(int))
+    bare = _misses(q[rows], position[rows], arms, orders, tool=False)
+    if bare[0].miss < FITS:
+        return bare, True
+    return _misses(q[rows], position[rows], arms, orders, tool=True), False
+
+
+def fitting(readings: Sequence[Placed]) -> list[Placed]:
+    """Return the readings about as good as the best; none if even that does not fit."""
+    best = readings[0].miss
+    return [] if best > FITS else [each for each in readings if each.miss <= WORSE * best + 1e-4]
+
+
+def _misses(
+    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order], tool: bool
+) -> list[Placed]:
+    poses = []
+    for arm in arms:
+        postures = q[:, np.array(orders)].swapaxes(0, 1)
+        rotation, origin = link_frames(arm, postures.reshape(-1, 6))
+        away = position - origin[:, 6].reshape(*postures.shape[:2], 3)
+        if tool:
+            turned = np.einsum(
+                "knij,kni->knj", rotation[:, 6].reshape(*postures.shape[:2], 3, 3), away
+            )
+            away = turned - turned.mean(axis=1, keepdims=True)
+        miss = np.sqrt((away**2).sum(axis=2).mean(axis=1))
+        poses += [Placed(arm.name, order, float(m)) for order, m in zip(orders, miss, strict=True)]
+    return sorted(poses, key=lambda pose: pose.miss)
 
 
 def identified(
@@ -91,7 +142,7 @@ def _by_pose(
     arms: Sequence[Robot],
     orders: Sequence[Order],
     evidence: Evidence,
-) -> list[poses.Placed]:
+) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
     clock = moving.position.clock
     pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
@@ -99,8 +150,8 @@ def _by_pose(
         return []
     if not np.allclose(file.clocks[pose.clock], file.clocks[clock], atol=1e-3):
         return []
-    placed, bare = poses.placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
-    good = poses.fitting(placed)
+    ranked, bare = placed(moving.in_si()["actual_q"], pose.rows[:, :3], arms, orders)
+    good = fitting(ranked)
     if not good:
         evidence.assumed.append(f"{pose.title} is no pose of the flange in the base frame; unused")
     elif len({reading.order for reading in good}) == 1:
@@ -115,7 +166,7 @@ def _by_pose(
 
 def _of_pose(
     file: Contents,
-    good: Sequence[poses.Placed],
+    good: Sequence[Placed],
     means: BlockMeans,
     efforts: Sequence[str],
     evidence: Evidence,

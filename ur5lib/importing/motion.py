@@ -8,11 +8,10 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import Contents
-from ur5lib.importing.evidence import Evidence
+from ur5lib.importing.contents import Contents, Evidence
+from ur5lib.recordings.block_means import MOVES
 from ur5lib.timeseries.arrays import Array
 
-MOVES = 0.05  # rad/s; slower columns are not compared
 AGREE = 0.9  # least correlation of a slope with its velocity
 RATIO = (0.8, 1.25)  # of a slope to its velocity
 DEGREES = 180 / np.pi

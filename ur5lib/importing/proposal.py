@@ -8,12 +8,10 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
-from ur5lib.importing.contents import AGAIN, Contents
-from ur5lib.importing.efforts import name_efforts
-from ur5lib.importing.evidence import Evidence
+from ur5lib.importing.contents import AGAIN, Contents, Evidence
+from ur5lib.importing.efforts import Frame, name_efforts, wrench_frame
 from ur5lib.importing.identity import identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
-from ur5lib.importing.wrenches import Frame, wrench_frame
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE

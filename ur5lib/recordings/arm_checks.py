@@ -1,15 +1,18 @@
-"""Checks that a recording is of the arm that the study names: its tool's place, its torque."""
+"""Checks that a recording is of the arm that the study names, by tool, torque and currents."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 
 from ur5lib.errors import Remark, remark
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
+from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
+from ur5lib.recordings.readings import IN_ORDER, Order, readings
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
 from ur5lib.tables import channel, columns
@@ -17,7 +20,8 @@ from ur5lib.timeseries.arrays import Array
 
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
-SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 24
+SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
+SURE_JOINTS = 20.0  # the same of two exchanged joints
 PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause
@@ -108,6 +112,33 @@ def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> 
 def described(name: str) -> Robot:
     """Return a described arm, read once."""
     return load_robot(robot_path(name))
+
+
+def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
+    """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
+    if CURRENT not in means.currents:
+        return
+    orders = {_exchanged(*pair): pair for pair in combinations(range(3), 2)}
+    scores = {
+        one.order: one.score for one in readings(means, [CURRENT], [arm], [IN_ORDER, *orders])
+    }
+    for order, (j, k) in orders.items():
+        if scores[order] - scores[IN_ORDER] > SURE_JOINTS:
+            yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
+
+
+def _exchanged(j: int, k: int) -> Order:
+    return tuple({j: k, k: j}.get(joint, joint) for joint in IN_ORDER)
+
+
+def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
+    """Find another arm whose gravity explains the currents better by far; all under their load."""
+    if CURRENT not in means.currents:
+        return
+    (own,) = readings(means, [CURRENT], [arm], [IN_ORDER])
+    best = readings(means, [CURRENT], others, [IN_ORDER])[0]
+    if best.score - own.score > SURE:
+        yield contradiction("other arm's currents", arm=arm.name, other=best.arm)
 
 
 def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Remark]:

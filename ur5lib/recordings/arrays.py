@@ -19,12 +19,11 @@ from ur5lib.recordings.array_files import (
 )
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
-from ur5lib.recordings.plausibility import first_time
+from ur5lib.recordings.plausibility import drop_zeroed, first_time
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.rosbag import rosbag_arrays
 from ur5lib.recordings.sensors import counted_from_first, repair_samples
-from ur5lib.recordings.zeroed import drop_zeroed
 from ur5lib.strict import expect_file
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.recordings.coverage import Span, robot_coverage
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
+from ur5lib.recordings.starts import Span, robot_coverage
 from ur5lib.timeseries.arrays import Array
 
 COUNTER = "counter"  # column of a sensor's own count of its samples

@@ -7,17 +7,16 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.channels import is_unused
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
+from ur5lib.recordings.derived import with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.motor_torque import with_currents
 from ur5lib.recordings.quality import Device, Finding
 from ur5lib.recordings.recording import Stamp
-from ur5lib.recordings.rtde import is_unused
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.recordings.wrist_sensor import with_wrist_sensor
 from ur5lib.robots.description import Robot
 from ur5lib.tables import checksum, has_unit
 

@@ -5,16 +5,21 @@ from itertools import islice
 
 import pandas as pd
 
-from ur5lib.recordings.arm_checks import described, foreign_torque, tool_off_flange
-from ur5lib.recordings.block_means import block_means
-from ur5lib.recordings.checks import misread_velocities
-from ur5lib.recordings.current_checks import foreign_currents, undeclared_load
-from ur5lib.recordings.exchanged import exchanged_channels
-from ur5lib.recordings.joint_currents import (
+from ur5lib.recordings.arm_checks import (
+    described,
     exchanged_joints,
     foreign_arm,
+    foreign_torque,
+    tool_off_flange,
+)
+from ur5lib.recordings.block_means import block_means
+from ur5lib.recordings.checks import exchanged_channels, misread_velocities
+from ur5lib.recordings.current_checks import (
+    foreign_currents,
+    is_driven,
     moving,
     strange_currents,
+    undeclared_load,
 )
 from ur5lib.recordings.quality import Finding
 from ur5lib.robots.description import Payload, Robot, robot_names
@@ -25,6 +30,7 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
     *map(columns, ("actual_q", "actual_qd", "actual_current", "actual_TCP_pose")),
     *map(columns, ("target_q", "target_qd", "target_current", "target_moment")),
 )
+LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
 FEWEST = 30  # blocks of a recording that can contradict an arm
 
 
@@ -55,11 +61,13 @@ def _contradictions(
     yield from tool_off_flange(robot, arm)
     loaded = arm.carrying(declared)
     yield from foreign_currents(means, loaded)
-    if fitted or moving(means).any():  # a push against an arm at rest looks like gravity
+    moves, driven = int(moving(means).sum()), is_driven(robot)
+    if fitted or moves:  # a push against an arm at rest looks like gravity
         yield from exchanged_joints(means, loaded)
         if means.torque is None:
             others = (described(name).mounted(arm.gravity) for name in robot_names())
             yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
-    yield from strange_currents(robot, means, loaded, step)
+    if moves >= (1 if driven else LED):
+        yield from strange_currents(robot, means, loaded, step, driven)
     if fitted:  # elsewhere, the fit finds an undeclared load
         yield from undeclared_load(means, arm.carrying(told), loaded)

@@ -12,8 +12,8 @@ from pydantic import ValidationError
 from ur5lib.errors import InputError
 from ur5lib.stand import layout
 from ur5lib.strict import expect_few_values, read_yaml
-from ur5lib.study.explanation import explain, shown
 from ur5lib.study.model import Study
+from ur5lib.study.schema import explain, shown
 
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
 RENAMED = {  # settings of earlier versions, by step and key

@@ -5,8 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.comparing.output import COLUMNS, rows
-from ur5lib.comparing.topics import compare
+from ur5lib.comparing.topics import COLUMNS, compare, rows
 from ur5lib.tables import write_csv
 
 

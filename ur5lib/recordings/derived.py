@@ -1,4 +1,4 @@
-"""The force sensor in the wrist of an e-Series arm, which the controller records."""
+"""Channels found from others: the arm's own force sensor, and currents from motor torques."""
 
 import numpy as np
 import pandas as pd
@@ -7,10 +7,11 @@ from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import link_frames
-from ur5lib.tables import channel
+from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
+TORQUE, CURRENT = "actual_current_as_torque", "actual_current"
 
 
 def with_wrist_sensor(
@@ -53,3 +54,21 @@ def _tells(robot: pd.DataFrame, name: str) -> bool:
         return False
     values = channel(robot, name)
     return bool((np.nanmax(values, axis=0) > np.nanmin(values, axis=0)).any())
+
+
+def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
+    """Return a table with currents [A] where it has only motor torques [Nm].
+
+    They are divided by the torque constants of the arm's joints. A fit of friction finds the
+    constants anew, so that errors of these cancel where currents become torques again.
+    """
+    if f"{TORQUE}_5" not in table or f"{CURRENT}_0" in table:
+        return table
+    constants = np.array(arm.maker_torque_constants())
+    if np.isnan(constants).any():
+        unknown = {"arm": arm.name}
+        findings.append(Finding("robot", "no currents", "warning", len(table), unknown))
+        return table
+    known = {"constants": constants.tolist(), "arm": arm.name}
+    findings.append(Finding("robot", "currents from torques", "note", len(table), known))
+    return table.assign(**named(channel(table, TORQUE) / constants, CURRENT))
