@@ -66,7 +66,8 @@ def test_the_tool_is_carried_and_the_controller_given_it(results: Path) -> None:
     """Where the format says so: then both agree."""
     loads = {n: read_json(results / f"recordings/{n}/torques.json") for n in ("fit_1", "fit_2")}
     assert [load["payload"]["mass"] for load in loads.values()] == [1.2, 1.2]
-    assert [load["told"] and load["told"]["mass"] for load in loads.values()] == [1.2, None]
+    configured = [load["configured"] for load in loads.values()]
+    assert [payload and payload["mass"] for payload in configured] == [1.2, None]
     doubts = (read_json(results / f"recordings/{n}/contradictions.json") for n in loads)
     assert [found["findings"] for found in doubts] == [[], []]
 

@@ -49,7 +49,7 @@ def test_the_study_comes_first_and_only_channels_tell_the_controller(
     told: Payload | None,
 ) -> None:
     found = carried(declared, recorded(channels))
-    assert (found.payload, found.source, found.told) == (payload, source, told)
+    assert (found.payload, found.source, found.configured) == (payload, source, told)
 
 
 def test_a_mass_may_come_without_the_rest() -> None:

@@ -14,7 +14,7 @@ from tests.entries import read_and_repair
 from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
-from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import ThesisFiles
@@ -148,7 +148,7 @@ def test_a_controller_knows_the_payload_that_its_files_name(
     )
     robot = loaded.repaired().robot
     more = channel(robot, "target_moment") - channel(bare.repaired().robot, "target_moment")
-    found = told_payload(Signals.from_table(robot))
+    found = configured_payload(Signals.from_table(robot))
     if format == "rtde-csv":
         assert found == loaded.plan.payload
         assert np.abs(more).max() > 10

@@ -120,7 +120,7 @@ class Taken:
         robot = load_robot(robot_path(arm)).mounted(self.arm.gravity) if arm else self.arm
         load = carried(self.entry.known_payload(), Signals.from_table(table))
         fitted = self.entry.role == "fit"
-        return [*map(said, stop_signs(table, robot, load.told, load.payload, fitted))]
+        return [*map(said, stop_signs(table, robot, load.configured, load.payload, fitted))]
 
 
 def take(entry: Recording) -> Taken:

@@ -234,7 +234,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     record = replace(bare, current=bare.current + LOAD_2 * np.eye(6)[1] / CONSTANT)
     found = {"parameters": [2.0, 0.1, 0.0, 0.0], "std_error": [0.05] * 4, "parts": [2.0] * 3}
     found = given.get("found", found)
-    known = {"source": "none", "payload": None, "told": None}
+    known = {"source": "none", "payload": None, "configured": None}
     known |= given.get("known", {})
     unloaded = given.get("unloaded", [UNLOADED])
     per_load = np.zeros((count, 6, 4))
@@ -328,7 +328,7 @@ def test_what_the_controller_was_told_counts_as_carried(
     friction: dict[str, Any], tmp_path: Path
 ) -> None:
     """RTDE says 1 kg, 2 kg hang there beside it."""
-    told = {"source": "rtde", "payload": {"mass": 1.0}, "told": {"mass": 1.0}}
+    told = {"source": "rtde", "payload": {"mass": 1.0}, "configured": {"mass": 1.0}}
     made = predicted(tmp_path, friction, known=told)
     assert made.load is not None
     assert [made.load[name] for name in ("configured", "carried", "taken")] == [1.0, 3.0, True]

@@ -86,7 +86,7 @@ def test_targets_are_compared_as_told_and_currents_as_carried(
     assert np.abs(torques.payload_torque).max() > 3
     assert summary["source"] == "study"
     assert Payload(**summary["payload"]) == physical
-    assert Payload(**summary["told"]) == TOLD
+    assert Payload(**summary["configured"]) == TOLD
 
 
 def test_the_observer_s_terms_are_those_of_what_is_carried(
@@ -106,7 +106,7 @@ def test_what_the_channels_say_is_carried_where_the_study_is_silent(
     made = Made(ur5, tmp_path, TILTED, payload=told and told.model_dump(), seconds=2)
     torques, summary = torques_of(made, tmp_path, None)
     assert summary["source"] == source
-    assert summary["payload"] == summary["told"] == read_back(told)
+    assert summary["payload"] == summary["configured"] == read_back(told)
     np.testing.assert_array_equal(torques.payload_torque, 0)
     given = made.done.motion.motor_torque[::EVERY]
     np.testing.assert_allclose(torques.measured[MODEL], given, atol=1e-4)
@@ -161,4 +161,4 @@ def test_one_model_is_fitted_to_recordings_under_several_gravities(
         )
         torque = Torques.read(f"{result}.parquet").target["identified"]
         assert np.abs(torque - own.signals.target_moment).mean() < 0.02
-        assert (read_json(f"{result}.json")["told"] is None) == (told is None)
+        assert (read_json(f"{result}.json")["configured"] is None) == (told is None)

@@ -101,7 +101,7 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     declared, tool = recording.known_payload(), recording.known_tool()
     signals, fitted = Signals.from_table(intake.robot), recording.role == "fit"
     load = carried(declared, signals)
-    stops = stop_signs(intake.robot, arm, load.told, load.payload, fitted)
+    stops = stop_signs(intake.robot, arm, load.configured, load.payload, fitted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     doubts += unfiltered(study, intake.quality["period_s"])
     if recording.role != "contact" and (sensor := _force_of(intake)) is not None:
@@ -174,8 +174,8 @@ def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
         title = name
         rows = findings[findings["recording"] == name]
         for row in rows.itertuples():
-            said = f"{row.device}: {row.finding} ({row.severity})"
-            table.add_row(title, said, str(row.count), row.detail, style=COLOURS[row.severity])
+            finding = f"{row.device}: {row.finding} ({row.severity})"
+            table.add_row(title, finding, str(row.count), row.detail, style=COLOURS[row.severity])
             title = ""
         if rows.empty:
             table.add_row(title, "nothing found", "0", "")

@@ -20,23 +20,23 @@ PLACE, TURN = 0.005, 0.01  # m, rad
 class Carried:
     """The payload on the flange, its source, and the one configured in the controller.
 
-    Currents contain the torque of `payload`, `target_moment` that of `told`. None: no payload.
+    Currents contain the torque of `payload`, `target_moment` that of `configured`; None: nothing.
     """
 
     payload: Payload | None
     source: Literal["study", "rtde", "none"]
-    told: Payload | None
+    configured: Payload | None
 
 
 def carried(declared: Payload | None, signals: Signals) -> Carried:
     """Return the payload of a recording's arm: from the study, else from RTDE's channels."""
-    told = told_payload(signals)
+    configured = configured_payload(signals)
     if declared is not None:
-        return Carried(declared, "study", told)
-    return Carried(told, "none" if told is None else "rtde", told)
+        return Carried(declared, "study", configured)
+    return Carried(configured, "none" if configured is None else "rtde", configured)
 
 
-def told_payload(signals: Signals) -> Payload | None:
+def configured_payload(signals: Signals) -> Payload | None:
     """Return the payload that the controller was given, the medians of RTDE's channels.
 
     Centre of mass and inertia are zero where they were not recorded. None where no mass was
@@ -63,7 +63,7 @@ def _medians(values: Array | None, count: int) -> Any:
 
 def load_account(load: Carried) -> dict[str, Any]:
     """Return the payload, its source, and the controller's payload, as plain data."""
-    payloads = {"payload": load.payload, "told": load.told}
+    payloads = {"payload": load.payload, "configured": load.configured}
     plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
     return plain | {"source": load.source}
 
@@ -85,12 +85,12 @@ def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -
 def _other_payload(declared: Payload | None, signals: Signals) -> dict[str, object]:
     if declared is None or signals.payload is None:
         return {}
-    told = told_payload(signals)
-    apart = declared.mass - (told.mass if told else 0.0)
-    away = np.subtract(declared.center_of_mass, told.center_of_mass if told else 0.0)
-    if abs(apart) <= MASS and (told is None or np.linalg.norm(away) * declared.mass <= MOMENT):
+    known = configured_payload(signals)
+    apart = declared.mass - (known.mass if known else 0.0)
+    away = np.subtract(declared.center_of_mass, known.center_of_mass if known else 0.0)
+    if abs(apart) <= MASS and (known is None or np.linalg.norm(away) * declared.mass <= MOMENT):
         return {}
-    return {"declared": _remark(declared), "told": _remark(told)}
+    return {"declared": _remark(declared), "configured": _remark(known)}
 
 
 def _remark(payload: Payload | None) -> Remark:
@@ -112,8 +112,8 @@ def _changing_payload(signals: Signals) -> dict[str, object]:
 def _other_tcp(tcp: Six | None, signals: Signals) -> dict[str, object]:
     if tcp is None or signals.tcp_offset is None:
         return {}
-    told = np.array(_medians(signals.tcp_offset, 6))
-    apart = np.abs(np.array(tcp) - told)
+    configured = np.array(_medians(signals.tcp_offset, 6))
+    apart = np.abs(np.array(tcp) - configured)
     if apart[:3].max() <= PLACE and apart[3:].max() <= TURN:
         return {}
-    return {"declared": [*tcp], "told": told.tolist()}
+    return {"declared": [*tcp], "configured": configured.tolist()}

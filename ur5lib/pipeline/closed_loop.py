@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import JointGains, Tracking
-from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import Robot
@@ -61,7 +61,7 @@ def simulated(
 ) -> ClosedLoop:
     """Return q̂, q̂̇ and q̂̈ under each set of gains, and each link model's torque at its own."""
     states = {name: simulated_states(tracking, gains) for name, gains in sets.items()}
-    given = robot.carrying(told_payload(signals))
+    given = robot.carrying(configured_payload(signals))
     return ClosedLoop(
         time=signals.time,
         segment=signals.segment,

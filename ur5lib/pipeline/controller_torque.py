@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
@@ -61,7 +61,7 @@ def rotor_samples(
     if signals.target_moment is None:
         return None
     states, exact = torque_states(signals, motion)
-    model = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     residual = signals.target_moment - model.inverse_dynamics(*states)
     samples = comparable(np.hstack([residual, *states[1:]]), signals, exact, design)
     residual, qd, qdd = np.hsplit(samples, 3)
@@ -80,7 +80,7 @@ def torque_blocks(
         return
     states, exact = torque_states(signals, motion)
     bare = LinkModel(robot, robot.chosen_model)
-    loaded = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    loaded = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     load = loaded.inverse_dynamics(*states) - bare.inverse_dynamics(*states)
     columns = bare.regressor(*states).reshape(len(signals.time), -1)
     rows = np.hstack([columns, signals.target_moment - load])

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.closed_loop import Gains, published_gains, simulated_states, tracking_of
 from ur5lib.pipeline.end_effector import derivative, lowpassed, through_angles
 from ur5lib.pipeline.explanations import AccelerationError, LoopError
@@ -31,7 +31,7 @@ def loop_error(robot: Robot, signals: Signals, way: LoopError) -> Array:
         raise ValueError("the closed loop needs targets, measured motion and target_moment")
     motion = simulated_states(tracking, _gains(robot, way))
     if way.quantity == "torque":
-        arm = _changed(robot, way).carrying(told_payload(signals))
+        arm = _changed(robot, way).carrying(configured_payload(signals))
         error = LinkModel(arm, way.model).inverse_dynamics(*motion) - signals.target_moment
     else:
         measured = {"q": tracking.actual_q, "qd": tracking.actual_qd}

@@ -15,7 +15,7 @@ def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion)
 
     robot: under the recording's gravity; load: what it carries.
     """
-    given = {model: LinkModel(robot.carrying(load.told), model) for model in robot.models}
+    given = {model: LinkModel(robot.carrying(load.configured), model) for model in robot.models}
     states, fullest = (motion.q, motion.qd, motion.qdd), robot.fullest_model()
     measured = {name: model.inverse_dynamics(*states) for name, model in given.items()}
     target = signals.target_q, signals.target_qd, signals.target_qdd
@@ -23,7 +23,7 @@ def joint_torques(robot: Robot, load: Carried, signals: Signals, motion: Motion)
     true = LinkModel(robot.carrying(load.payload), fullest)
     # what the payload adds to the one that the controller was given
     added = np.zeros_like(motion.q)
-    if load.payload != load.told:
+    if load.payload != load.configured:
         added = true.inverse_dynamics(*states) - measured[fullest]
     return Torques(
         time=signals.time,

@@ -46,8 +46,8 @@ def read_numbers(
 
     names: of the columns, in order; None takes them from the header line. The separator is a
     comma, semicolon, tab or blank; where it is a semicolon, commas are decimal points. Returns
-    float64, with NaN for empty cells and cells that say NaN. Raises InputError when the file cannot
-    be read, is not text, lacks a required header, or most of its lines are not complete rows.
+    float64, with NaN for empty cells and those with the text NaN. Raises InputError when the file
+    cannot be read, is not text, lacks a required header, or has mostly damaged lines.
     """
     blocks = text_blocks(path, device, findings)
     first = next(blocks)

@@ -39,16 +39,16 @@ def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
     The raw reading, else the controller's `actual_TCP_force` (base axes, without the configured
     payload, zeroed by the program): on a real UR5e both have the same moments, at the flange.
     """
-    if _tells(robot, RAW):
+    if _varies(robot, RAW):
         return RAW, channel(robot, RAW)
-    if not _tells(robot, FREED):
+    if not _varies(robot, FREED):
         return None
     rotation = link_frames(arm, channel(robot, "actual_q"))[0][:, 6]
     halves = channel(robot, FREED).reshape(-1, 2, 3)
     return FREED, (halves @ rotation).reshape(-1, 6)
 
 
-def _tells(robot: pd.DataFrame, name: str) -> bool:
+def _varies(robot: pd.DataFrame, name: str) -> bool:
     """Return whether a channel was recorded and is not one constant, as without a sensor."""
     if f"{name}_0" not in robot:
         return False

@@ -2,7 +2,7 @@
 
 A stamp is made when a sample arrives: late by a delay that varies and is rarely zero. So the
 relation of two clocks is the line below the stamps, through those that were hardly delayed. The
-least delay of a device, about half of the least round trip to it, is not told by its stamps.
+least delay of a device, about half of the least round trip to it, does not show in its stamps.
 """
 
 from dataclasses import dataclass, replace
@@ -15,13 +15,14 @@ from ur5lib.recordings.starts import Span, robot_coverage
 from ur5lib.timeseries.arrays import Array
 
 COUNTER = "counter"  # column of a sensor's own count of its samples
-SHORT = 4.0  # s; a robot that was recorded for less tells no drift
+SHORT = 4.0  # s; a shorter recording of the robot determines no drift
 RESOLUTION = 1e-6  # s, of stamps
-NEXT = 5  # a half has so many stamps nearer to the line than the one that tells its error
-ROUND_TRIP = 0.002  # s, the least one to a device, assumed because no stamp tells it
+NEXT = 5  # rank of the residual that serves as the error of a half
+ROUND_TRIP = 0.002  # s, the least one to a device, assumed because stamps do not show it
 # s, standard uncertainty: least delays of two devices differ by half of it to either side, at most
 DELAY = ROUND_TRIP / 2 / np.sqrt(3)  # evenly distributed
-FEWEST, SHORT_STD = 4, 1e-3  # stamps that determine a line; error of a rate that nothing tells
+FEWEST = 4  # stamps that determine a line
+SHORT_STD = 1e-3  # default standard error of an undetermined rate
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def least_delayed(own: Array, host: Array, nominal: float | None = None) -> Line
     """Return the line below the stamps that leaves the least mean delay.
 
     own: (N,) time [s] or count of the device, increasing; host: (N,) [s], stamps at arrival;
-    nominal: slope of a record that is too short to tell, None for that of its samples.
+    nominal: slope of a record that is too short to determine one, None for that of its samples.
     No delay is negative, so the best line is a linear program; its solution is the edge of the
     lower convex hull of the stamps under their mean (S. B. Moon, P. Skelly, D. Towsley: Estimation
     and removal of clock skew from network delay measurements, INFOCOM 1999). Samples that were
@@ -95,7 +96,7 @@ def without_delays(table: pd.DataFrame) -> pd.DataFrame:
     """Return a sensor's table without the delays in its `time`, if it counts its samples.
 
     `counter`: the sensor's own count, which is left out. A count that does not increase throughout
-    tells nothing.
+    is not used.
     """
     if COUNTER not in table:
         return table

@@ -28,8 +28,8 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     """Return the log-likelihoods (S, 6, 6) of currents, by how many frames they are late.
 
     Row j: the current of joint j; column k: what the motion of joint k explains of it beyond that
-    of the other joints. Zero where nothing can be told. robot: a repaired table with positions and
-    currents; step: between its frames [s].
+    of the other joints. Zero where the currents show nothing. robot: a repaired table with
+    positions and currents; step: between its frames [s].
     """
     most = max(NEAR, *np.abs(shifts))
     rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most

@@ -104,7 +104,7 @@ def _one_cycle_late(
 ) -> Mask:
     """Return in which of some frames the arm is where it was one cycle before.
 
-    The way to such a frame is shorter, and that to the next one longer, than the velocities say.
+    The way to such a frame is shorter, and that to the next one longer, than by the velocities.
     """
     before, here, after = (
         (time[at, None], q.iloc[at].to_numpy(), qd.iloc[at].to_numpy())

@@ -68,7 +68,7 @@ def all_orders() -> tuple[Order, ...]:
 
 @cache
 def gravity_orders() -> tuple[Order, ...]:
-    """Return the orders that gravity can tell apart: not those that exchange joints 1 and 6."""
+    """Return the orders that gravity distinguishes: not those that exchange joints 1 and 6."""
     return tuple(order for order in all_orders() if order[0] < order[5])
 
 
@@ -96,7 +96,7 @@ def readings(
 
 
 def likeliest(means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot]) -> list[Reading]:
-    """Return the likeliest readings of all orders that gravity tells apart, the best first.
+    """Return the likeliest readings of all orders that gravity distinguishes, the best first.
 
     All are tried on few blocks, and those that explain these on all blocks.
     """
@@ -159,7 +159,7 @@ def _left(
 
 
 def base_first(means: BlockMeans, efforts: Sequence[str], order: Order) -> bool | None:
-    """Return whether joints 1 and 6 of an order are so, and not exchanged; None: not to be told.
+    """Return whether joints 1 and 6 of an order are so, and not exchanged; None: undetermined.
 
     By their rotors: the base's inertia, seen through an effort, is a multiple of a wrist's.
     """
@@ -169,9 +169,9 @@ def base_first(means: BlockMeans, efforts: Sequence[str], order: Order) -> bool 
 
 def _heavier(means: BlockMeans, effort: Array, order: Order) -> bool | None:
     first, last = (_inertia(means, effort, order[joint]) for joint in (0, 5))
-    for (one, its), (other, error), told in ((first, last, True), (last, first, False)):
+    for (one, its), (other, error), is_base in ((first, last, True), (last, first, False)):
         if one - 3 * its > HEAVIER * max(other + 3 * error, 0.0):
-            return told
+            return is_base
     return None
 
 
@@ -224,8 +224,8 @@ def _scores(
 
 
 def _surprise(slope: Array, constant: float, torque: Array) -> Array:
-    """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity tells."""
+    """Return how unlikely slopes (K,) are for a torque constant [Nm/A], where gravity is large."""
     if math.isnan(constant):
         return np.zeros(len(slope))
-    tells = np.linalg.norm(torque, axis=1) > 0.5 * math.sqrt(torque.shape[1])  # Nm
-    return np.where(tells, (np.log(slope * constant) / KNOWN) ** 2 / 2, 0.0)
+    loaded = np.linalg.norm(torque, axis=1) > 0.5 * math.sqrt(torque.shape[1])  # Nm
+    return np.where(loaded, (np.log(slope * constant) / KNOWN) ** 2 / 2, 0.0)

@@ -52,7 +52,7 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
 
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
-    """Return where joints 1 to 6 stand among named ones; None where the names do not tell."""
+    """Return where joints 1 to 6 stand among named ones; None where the names leave it open."""
     order = [[k for k, name in enumerate(names) if joint in name] for joint in JOINTS]
     return [places[0] for places in order] if all(len(places) == 1 for places in order) else None
 

@@ -9,7 +9,7 @@ from ur5lib.recordings.recording import DeviceRecord, RawRecording
 TOLERANCE = 2.0  # s that a device may lack at the start and the end together
 UNSURE = 0.005  # share of a recording that a clock may drift
 SPREAD = 3.0  # standard deviations of a start stamp that may be its error
-TOLD = 0.05  # s, shortest part that is told
+SHORTEST = 0.05  # s, shortest missing part that is reported
 FINDING = "part missing"
 
 Span = tuple[float, float]  # first and last sample [s], by the robot's clock
@@ -26,7 +26,7 @@ def sensor_coverage(device: Device, span: Span, robot: Span, std: float) -> list
         return []
     lacks = {(True, False): "start missing", (False, True): "end missing"}
     values = {"covered_s": whole - late - early, "whole_s": whole, "late_s": late, "early_s": early}
-    code = lacks.get((late >= TOLD, early >= TOLD), "start and end missing")
+    code = lacks.get((late >= SHORTEST, early >= SHORTEST), "start and end missing")
     return [Finding(device, FINDING, "warning", 1, values, code)]
 
 

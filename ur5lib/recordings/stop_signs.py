@@ -35,29 +35,37 @@ FEWEST = 30  # blocks of a recording that can contradict an arm
 
 
 def stop_signs(
-    robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
+    robot: pd.DataFrame,
+    arm: Robot,
+    configured: Payload | None,
+    declared: Payload | None,
+    fitted: bool,
 ) -> list[Finding]:
     """Return the stop signs of a recording.
 
-    robot: a repaired table, of which CHECKED is enough; arm: under the recording's gravity; told:
-    the payload that the controller was given; declared: the one that the study gives; fitted:
-    whether the recording has the role `fit`.
+    robot: a repaired table, of which CHECKED is enough; arm: under the recording's gravity;
+    configured: the payload that the controller was given; declared: the one that the study gives;
+    fitted: whether the recording has the role `fit`.
     """
     exchanged = [*exchanged_channels(robot)]
-    contradictions = _contradictions(robot, arm, told, declared, fitted)
+    contradictions = _contradictions(robot, arm, configured, declared, fitted)
     return [*exchanged, *islice(contradictions, 1)]  # others follow from the first
 
 
 def _contradictions(
-    robot: pd.DataFrame, arm: Robot, told: Payload | None, declared: Payload | None, fitted: bool
+    robot: pd.DataFrame,
+    arm: Robot,
+    configured: Payload | None,
+    declared: Payload | None,
+    fitted: bool,
 ) -> Iterator[Finding]:
-    """Yield what contradicts the arm and what it carries, the most telling first."""
+    """Yield what contradicts the arm and what it carries, the strongest evidence first."""
     step = period(robot["time"].to_numpy())
     yield from misread_velocities(robot, step)
     means = block_means(robot, step)
     if len(means.q) < FEWEST:
         return
-    yield from foreign_torque(means, arm, [told, declared])
+    yield from foreign_torque(means, arm, [configured, declared])
     yield from tool_off_flange(robot, arm)
     loaded = arm.carrying(declared)
     yield from foreign_currents(means, loaded)
@@ -70,4 +78,4 @@ def _contradictions(
     if moves >= (1 if driven else LED):
         yield from strange_currents(robot, means, loaded, step, driven)
     if fitted:  # elsewhere, the fit finds an undeclared load
-        yield from undeclared_load(means, arm.carrying(told), loaded)
+        yield from undeclared_load(means, arm.carrying(configured), loaded)

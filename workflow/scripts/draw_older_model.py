@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.carried import told_payload
+from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.report import recording_figures as figures
@@ -30,7 +30,7 @@ def torques(signals: Signals, closed_loop: ClosedLoop, robot: Robot) -> dict[str
     Gravity is what the thesis found missing in the older model.
     """
     q, qd, qdd = (getattr(closed_loop, name)[OLDER_MODEL] for name in ("q", "qd", "qdd"))
-    model = LinkModel(robot.carrying(told_payload(signals)), robot.chosen_model)
+    model = LinkModel(robot.carrying(configured_payload(signals)), robot.chosen_model)
     name = f"Model {robot.chosen_model}"
     torque = model.inverse_dynamics(q, qd, qdd)
     return {name: torque, f"{name} without gravity": torque - model.gravity_torque(q)}

@@ -15,7 +15,7 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     load, doubts = carried(declared, signals), disagreements(declared, params.tcp or None, signals)
     del signals
     table = read_table(input.signals, [*CHECKED.intersection(column_names(input.signals))])
-    signs = stop_signs(table, arm, load.told, load.payload, params.role == "fit")
+    signs = stop_signs(table, arm, load.configured, load.payload, params.role == "fit")
     found = {"stop_signs": signs, "findings": doubts}
     rows = {kind: [one.as_row() for one in its] for kind, its in found.items()}
     write_json(rows, output.contradictions)
