@@ -27,7 +27,7 @@ from ur5lib.report.cells import days
 from ur5lib.report.compose import shown_table
 from ur5lib.report.health_figure import health_figure
 from ur5lib.report.results import Results
-from ur5lib.report.verdicts import drift
+from ur5lib.report.verdicts.recordings import judge_drift
 from ur5lib.report.views import health
 from ur5lib.robots.friction import BASE
 
@@ -185,7 +185,7 @@ def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
     summary = health_summary([*_checkups(fit)][:5])
     assert summary == {"dates": [], "changes": []}
     results = of_arm(summary)
-    assert drift.verdict(results) is None
+    assert judge_drift(results) is None
     assert health.dated(results) == [*health.sentences(results)] == [*health.steps(results)] == []
     assert health_figure([], []).data.empty
 
@@ -203,7 +203,7 @@ def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
 
 
 def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) -> None:
-    told = drift.verdict(results)
+    told = judge_drift(results)
     assert told is not None
     assert told.state == "usable"
     assert told.sentence.startswith("Joint 4: Coulomb friction rose by 2")
@@ -212,7 +212,7 @@ def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) 
         "false one: 5 %."
     )
     unchanged = results.tables | {"health_changes": results.tables["health_changes"][:0]}
-    calm = drift.verdict(replace(results, tables=unchanged))
+    calm = judge_drift(replace(results, tables=unchanged))
     assert calm is not None
     assert (calm.state, calm.sentence) == (
         "good",

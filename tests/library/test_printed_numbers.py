@@ -26,7 +26,8 @@ from ur5lib.report.reference import (
     read_reference,
 )
 from ur5lib.report.results import Results
-from ur5lib.report.views.printed import sources, summary, unexplained, unexplained_heading
+from ur5lib.report.views.comparison import rebuilt as rebuilt_numbers
+from ur5lib.report.views.comparison import sources, unexplained, unexplained_heading
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -144,7 +145,7 @@ def results(rows: list[dict]) -> Results:
 def test_unexplained_numbers_are_findings() -> None:
     rows = [*compared(reference(), rebuilt([2.0, 2.5, 2, 2, 2, 2]), [])]
     shown = results(rows)
-    (counted,) = summary(shown)
+    (counted,) = rebuilt_numbers(shown)
     assert counted.startswith("5 of 6 ")
     (missed,) = unexplained(shown)
     assert missed.startswith("Table 1, torque_mae, A, joint 2: ")
@@ -172,7 +173,7 @@ def test_the_nearest_explanation_tells_the_per_cent() -> None:
 def test_nothing_is_said_without_published_numbers() -> None:
     shown = results([])
     assert [
-        *summary(shown),
+        *rebuilt_numbers(shown),
         *unexplained(shown),
         *unexplained_heading(shown),
         *sources(shown),

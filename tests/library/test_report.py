@@ -38,7 +38,6 @@ from ur5lib.report.results import Results
 from ur5lib.report.sentences import names
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
-from ur5lib.report.views.closed_loop import contradictions
 from ur5lib.report.views.contacts import (
     counted,
     elsewhere,
@@ -49,6 +48,7 @@ from ur5lib.report.views.contacts import (
 from ur5lib.report.views.currents import remarks
 from ur5lib.report.views.findings import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.forces import PUSHES, likely, pushes_found
+from ur5lib.report.views.models import contradictions
 from ur5lib.report.views.provenance import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'

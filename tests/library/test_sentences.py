@@ -4,6 +4,7 @@ import re
 from dataclasses import asdict
 from typing import NamedTuple
 
+import pandas as pd
 import pytest
 
 from tests.artefacts.documents import check_numbers
@@ -63,7 +64,9 @@ def test_the_documents_check_refuses_each_wrong_number(text: str, numbers: list[
 
 
 def test_a_number_below_its_bound_is_not_zero() -> None:
-    assert say("error.worst", error=0.03).numbers == (Stated(0.03, None, "%"),)
+    assert say("error.worst", row=pd.Series({"error": 0.03, "zero": 100.0})).numbers == (
+        Stated(0.03, None, "%"),
+    )
 
 
 def test_a_value_that_a_template_lacks_is_an_error() -> None:

@@ -12,17 +12,11 @@ from ur5lib.report.compose import shown_table
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
-from ur5lib.report.verdicts import (
-    currents,
-    data_quality,
-    force,
-    link_model,
-    motion,
-    torque_constants,
-)
-from ur5lib.report.verdicts.drawings import bars, error_bar
-from ur5lib.report.verdicts.states import state
-from ur5lib.report.views import claimed
+from ur5lib.report.verdicts.baseline import bars, error_bar, state
+from ur5lib.report.verdicts.force import judge_force
+from ur5lib.report.verdicts.models import judge_constants, judge_currents, judge_links, judge_motion
+from ur5lib.report.verdicts.recordings import judge_files
+from ur5lib.report.views.contacts import claim, scores
 from ur5lib.report.views.currents import next_recordings
 from ur5lib.report.views.findings import findings, left_out
 from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
@@ -141,7 +135,7 @@ def test_torque_constants_are_good_where_the_data_determine_them(
     second: dict[str, Any], expected: str
 ) -> None:
     rows = [constant(1, 5.0), constant(2, 11.0, **second)]
-    verdict = torque_constants.verdict(study(friction=rows))
+    verdict = judge_constants(study(friction=rows))
     assert verdict is not None
     assert verdict.state == expected
     (number,) = verdict.numbers
@@ -150,10 +144,10 @@ def test_torque_constants_are_good_where_the_data_determine_them(
 
 def test_torque_constants_that_stop_a_study_are_not_to_be_used() -> None:
     remarks = [{"robot": "ur5", "step": "stop sign", "remark": "wrong constants"}]
-    verdict = torque_constants.verdict(study(remarks=remarks))
+    verdict = judge_constants(study(remarks=remarks))
     assert verdict is not None
     assert verdict.state == "do not use"
-    assert torque_constants.verdict(study()) is None
+    assert judge_constants(study()) is None
 
 
 # Data quality
@@ -166,7 +160,7 @@ def finding(severity: str, name: str = "lost frames", count: int = 1, **more: An
 
 def test_the_worst_file_is_named() -> None:
     rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
-    told = said(data_quality.verdict(study(quality=[*rows, finding("note")])))
+    told = said(judge_files(study(quality=[*rows, finding("note")])))
     assert told == (
         "usable: wave.csv lost 250 of 1,000 frames (interpolated). "
         "2 warnings, 1 note; errors or warnings on 2 of 3 recordings."
@@ -179,7 +173,7 @@ def test_the_worst_file_is_named() -> None:
 )
 def test_the_most_serious_finding_decides(severity: str, expected: str) -> None:
     rows = [finding("note", "jitter"), finding(severity, "contradiction")]
-    assert data_quality.verdict(study(quality=rows)).state == expected
+    assert judge_files(study(quality=rows)).state == expected
 
 
 # Link models
@@ -195,7 +189,7 @@ def torques(errors: dict[str, float], recordings: tuple[str, ...] = ("seen",)) -
 
 def test_a_link_model_is_judged_on_unseen_recordings() -> None:
     rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
-    verdict = link_model.verdict(study(torque_mae=rows))
+    verdict = judge_links(study(torque_mae=rows))
     assert verdict.state == "good"
     assert percents(verdict.sentence) == [10]
     mean, most = verdict.numbers
@@ -207,7 +201,7 @@ def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
     """The mean over recordings on the worst joint, and the largest error on any of them."""
     rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",))
     rows[7] |= {"mae": 3.0, "zero_mae": 20.0}  # the largest, though a small share
-    verdict = link_model.verdict(study(torque_mae=rows))
+    verdict = judge_links(study(torque_mae=rows))
     assert (verdict.state, percents(verdict.sentence)) == ("usable", [50])
     mean, most = verdict.numbers
     assert (mean.value, mean.low, mean.high) == (0.5, 0.4, 0.6)
@@ -215,14 +209,14 @@ def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
 
 
 def test_the_fit_recordings_alone_make_no_good_model() -> None:
-    verdict = link_model.verdict(study(torque_mae=torques({"A": 0.1}, ("fitted",))))
+    verdict = judge_links(study(torque_mae=torques({"A": 0.1}, ("fitted",))))
     assert verdict.state == "usable"
     assert "on the fit recordings alone" in verdict.sentence
 
 
 def test_a_standstill_does_not_distinguish_models() -> None:
     results = study(RESTING, torque_mae=torques({"A": 0.2, "B": 0.1}))
-    verdict = link_model.verdict(results)
+    verdict = judge_links(results)
     assert (verdict.state, verdict.sentence) == ("not determined", say("models.at rest"))
     assert findings(results) == [say("findings.unsearched")]
 
@@ -232,7 +226,7 @@ def test_equal_models_have_no_nearest() -> None:
 
 
 def test_without_the_controllers_torques_nothing_is_judged() -> None:
-    assert link_model.verdict(study()).state == "not determined"
+    assert judge_links(study()).state == "not determined"
 
 
 # Currents
@@ -256,7 +250,7 @@ def predicted(error: float, held: float = 0.95, recording: str = "seen") -> list
 def test_currents_are_judged_beside_a_constant(
     error: float, held: float, expected: str, narrow: bool
 ) -> None:
-    verdict = currents.verdict(study(current_rmse=predicted(error, held)))
+    verdict = judge_currents(study(current_rmse=predicted(error, held)))
     assert (verdict.state, "too narrow" in verdict.sentence) == (expected, narrow)
     assert percents(verdict.sentence) == [round(100 * error)]
     assert f"{error:.2f} A; a constant current: 1.00 A" in verdict.evidence
@@ -269,7 +263,7 @@ def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> N
     rows[3] |= {"rmse_2hz": 2.0, "r2": 1 - 0.1**2}
     results = study(current_rmse=rows)
     roles = [entry | {"role": "validate"} for entry in results.study["recordings"]]
-    verdict = currents.verdict(Results({"recordings": roles}, results.tables, Path()))
+    verdict = judge_currents(Results({"recordings": roles}, results.tables, Path()))
     assert verdict.state == "usable"
     _, most, held = verdict.numbers
     assert (most.value, most.place) == (2.0, "joint 4 on seen")
@@ -284,7 +278,7 @@ def test_joints_at_rest_and_loaded_recordings_judge_no_currents() -> None:
         study({"seen": None}, current_rmse=predicted(0.2), friction=friction),
         study(current_rmse=predicted(0.2), payload=[load], friction=friction),
     ):
-        assert said(currents.verdict(results)) == f"not determined: {told}"
+        assert said(judge_currents(results)) == f"not determined: {told}"
 
 
 # Force
@@ -298,7 +292,7 @@ def touched(mae: float, recording: str = "pushed", **more: float) -> list[dict]:
 
 def test_the_force_is_judged_where_it_is_worst() -> None:
     rows = touched(2.0) + touched(4.0, "seen") + touched(9.0, "fitted")
-    verdict = force.verdict(study(force_mae=rows))
+    verdict = judge_force(study(force_mae=rows))
     assert verdict.state == "good"
     error, share, held = verdict.numbers
     assert (error.value, error.baseline, error.low, error.high) == (4.0, 10.0, 3.2, 4.8)
@@ -311,7 +305,7 @@ def test_no_mean_over_axes_hides_the_worst_one() -> None:
     rows = touched(2.0) + touched(3.0, "seen", mean_force=7.0)
     rows[2] |= {"mae": 6.0, "mean_force": 15.5}
     rows[4] |= {"coverage95": 0.83}
-    verdict = force.verdict(study(force_mae=rows))
+    verdict = judge_force(study(force_mae=rows))
     assert verdict.state == "usable"
     error, share, held = verdict.numbers
     assert (error.value, error.place) == (6.0, "pushed, along z, in contact")
@@ -322,7 +316,7 @@ def test_no_mean_over_axes_hides_the_worst_one() -> None:
 def test_an_axis_that_is_worse_than_zero_is_not_to_be_used() -> None:
     rows = touched(1.0)
     rows[1] |= {"mae": 6.0, "mean_force": 5.0}
-    assert force.verdict(study(force_mae=rows)).state == "do not use"
+    assert judge_force(study(force_mae=rows)).state == "do not use"
 
 
 @pytest.mark.parametrize(
@@ -338,18 +332,18 @@ def test_an_axis_that_is_worse_than_zero_is_not_to_be_used() -> None:
 )
 def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: str) -> None:
     searched = [{"recording": "pushed", "estimate": "Fmap"}]
-    assert force.verdict(study(force_mae=rows, detection=searched)).state == expected
+    assert judge_force(study(force_mae=rows, detection=searched)).state == expected
 
 
 def test_a_stop_sign_forbids_the_force() -> None:
     stopped = study(force_mae=touched(1.0), quality=[finding("stop", "contradiction")])
-    assert force.verdict(stopped).state == "do not use"
+    assert judge_force(stopped).state == "do not use"
 
 
 def test_without_a_sensor_contacts_are_plausible_only() -> None:
     searched = [{"recording": name, "estimate": "Fmap", "alarms_per_min": 0.0} for name in ROLES]
     contact = {"recording": "pushed", "estimate": "Fmap", "kind": "contact"}
-    told = said(force.verdict(study(detection=searched, contacts=[contact] * 4)))
+    told = said(judge_force(study(detection=searched, contacts=[contact] * 4)))
     assert told == (
         "not determined: No force sensor was recorded: contacts are plausible only, their size is "
         "untested. Contacts found: 4, on 1 of 1 recordings; 0.0 false alarms per minute on "
@@ -370,7 +364,7 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
     assert re.findall(r"\d[\d.]*", finding) == ["106.0", "40"]
     assert not [text for text in left_out(results) if "force sensor" in text]
     assert not [text for text in steps(results) if "force sensor" in text]
-    card = force.verdict(results)
+    card = judge_force(results)
     assert (card.state, "106.0 N" in card.evidence) == ("not determined", True)
     assert force_drawn(results) == ["pushed"]
 
@@ -383,24 +377,24 @@ def test_without_a_search_no_contact_is_denied() -> None:
 
 def test_the_estimate_without_a_fit_is_never_called_good() -> None:
     rows = [row | {"estimate": "static"} for row in touched(1.0)]
-    card = force.verdict(study(force_mae=rows, sensed=[SENSED]))
+    card = judge_force(study(force_mae=rows, sensed=[SENSED]))
     assert (card.state, card.numbers[0].value) == ("usable", 1.0)
     assert "not calibrated" in card.evidence
-    assert force.verdict(study(force_mae=touched(1.0))).state == "good"
+    assert judge_force(study(force_mae=touched(1.0))).state == "good"
 
 
 # Motion
 
 
 def test_motion_is_judged_beside_an_imu_alone() -> None:
-    assert motion.verdict(study()) is None
+    assert judge_motion(study()) is None
     row = {"recording": "seen", "estimate": "encoders", "zero_mae": 0.2}
     rows = [row | {"component": name, "mae": mae} for name, mae in (("x", 0.02), ("rz", 0.05))]
-    verdict = motion.verdict(study(acceleration_mae=rows))
+    verdict = judge_motion(study(acceleration_mae=rows))
     assert (verdict.state, percents(verdict.sentence)) == ("good", [25])
     assert (verdict.numbers[0].value, verdict.numbers[0].place) == (0.05, "rz")
     nothing = [row | {"component": "x", "mae": 0.551, "zero_mae": 0.552}]
-    assert percents(motion.verdict(study(acceleration_mae=nothing)).sentence) == [100]
+    assert percents(judge_motion(study(acceleration_mae=nothing)).sentence) == [100]
 
 
 # Drawings, first figure, next steps
@@ -522,10 +516,10 @@ def test_the_claim_of_the_thesis_is_judged_by_its_numbers(
     ]
     printed = [{"recording": "pushed", "printed_mae": 1.0}]
     results = study(force_mae=printed, fixed_threshold=rows)
-    (finding,), (beside,) = claimed.judged(results), claimed.compared(results)
+    (finding,), (beside,) = claim(results), scores(results)
     assert ("fails" not in finding) == holds
     assert f"{4 - found} of 4" in finding or f"{100 * above:.0f} %" in finding
     numbers = [f"F̂* finds {found} of these 4", f"{100 * above:.0f} %", "F̂ᵐᵃᵖ finds 2 of", "50 %"]
     assert [number for number in numbers if number not in beside] == []
     unprinted = study(fixed_threshold=rows)
-    assert [*claimed.judged(unprinted)] == claimed.compared(unprinted) == []
+    assert [*claim(unprinted)] == scores(unprinted) == []

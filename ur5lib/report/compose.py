@@ -27,8 +27,6 @@ from ur5lib.report.sentences import say
 from ur5lib.report.tabulated import Body, tabulate
 from ur5lib.report.views import (
     audit,
-    claimed,
-    closed_loop,
     comparison,
     contacts,
     currents,
@@ -40,20 +38,15 @@ from ur5lib.report.views import (
     motion,
     next_steps,
     observability,
-    printed,
     provenance,
     recordings,
-    sensed,
-    torque_constants,
-    truth,
 )
 
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(audit, claimed, closed_loop, comparison, contacts, currents, findings, forces, glance),
-        *(health, models, motion, next_steps, observability, printed, provenance, recordings),
-        *(sensed, torque_constants, truth),
+        *(audit, comparison, contacts, currents, findings, forces, glance, health),
+        *(models, motion, next_steps, observability, provenance, recordings),
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")

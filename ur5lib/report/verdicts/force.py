@@ -9,12 +9,9 @@ from ur5lib.pipeline.estimators import ESTIMATES, SPOKEN
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say
-from ur5lib.report.verdicts.drawings import error_bar
-from ur5lib.report.verdicts.errors import ZERO
-from ur5lib.report.verdicts.states import state
-from ur5lib.report.views.contacts import found_without_sensor, quiet
+from ur5lib.report.verdicts.baseline import ZERO, error_bar, state
+from ur5lib.report.views.contacts import found_without_sensor, quiet, readings
 from ur5lib.report.views.forces import leading, searched
-from ur5lib.report.views.sensed import readings
 
 TOPIC = "Force in contact"
 UNCALIBRATED = "static"  # the estimate without any fit
@@ -59,7 +56,7 @@ def worst_of(rows: pd.DataFrame) -> Worst:
     )
 
 
-def verdict(results: Results) -> Verdict:
+def judge_force(results: Results) -> Verdict:
     """Judge the force by the axis and the recording on which it is worst."""
     if results.stopped():
         return Verdict(TOPIC, "do not use", say("force.stopped"))

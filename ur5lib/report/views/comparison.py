@@ -1,11 +1,16 @@
-"""What differs from the results of other studies."""
+"""Results beside those of other studies, published numbers, and the truth of simulations."""
 
 from collections.abc import Iterator
+from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.printed_numbers import EQUAL, UNEXPLAINED
+from ur5lib.report.results import Results, with_zero
+from ur5lib.report.sentences import Sentence, names, say
+
+DIGITS = 4  # of computed numbers
 
 
 def others(results: Results) -> list[str]:
@@ -13,7 +18,7 @@ def others(results: Results) -> list[str]:
     return [*results.tables["changes"]["study"].unique()]
 
 
-def summary(results: Results) -> Iterator[Sentence]:
+def changes(results: Results) -> Iterator[Sentence]:
     """Report for each other study how much changed, and in which topics."""
     for study in others(results):
         rows = results.rows("changes", study=study)
@@ -28,3 +33,69 @@ def topics(results: Results, study: str) -> pd.DataFrame:
     flags = {name: rows[name] == "yes" for name in ("differs", "changed")}
     counts = rows.assign(compared=True, **flags).groupby("topic", sort=False)
     return counts[["compared", *flags]].sum().reset_index()
+
+
+def sources(results: Results) -> list[str]:
+    """Return the published tables with rebuilt numbers."""
+    return sorted({*results.rows("printed")["source"]})
+
+
+def rebuilt(results: Results) -> Iterator[Sentence]:
+    """Report how many published numbers are rebuilt."""
+    rows = results.rows("printed")
+    if len(rows):
+        equal, left = (rows["status"] == EQUAL).sum(), bool(unexplained(results))
+        yield say("printed.found", equal=equal, count=len(rows), left=left)
+
+
+def unexplained_heading(results: Results) -> list[str]:
+    """Return the sentence above the list of unexplained numbers, if there are any."""
+    return [say("printed.unexplained")] if unexplained(results) else []
+
+
+def unexplained(results: Results) -> list[str]:
+    """Return each unexplained number with its table and row, and the difference in per cent."""
+    rows = results.rows("printed")
+    return [_missed(row) for row in rows[rows["status"] == UNEXPLAINED].itertuples()]
+
+
+def _missed(row: Any) -> str:
+    """Return how far the erratum's number, or else the rebuilt one, is from the printed one."""
+    nearest, source = row.rebuilt, "rebuilt"
+    if not np.isnan(row.as_erratum_says):
+        nearest, source = row.as_erratum_says, f"erratum {row.erratum:.0f} gives"
+    gap = 100 * (nearest / row.printed - 1)
+    place = f"joint {row.number}" if str(row.number).isdecimal() else row.number
+    words = {"nearest": nearest, "source": source, "gap": gap, "digits": DIGITS}
+    return say("printed.missed", row=row, place=place, **words)
+
+
+def intervals(results: Results) -> pd.DataFrame:
+    """Return how many stated intervals contain the truth, by quantity."""
+    stated = results.rows("truth").dropna(subset="within95")
+    groups = stated.assign(inside=stated["within95"] == "yes").groupby("quantity", sort=False)
+    return groups["inside"].agg(values="size", inside="sum").reset_index()
+
+
+def fitted(results: Results) -> pd.DataFrame:
+    """Return the values fitted to several recordings, without base parameters."""
+    rows = _single(results)
+    return rows[rows["recording"].isna() & (rows["quantity"] != "base_parameter")]
+
+
+def clocks(results: Results) -> pd.DataFrame:
+    """Return the devices' clocks."""
+    rows = _single(results)
+    return rows[rows["recording"].notna()]
+
+
+def _single(results: Results) -> pd.DataFrame:
+    rows = results.rows("truth")
+    return rows[rows["quantity"].isin(names("truth"))]
+
+
+def over_time(results: Results) -> pd.DataFrame:
+    """Return the errors over time, those of an estimate of zero after the methods'."""
+    rows = results.rows("truth")
+    rows = rows[rows["recording"].notna()].assign(value=rows["estimate"])
+    return with_zero(rows, "method", ["quantity", "index"])

@@ -1,9 +1,11 @@
-"""Contact forces in sentences: errors in contact, bands, contacts found, alarms."""
+"""Contact forces in sentences: errors, bands, contacts found, alarms, readings of the sensor."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import pandas as pd
 
+from ur5lib.force.map_estimate import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.cells import numbered
 from ur5lib.report.contents import MOST_SHOWN
@@ -14,6 +16,7 @@ from ur5lib.report.views.forces import PUSHES, leading, likely, pushes_found
 
 FORCES = ["Fx", "Fy", "Fz"]
 FLANGE = 6  # the link that carries flange and tool
+CLAIMED, OURS, AXIS = "F*", "Fmap", "Fz"
 
 
 def sentences(results: Results) -> list[str]:
@@ -166,3 +169,76 @@ def quiet(results: Results) -> pd.DataFrame:
 def _forces(force: pd.DataFrame) -> pd.DataFrame:
     """Return the errors of the forces against the compensated sensor."""
     return force[(force["kind"] == "compensated") & force["component"].str.startswith("F")]
+
+
+class Score(NamedTuple):
+    """How an estimate detects pushes along z.
+
+    found: of all pushes that reach the threshold at the sensor; above: largest share of a
+    contact-free recording for which the estimate is above it.
+    """
+
+    found: int
+    pushes: int
+    above: float
+
+    @property
+    def reliable(self) -> bool:
+        """Whether every push is found and nothing else is above the threshold."""
+        return self.found == self.pushes and self.above == 0
+
+
+def score(results: Results, estimate: str) -> Score | None:
+    """Return an estimate's score, None without such recordings.
+
+    Pushes are counted on recordings with printed errors, time above on validate recordings.
+    """
+    rows = results.rows("fixed_threshold", component=AXIS, estimate=estimate)
+    pushed = rows[rows["recording"].isin(results.printed("force_mae", "printed_mae"))]
+    free = rows[rows["recording"].isin(results.with_role("validate"))]
+    if pushed.empty or free.empty:
+        return None
+    found, pushes = (int(pushed[name].sum()) for name in ("found", "pushes"))
+    return Score(found, pushes, float(free["time_above"].max()))
+
+
+def claim(results: Results) -> Iterator[Sentence]:
+    """Report whether the claim holds, and why not."""
+    claimed = score(results, CLAIMED)
+    if claimed is None:
+        return
+    yield say("claim.judged", claimed=claimed)
+
+
+def scores(results: Results) -> list[str]:
+    """Return a sentence with the scores of F̂*_z and F̂ᵐᵃᵖ, by which the claim is judged."""
+    claimed, ours = score(results, CLAIMED), score(results, OURS)
+    if claimed is None or ours is None:
+        return []
+    parts = [
+        say("claim.score", name=ESTIMATES[name], score=value)
+        for name, value in ((CLAIMED, claimed), (OURS, ours))
+    ]
+    return [say("claim.compared", pushes=claimed.pushes, parts=parts)]
+
+
+def touched(results: Results) -> list[str]:
+    """Return the recordings on which a force sensor reads a contact, the strongest first."""
+    rows = results.tables["sensed"]
+    rows = rows[rows["contacts"] > 0].sort_values("largest_force_n", ascending=False)
+    return [*rows["recording"]]
+
+
+def readings(results: Results) -> Iterator[Sentence]:
+    """Report largest force and share in contact by sensor, where no friction was fitted."""
+    if len(results.tables["friction"]):
+        return
+    for row in results.tables["sensed"][:MOST_SHOWN].itertuples():
+        yield say("sensed.reading", row=row)
+
+
+def uncalibrated(results: Results) -> Iterator[Sentence]:
+    """Report the assumptions of the static estimate, which replaces a fit."""
+    if (results.tables["force_mae"]["estimate"] == "static").any():
+        limits = {"error": LEAST_ERROR, "breakaway": BREAKAWAY, "slow": SLOW}
+        yield say("sensed.uncalibrated", **limits)

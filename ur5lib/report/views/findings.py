@@ -10,10 +10,17 @@ from ur5lib.report.contents import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP
-from ur5lib.report.verdicts.link_model import compare, named
-from ur5lib.report.views import claimed, comparison, printed, sensed
+from ur5lib.report.verdicts.models import compare, named
+from ur5lib.report.views import comparison
 from ur5lib.report.views.audit import faults as wrist_sensor_faults
-from ur5lib.report.views.contacts import counted, elsewhere, quiet, undetermined_moments
+from ur5lib.report.views.contacts import (
+    claim,
+    counted,
+    elsewhere,
+    quiet,
+    readings,
+    undetermined_moments,
+)
 from ur5lib.report.views.currents import loaded
 from ur5lib.report.views.forces import PUSHES, pushes_found, searched
 
@@ -25,18 +32,18 @@ def findings(results: Results) -> list[Sentence]:
     sentences = [
         *stop_signs(results),
         *nearest_model(results),
-        *printed.summary(results),
+        *comparison.rebuilt(results),
         *loads_found(results),
         *counted(results),
         *elsewhere(results),
         *loads_taken_up(results),
-        *sensed.readings(results),
+        *readings(results),
         *_detection(results),
-        *claimed.judged(results),
+        *claim(results),
         *undetermined_moments(results.tables["force_mae"]),
         *wrist_sensor_faults(results),
         *beside_truth(results.rows("truth")),
-        *comparison.summary(results),
+        *comparison.changes(results),
     ]
     looked = len(searched(results)) or len(results.tables["sensed"])
     return sentences or [say("findings.none" if looked else "findings.unsearched")]

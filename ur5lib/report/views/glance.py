@@ -4,27 +4,19 @@ from collections.abc import Callable, Iterator
 
 from ur5lib.report.document import Verdict
 from ur5lib.report.results import Results
-from ur5lib.report.verdicts import currents as current_verdict
-from ur5lib.report.verdicts import (
-    data_quality,
-    drift,
-    force,
-    link_model,
-    motion,
-    torque_constants,
-)
+from ur5lib.report.verdicts import force, models, recordings
+from ur5lib.report.views.contacts import touched
 from ur5lib.report.views.currents import loaded, predicted
 from ur5lib.report.views.models import compared
-from ur5lib.report.views.sensed import touched
 
 VERDICTS: list[Callable[[Results], Verdict | None]] = [
-    data_quality.verdict,
-    link_model.verdict,
-    torque_constants.verdict,
-    current_verdict.verdict,
-    force.verdict,
-    motion.verdict,
-    drift.verdict,
+    recordings.judge_files,
+    models.judge_links,
+    models.judge_constants,
+    models.judge_currents,
+    force.judge_force,
+    models.judge_motion,
+    recordings.judge_drift,
 ]
 
 

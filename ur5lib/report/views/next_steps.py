@@ -7,8 +7,9 @@ from ur5lib.identification.samples import FEW
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP
-from ur5lib.report.verdicts.data_quality import lost_shares
-from ur5lib.report.views import health, sensed
+from ur5lib.report.verdicts.recordings import lost_shares
+from ur5lib.report.views import health
+from ur5lib.report.views.contacts import touched
 from ur5lib.report.views.currents import loaded
 
 MOST = 3  # steps that a reader remembers
@@ -93,7 +94,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         yield say("steps.fit")
     if not results.with_role("validate"):
         yield say("steps.validate")
-    if results.tables["force_mae"].empty and not sensed.touched(results):
+    if results.tables["force_mae"].empty and not touched(results):
         yield say("steps.pushes")
 
 

@@ -1,27 +1,29 @@
-"""Whether the recordings' files are complete and fit the study."""
+"""Verdicts on the recordings: whether files are complete, and whether the arm changed."""
 
 import pandas as pd
 
+from ur5lib.report.cells import days
 from ur5lib.report.document import Number, State, Verdict
 from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
-from ur5lib.report.verdicts.drawings import bars
+from ur5lib.report.sentences import Sentence, capital, say
+from ur5lib.report.verdicts.baseline import bars
+from ur5lib.report.views import health
 
-TOPIC = "Data quality"
+FILES, DRIFT = "Data quality", "Drift over time"  # topics
 LOST = "lost frames"
 SPOKEN = (LOST, "impossible frames")  # findings with a sentence of their own
 STATES: dict[str, State] = {"stop": "do not use", "error": "usable", "warning": "usable"}
 
 
-def verdict(results: Results) -> Verdict:
+def judge_files(results: Results) -> Verdict:
     """Judge by the most serious finding, and name its file."""
     findings = results.tables["quality"]
     serious = findings[findings["severity"] != "note"]
     states = [STATES[name] for name in SEVERITIES[:-1] if name in {*serious["severity"]}]
     lost = lost_shares(results)
     return Verdict(
-        topic=TOPIC,
+        topic=FILES,
         state=states[0] if states else "good",
         sentence=worst(results),
         evidence=_counts(findings, len(lost)),
@@ -71,3 +73,32 @@ def _counts(findings: pd.DataFrame, recordings: int) -> Sentence:
     bad = findings.loc[findings["severity"] != "note", "recording"].nunique()
     where = [say("quality.where", bad=bad, recordings=recordings)] if bad else []
     return say("quality.counts", parts=[count_findings(findings), *where])
+
+
+def judge_drift(results: Results) -> Verdict | None:
+    """Judge by whether anything changed; None with too few dates."""
+    dates = results.tables["health"]
+    if dates.empty:
+        return None
+    changes = health.ranked(results)
+    worst = changes.groupby("joint")["share"].max()
+    sentence = say("health.unchanged")
+    if len(changes):
+        sentence = capital(health.change(next(changes.itertuples())))
+    return Verdict(
+        topic=DRIFT,
+        state="usable" if len(changes) else "good",
+        sentence=sentence,
+        evidence=_evidence(results, len(changes)),
+        drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in range(1, 7)}),
+        caption=say("health.caption"),
+    )
+
+
+def _evidence(results: Results, changes: int) -> Sentence:
+    """Return the number of dates, tests and changes, and the chance of a false one."""
+    dates = results.tables["health"]
+    tested = dates.dropna(subset="joint").groupby(["robot", "joint", "quantity"]).ngroups
+    first, last = dates["date"].min(), dates["date"].max()
+    words = {"days": dates["date"].nunique(), "span": days(first, last, "to"), "tested": tested}
+    return say("health.evidence", changes=changes, **words)

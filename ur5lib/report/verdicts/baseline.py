@@ -1,0 +1,167 @@
+"""Errors beside those of an estimate of zero, the state that follows from them, small drawings.
+
+docs/report.md explains the states.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from xml.sax.saxutils import quoteattr
+
+import pandas as pd
+
+from ur5lib.report.cells import SMALLEST_DIFFERENCE, rounded
+from ur5lib.report.document import Number, State
+from ur5lib.report.sentences import Sentence, say
+
+ZERO = "an estimate of zero"
+BETTER = 0.5  # smallest skill of a good estimate: less than half the error of zero
+HELD = 0.9  # smallest share of readings in a good 95 % band
+WIDTH, HEIGHT = 160.0, 48.0  # of a drawing
+GAP = 0.25  # of the step from bar to bar
+LEAST = 1.5  # height that is still seen
+PALE = "fill-opacity='.15'"
+
+
+def state(error: float, zero: float, held: float = 1.0, tested: bool = True) -> State:
+    """Return the state of an error beside the error of an estimate of zero.
+
+    held: share of readings in the stated 95 % band; tested: whether the error comes from recordings
+    that no fit has seen and, where errors have intervals, has one.
+    """
+    if math.isnan(error) or not zero > 0:
+        return "not determined"
+    skill = 1 - error / zero
+    if skill <= 0:
+        return "do not use"
+    return "good" if skill > BETTER and held >= HELD and tested else "usable"
+
+
+@dataclass(frozen=True)
+class AgainstBaseline:
+    """Errors beside those of the baseline `zero`, by joint or component (column `place`).
+
+    rows: by recording and place, with the errors in the columns `error` and `baseline`; unit,
+    digits: of the numbers; zero: name of the baseline.
+    """
+
+    rows: pd.DataFrame
+    error: str
+    baseline: str
+    unit: str
+    digits: int
+    place: str = "joint"
+    zero: str = ZERO
+
+    @cached_property
+    def errors(self) -> pd.DataFrame:
+        """Mean error and zero's error over recordings, with low, high and count, by place.
+
+        Places whose zero has hardly an error are left out: nothing acts there.
+        """
+        groups = self.rows.groupby(self.place, sort=False)
+        table = groups[self.error].agg(error="mean", low="min", high="max", count="size")
+        table["zero"] = groups[self.baseline].mean()
+        return table[table["zero"] > SMALLEST_DIFFERENCE]
+
+    @cached_property
+    def worst(self) -> pd.Series:
+        """The row of `errors` with the largest error relative to zero's; its name is the place."""
+        return self.errors.loc[(self.errors["error"] / self.errors["zero"]).idxmax()]
+
+    @cached_property
+    def largest(self) -> pd.Series:
+        """The largest error of a recording; of a component, as others may have another unit."""
+        rows = self.rows
+        if self.place == "component":
+            rows = rows[rows["component"] == self.worst.name]
+        row = rows.loc[rows[self.error].idxmax()]
+        places = {"place": row[self.place], "recording": row["recording"]}
+        return pd.Series(places | {"error": row[self.error], "zero": row[self.baseline]})
+
+    def state(self, held: float = 1.0, tested: bool = True) -> State:
+        """Judge the worst joint or component."""
+        return state(self.worst["error"], self.worst["zero"], held, tested)
+
+    def percent(self) -> Sentence:
+        """Return the worst error in per cent of zero's."""
+        return say("error.worst", row=self.worst)
+
+    def shown(self) -> Sentence:
+        """Return the worst error, its range over recordings, and its baseline."""
+        low, high = (rounded(self.worst[end], self.digits) for end in ("low", "high"))
+        return say("error.with range", row=self.worst, spread=low != high, against=self)
+
+    def largest_shown(self) -> Sentence:
+        """Return the largest error with its place, its recording and its baseline."""
+        return say("error.largest", row=self.largest, against=self)
+
+    def drawing(self) -> str:
+        """Draw the errors relative to zero's."""
+        ratios = self.errors["error"] / self.errors["zero"]
+        return bars({str(name): float(ratio) for name, ratio in ratios.items()})
+
+    def numbers(self, name: str) -> tuple[Number, Number]:
+        """Return the worst error with its range and baseline, and the largest on a recording."""
+        row, largest = self.worst, self.largest
+        prefix = "joint " if self.place == "joint" else ""
+        several = row["count"] > 1
+        mean = Number(
+            name=name,
+            value=float(row["error"]),
+            unit=self.unit,
+            place=f"{prefix}{row.name}",
+            low=float(row["low"]) if several else None,
+            high=float(row["high"]) if several else None,
+            interval=f"range over {row['count']:.0f} recordings" if several else "",
+            baseline=float(row["zero"]),
+            baseline_of=self.zero,
+        )
+        worst_number = Number(
+            name="largest error on a recording",
+            value=float(largest["error"]),
+            unit=self.unit,
+            place=f"{prefix}{largest['place']} on {largest['recording']}",
+            baseline=float(largest["zero"]),
+            baseline_of=self.zero,
+        )
+        return mean, worst_number
+
+
+def bars(shares: Mapping[str, float]) -> str:
+    """Draw shares (0 to 1) by name as bars, each of which fills its frame from below, as SVG."""
+    step = WIDTH / max(len(shares), 1)
+    parts = [
+        _rectangle(i * step, 0.0, step * (1 - GAP), HEIGHT, PALE)
+        + _rectangle(i * step, HEIGHT - height, step * (1 - GAP), height)
+        for i, height in enumerate(
+            max(HEIGHT * min(x, 1.0), LEAST * (x > 0)) for x in shares.values()
+        )
+    ]
+    label = ", ".join(f"{name}: {100 * share:.0f} %" for name, share in shares.items())
+    return _svg("".join(parts), label)
+
+
+def error_bar(value: float, low: float, high: float, zero: float) -> str:
+    """Draw a value as a dot with its interval, if known, beside the error of zero, a line."""
+    scale = 0.95 * WIDTH / max(zero, value, 0.0 if math.isnan(high) else high)
+    middle = HEIGHT / 2
+    parts = [_rectangle(0.0, middle - 0.5, WIDTH, 1.0, PALE)]
+    parts.append(_rectangle(zero * scale - 1.5, 4.0, 3.0, HEIGHT - 8.0, "fill-opacity='.5'"))
+    if not math.isnan(low):
+        parts.append(_rectangle(low * scale, middle - 1.5, (high - low) * scale, 3.0))
+    parts.append(f"<circle cx='{value * scale:.1f}' cy='{middle:.1f}' r='6' fill='currentColor'/>")
+    return _svg("".join(parts), f"error {value:.2g}, zero {zero:.2g}")
+
+
+def _rectangle(x: float, y: float, width: float, height: float, style: str = "") -> str:
+    place = f"x='{x:.1f}' y='{y:.1f}' width='{width:.1f}' height='{height:.1f}'"
+    return f"<rect {place} fill='currentColor' {style}/>"
+
+
+def _svg(content: str, label: str) -> str:
+    return (
+        f"<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {WIDTH:.0f} {HEIGHT:.0f}' "
+        f"role='img' aria-label={quoteattr(label or 'nothing to show')}>{content}</svg>"
+    )
