@@ -22,9 +22,8 @@ from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.signals.imu_fusion import LinearImu, linearise_imu, smooth_with_imu
 from ur5lib.signals.smoothing import SmoothedMotion, smooth_encoders
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import perform
 from ur5lib.stand.plan import Imu, SimulatedRecording
-from ur5lib.stand.rig import STEP
+from ur5lib.stand.rig import STEP, perform
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -153,12 +152,12 @@ def simulated(kind: str, seed: int, seconds: float) -> Simulated:
     every = slice(None, None, round(PERIOD / STEP))
     # the engine's velocities are half a step late: the truth is what the positions do
     motion = experiment.motion
-    true_q = motion.q
+    true_q = motion["q"]
     true_qd = np.gradient(true_q, STEP, axis=0)
     true_qdd = np.gradient(true_qd, STEP, axis=0)
     truth = np.hstack([true_q, true_qd, true_qdd])[every]
     q, qd = (sent.filter(regex=f"^{name}_\\d$").to_numpy() for name in ("actual_q", "actual_qd"))
-    imu = motion.imu[every] + IMU_BIAS + IMU_NOISE * random.normal(size=q.shape)
+    imu = motion["imu"][every] + IMU_BIAS + IMU_NOISE * random.normal(size=q.shape)
     return Simulated(q, qd, truth, imu)
 
 

@@ -22,7 +22,8 @@ from ur5lib.recorder.realtime_arm import RealtimeArm
 from ur5lib.recorder.rtde_arm import RtdeArm
 from ur5lib.robots.rtde_variables import columns
 from ur5lib.stand.lab.controller import EmulatedController, Ports
-from ur5lib.stand.lab.stream_faults import StreamFaults
+from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Spring, Standstill
 from ur5lib.timeseries.arrays import Array
 
@@ -140,7 +141,7 @@ def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) ->
 
 
 def test_a_clock_that_drifts_is_told(controller_ports: None) -> None:
-    with EmulatedController("ur5e", drift_ppm=300.0, ports=Ports.free()) as controller:
+    with EmulatedController("ur5e", clock=Clock(drift_ppm=300.0), ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
         device.open()
         received, values, _ = recorded(device, 1500)
@@ -151,7 +152,7 @@ def test_a_clock_that_drifts_is_told(controller_ports: None) -> None:
 
 
 def test_lost_packages_are_counted(controller_ports: None) -> None:
-    faults = StreamFaults(late=0.05, split=0.2, lost=0.1)
+    faults = Faults(late=0.05, split=0.2, lost=0.1)
     with EmulatedController("ur5e", faults=faults, ports=Ports.free()) as controller:
         device = RtdeArm(HERE, port=controller.setup.ports.rtde)
         device.open()
@@ -324,13 +325,13 @@ with ArmMotion("{HERE}") as motion:
 def test_the_arm_is_led_by_hand(ur5e: EmulatedController, motion: ArmMotion) -> None:
     """While a hand pulls at it; without freedrive, it resists."""
     motion.move_through(np.array([POSTURE]), 1.5, 3.0)
-    start = ur5e.time() + 0.2
+    start = ur5e.ask("time") + 0.2
     pull = {"kind": "spring", "displacement": (0.0, 0.1, 0.0), "start_s": start, "seconds": 3.0}
-    ur5e.touch(Spring.model_validate(pull))
-    assert motion.lead_by_hand(lambda: ur5e.time() > start + 1.5)
+    ur5e.ask("touch", Spring.model_validate(pull))
+    assert motion.lead_by_hand(lambda: ur5e.ask("time") > start + 1.5)
     led = read_state(HERE).q
     assert np.abs(led - POSTURE).max() > 0.05
-    wait_for(lambda: ur5e.time() > start + 3.2)
+    wait_for(lambda: ur5e.ask("time") > start + 3.2)
     np.testing.assert_allclose(read_state(HERE).q, led, atol=0.01)
     assert motion.move_through(np.array([POSTURE]), 1.5, 3.0)
 
@@ -353,7 +354,7 @@ def test_its_control_interface_knows_freedrive(ur5e: EmulatedController) -> None
 
 
 def test_a_protective_stop_is_seen(ur5e: EmulatedController, motion: ArmMotion) -> None:
-    ur5e.protective_stop()
+    ur5e.ask("stop")
     wait_for(lambda: read_state(HERE).safety_mode == "protective stop")
     assert not read_state(HERE).ready
     with pytest.raises(MotionError, match="safety mode protective stop, program stopped"):
@@ -373,20 +374,20 @@ def test_the_arm_stops_where_its_limits_end(ur5e: EmulatedController, motion: Ar
     with pytest.raises(MotionError, match="protective stop"):
         motion.move_through(np.array([beyond]), 3.0, 10.0)
     assert read_state(HERE).q[0] < 6.6
-    wait_for(ur5e.unlock)
+    wait_for(lambda: bool(ur5e.ask("unlock")))
     wait_for(lambda: read_state(HERE).ready)
     motion.move_through(np.array([POSTURE]), 3.0, 10.0)
 
 
 def test_a_push_is_in_the_truth(ur5e: EmulatedController) -> None:
-    start = ur5e.time() + 0.2
-    ur5e.touch(Push(kind="push", force=(0.0, 20.0, 0.0), start_s=start, seconds=1.0))
-    middle = float(ur5e.clock.host(ur5e.setup.uptime + start + 0.5))
+    start = ur5e.ask("time") + 0.2
+    ur5e.ask("touch", Push(kind="push", force=(0.0, 20.0, 0.0), start_s=start, seconds=1.0))
+    middle = float(ur5e.clock.host(ur5e.setup.clock.offset_s + start + 0.5))
     wait_for(lambda: ur5e.truth.latest() > middle + 0.1)
     np.testing.assert_allclose(ur5e.truth.part("wrench", middle)[:3], [0, 20, 0], atol=0.1)
-    felt = ur5e.truth.force_sensor(np.array([middle - 0.6, middle]))
+    felt = ur5e.truth.part("force_sensor", np.array([middle - 0.6, middle]))
     assert np.linalg.norm(felt[1, :3] - felt[0, :3]) == pytest.approx(20, abs=0.5)
-    assert np.linalg.norm(ur5e.truth.imu(middle)[:3]) == pytest.approx(9.81, abs=0.1)
+    assert np.linalg.norm(ur5e.truth.part("imu", middle)[:3]) == pytest.approx(9.81, abs=0.1)
 
 
 @pytest.mark.parametrize("make", [RtdeArm, RealtimeArm])
@@ -396,13 +397,13 @@ def test_a_controller_that_dies_is_lost_and_may_come_back(
     device = make(HERE)
     device.open()
     device.read()
-    ur5e.die()
+    ur5e.ask("die")
     with pytest.raises(DeviceLost, match=r"127\.0\.0\.1"):
         read_until_lost(device)
     device.close()
     with pytest.raises(InputError, match=r"answers.* at 127\.0\.0\.1, port \d+ .*switched on"):
         make(HERE).open()
-    ur5e.come_back()
+    ur5e.ask("come back")
     device.open()
     device.read()
     device.close()
@@ -414,10 +415,10 @@ def test_a_silent_controller_is_lost(
 ) -> None:
     device = make(HERE)
     device.open()
-    ur5e.freeze()
+    ur5e.ask("freeze", True)
     with pytest.raises(DeviceLost, match="has sent nothing for 1 s"):
         read_until_lost(device)
-    ur5e.freeze(False)
+    ur5e.ask("freeze", False)
     device.close()
 
 
@@ -429,10 +430,10 @@ def read_until_lost(device: RtdeArm | RealtimeArm) -> None:
 
 def test_a_motion_ends_when_its_controller_dies(ur5e: EmulatedController) -> None:
     with ArmMotion(HERE) as motion:
-        threading.Timer(0.5, ur5e.die).start()
+        threading.Timer(0.5, ur5e.ask, ["die"]).start()
         with pytest.raises(MotionError, match=r"127\.0\.0\.1"):
             motion.move_through(np.array([AWAY, POSTURE] * 10), 0.2, 0.5)
-    ur5e.come_back()
+    ur5e.ask("come back")
 
 
 def test_a_taken_port_is_said(ur5e: EmulatedController) -> None:

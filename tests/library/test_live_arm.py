@@ -16,10 +16,8 @@ from ur5lib.stand.lab import urscript
 from ur5lib.stand.lab.control_box import ControlBox, RuntimeState, SafetyMode
 from ur5lib.stand.lab.controller import EmulatedController, Ports
 from ur5lib.stand.lab.dashboard_server import answer
-from ur5lib.stand.lab.live_arm import LiveArm
-from ur5lib.stand.lab.motion import JointMotion
-from ur5lib.stand.lab.readings import ForceReading, ImuReading
-from ur5lib.stand.lab.truth import ROWS, Truth
+from ur5lib.stand.lab.live_arm import JointMotion, LiveArm
+from ur5lib.stand.lab.truth import ForceReading, ImuReading, Truth
 from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array
@@ -213,20 +211,20 @@ def test_in_freedrive_the_arm_gives_way_and_then_stays(box: ControlBox) -> None:
     execute(box, "sleep(0.5)")
     pull(box, 2.0)
     execute(box, "sleep(1.0)")
-    np.testing.assert_allclose(box.arm.state("q"), HOME, atol=0.01)
+    np.testing.assert_allclose(box.arm.states["q"][-1], HOME, atol=0.01)
     pull(box, 2.0)
     assert execute(box, "freedrive_mode()", "sleep(1.0)", "end_freedrive_mode()") == []
-    led = box.arm.state("q").copy()
+    led = box.arm.states["q"][-1].copy()
     assert np.abs(led - HOME).max() > 0.05
     assert box.safety_mode == SafetyMode.NORMAL
     execute(box, "sleep(1.5)")  # while the hand goes back
-    np.testing.assert_allclose(box.arm.state("q"), led, atol=0.01)
+    np.testing.assert_allclose(box.arm.states["q"][-1], led, atol=0.01)
 
 
 def test_nobody_s_arm_stands_still_in_freedrive(box: ControlBox) -> None:
     """Its own weight does not move it."""
     assert execute(box, "teach_mode()", "sleep(2.0)", "end_teach_mode()") == []
-    np.testing.assert_allclose(box.arm.state("q"), HOME, atol=0.005)
+    np.testing.assert_allclose(box.arm.states["q"][-1], HOME, atol=0.005)
 
 
 # Sensors
@@ -237,26 +235,26 @@ def test_sensors_read_the_truth_with_their_bias(box: ControlBox) -> None:
     for _ in range(50):
         box.advance()
     force = ForceReading(truth, ForceSensor(), seed=None)(0.05)
-    np.testing.assert_allclose(force - ForceSensor().bias, truth.force_sensor(0.05))
-    imu = np.array([ImuReading(truth, Imu(), seed=None)(k * 0.004) for k in range(10)])
+    np.testing.assert_allclose(force - ForceSensor().bias, truth.part("force_sensor", 0.05))
+    read = ImuReading(truth, Imu(), 250.0, seed=None)
+    imu = np.array([read(k * 0.004) for k in range(10)])
     still = imu[:, :3] - Imu().accelerometer_bias
     np.testing.assert_allclose(np.linalg.norm(still, axis=1), 9.81, atol=0.02)
     np.testing.assert_allclose(imu[:, 3:6], [Imu().gyroscope_bias] * 10, atol=0.01)
     np.testing.assert_allclose(np.linalg.norm(imu[:, 6:], axis=1), 0.8, atol=0.01)
-    noisy = np.array([ImuReading(truth, Imu())(0.01 + k * 0.004) for k in range(10)])
+    read = ImuReading(truth, Imu(), 250.0)
+    noisy = np.array([read(k * 0.004) for k in range(10)])
     assert noisy.std(axis=0).min() > 0
 
 
-def test_the_truth_is_kept_for_a_while(box: ControlBox) -> None:
-    truth = box.arm._truth
-    first = len(truth.since(0))
+def test_the_truth_is_kept_from_the_beginning(box: ControlBox) -> None:
+    truth = Truth(box.arm._truth.path)
+    first = len(truth.states())
     box.arm.advance(10)
-    np.testing.assert_array_equal(truth.since(first + 9), [box.arm.states[-1]])
-    for _ in range(ROWS - 1):
-        truth.append(box.arm.states[-1])
-    late = truth.since(first)
-    assert len(late) == ROWS + 9
-    np.testing.assert_array_equal(np.isnan(late[:, 0]), np.arange(len(late)) < 10)
+    states = truth.states()
+    assert len(states) == first + 10
+    np.testing.assert_array_equal(states["q"][-5:], box.arm.states["q"])
+    np.testing.assert_array_equal(truth.states(first, first + 3)["imu"], states["imu"][first:-7])
 
 
 def test_the_truth_is_interpolated_and_ends_where_it_is_known(box: ControlBox) -> None:

@@ -14,7 +14,7 @@ from ur5lib.recorder import rdt
 from ur5lib.recorder.device import Device, DeviceLost
 from ur5lib.recorder.net_ft import NetFT
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.device_clock import Drift
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.timeseries.arrays import Array
 
@@ -86,7 +86,7 @@ def test_lost_records_are_counted_as_the_box_lost_them() -> None:
 
 def test_the_box_s_clock_drifts() -> None:
     """In 2 s of its own clock, 2 s and 2 % pass here."""
-    with NetFTBox(age, drift=Drift(offset_s=5.0, drift_ppm=20_000)) as box:
+    with NetFTBox(age, clock=Clock(offset_s=5.0, drift_ppm=20_000)) as box:
         sensor = device(box)
         sensor.open()
         received, values, _ = record(sensor, 2.0)

@@ -29,7 +29,7 @@ from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.device_clock import Drift
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
@@ -51,9 +51,10 @@ def age(now: float) -> np.ndarray:
 @contextmanager
 def lab(rate: int = 125, faults: Faults = Faults()) -> Iterator[tuple[Lab, EmulatedController]]:
     """An arm and both sensors; faults: of the force sensor."""
-    controller = EmulatedController("ur5e", rate=rate, ports=Ports.free(), drift_ppm=200.0)
-    box = NetFTBox(lambda now: age(now)[:6], 500.0, Drift(drift_ppm=-800.0), faults)
-    imu = EmulatedXsens(age, 100.0, Drift(drift_ppm=-3000.0))
+    slow = Clock(drift_ppm=200.0)
+    controller = EmulatedController("ur5e", rate=rate, ports=Ports.free(), clock=slow)
+    box = NetFTBox(lambda now: age(now)[:6], 500.0, Clock(drift_ppm=-800.0), faults)
+    imu = EmulatedXsens(age, 100.0, Clock(drift_ppm=-3000.0))
     with controller, box, imu:
         yield (
             Lab(
@@ -83,8 +84,8 @@ def read_back(devices: Lab, folder: Path) -> RawRecording:
 
 def behind(controller: EmulatedController) -> float:
     """Return how far an emulated arm is behind the time [s]."""
-    due = controller.clock.stamp(time.monotonic()) - controller.setup.uptime
-    return due - controller.time()
+    due = controller.clock.shown(time.monotonic()) - controller.setup.clock.offset_s
+    return due - controller.ask("time")
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.xsens import Xsens
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.device_clock import Drift
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.lab.xsens_device import XsensDevice
 from ur5lib.timeseries.arrays import Array
 
@@ -65,7 +65,7 @@ def test_lost_messages_are_counted_as_the_tracker_lost_them() -> None:
 
 def test_the_counter_wraps_around() -> None:
     """It starts half a second before the end of its 16 bits."""
-    with XsensDevice(steady, drift=Drift(offset_s=2**16 / 256 - 0.5)) as tracker:
+    with XsensDevice(steady, clock=Clock(offset_s=2**16 / 256 - 0.5)) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)
         imu.open()
         _, values, lost = record(imu, 1.5)
@@ -79,7 +79,7 @@ def test_the_tracker_s_clock_drifts() -> None:
         return np.full(9, now - born)
 
     born = time.monotonic()
-    with XsensDevice(age, drift=Drift(offset_s=100.0, drift_ppm=-20_000)) as tracker:
+    with XsensDevice(age, clock=Clock(offset_s=100.0, drift_ppm=-20_000)) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)
         imu.open()
         received, values, _ = record(imu, 2.0)

@@ -1,6 +1,5 @@
 """The virtual test stand moves as this project's own dynamics say, and rubs as joints do."""
 
-from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -21,10 +20,9 @@ from ur5lib.errors import InputError
 from ur5lib.force.sensor import move_to_frame_6, wrench_of_environment
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import Experiment, perform
 from ur5lib.stand.friction import LOAD, Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
-from ur5lib.stand.rig import STEP
+from ur5lib.stand.rig import STEP, Experiment, as_rows, perform
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
@@ -56,12 +54,12 @@ def experiment(robot: str | Robot = "ur5", **plan: Any) -> Experiment:
 
 
 def states(done: Experiment) -> tuple[Tensor, Tensor, Tensor]:
-    motion = done.motion
-    return torch.from_numpy(motion.q), torch.from_numpy(motion.qd), torch.from_numpy(motion.qdd)
+    q, qd, qdd = (torch.from_numpy(done.motion[name]) for name in ("q", "qd", "qdd"))
+    return q, qd, qdd
 
 
 def own_torques(done: Experiment) -> Array:
-    return inverse_dynamics(build_arm(done.robot, done.model), *states(done)).numpy()
+    return inverse_dynamics(build_arm(done.rig.robot, done.rig.model), *states(done)).numpy()
 
 
 # Rigid bodies
@@ -76,8 +74,8 @@ def test_motors_give_what_inverse_dynamics_says(
 ) -> None:
     """Without friction, noise and faults, within 1e-6 of each joint's largest torque."""
     done = experiment(robot, model=model, payload=payload and payload.model_dump())
-    torque = done.motion.motor_torque
-    assert np.abs(done.motion.qd).max(axis=0).min() > 0.3
+    torque = done.motion["motor_torque"]
+    assert np.abs(done.motion["qd"]).max(axis=0).min() > 0.3
     assert (
         np.abs(own_torques(done) - torque).max(axis=0) < 1e-6 * np.abs(torque).max(axis=0)
     ).all()
@@ -88,9 +86,9 @@ def test_an_arm_may_hang_anywhere(mounting: str) -> None:
     """Motors and the controller's model under its gravity, which is not the floor's."""
     arm = mounted(mounting)
     done = experiment(arm, payload=PAYLOAD.model_dump())
-    torque, floor = done.motion.motor_torque, load_robot(robot_path("ur5")).carrying(PAYLOAD)
+    torque, floor = done.motion["motor_torque"], load_robot(robot_path("ur5")).carrying(PAYLOAD)
     np.testing.assert_allclose(own_torques(done), torque, atol=1e-6 * np.abs(torque).max())
-    upright = inverse_dynamics(build_arm(floor, done.model), *states(done)).numpy()
+    upright = inverse_dynamics(build_arm(floor, done.rig.model), *states(done)).numpy()
     assert np.abs(upright - torque).max() > 5
     sent = frames(done, 0.008, None)
     np.testing.assert_allclose(channel(sent, "target_moment"), target_torques(done), atol=2e-6)
@@ -98,9 +96,9 @@ def test_an_arm_may_hang_anywhere(mounting: str) -> None:
 
 def target_torques(done: Experiment) -> Array:
     """What the true arm, with all that it carries, would take on the target."""
-    targets = done.motion.targets
+    targets = done.targets
     parts = (torch.from_numpy(part[::8].copy()) for part in (targets.q, targets.qd, targets.qdd))
-    return inverse_dynamics(build_arm(done.robot, done.model), *parts).numpy()
+    return inverse_dynamics(build_arm(done.rig.robot, done.rig.model), *parts).numpy()
 
 
 def test_only_the_arm_knows_of_an_undeclared_payload() -> None:
@@ -108,7 +106,7 @@ def test_only_the_arm_knows_of_an_undeclared_payload() -> None:
     known = Payload(mass=1.0, center_of_mass=(0.0, 0.01, 0.05))
     both = experiment(payload=known.model_dump(), undeclared_payload=PAYLOAD.model_dump())
     alone = experiment(payload=known.model_dump())
-    torque = both.motion.motor_torque
+    torque = both.motion["motor_torque"]
     np.testing.assert_allclose(own_torques(both), torque, atol=1e-6 * np.abs(torque).max())
     sent, told = frames(both, 0.008, None), frames(alone, 0.008, None)
     np.testing.assert_array_equal(channel(sent, "target_moment"), channel(told, "target_moment"))
@@ -125,27 +123,27 @@ def test_torques_balance_with_friction_and_contacts() -> None:
         {"kind": "hand", "start_s": 2, "displacement": [0.05, 0, 0]},
     ]
     motion = (done := experiment(friction=True, contacts=contacts)).motion
-    given = motion.motor_torque - motion.friction_torque + motion.contact_torque
+    given = motion["motor_torque"] - motion["friction_torque"] + motion["contact_torque"]
     assert np.abs(own_torques(done) - given).max() < 1e-8
 
 
 def test_a_wrench_on_the_tool_is_told_at_frame_6() -> None:
     contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0.03, 0, 0.2]}]
     motion = (done := experiment(contacts=contacts)).motion
-    q, wrench = torch.from_numpy(motion.q), torch.from_numpy(motion.wrench)
-    torque = wrench_torque(build_arm(done.robot, done.model), q, wrench).numpy()
-    np.testing.assert_allclose(torque, motion.contact_torque, atol=1e-10)
-    np.testing.assert_allclose(np.abs(motion.wrench[:, :3]).max(axis=0), [30, 20, 10], rtol=1e-6)
-    assert np.abs(motion.wrench[:, 3:]).max() > 1
+    q, wrench = torch.from_numpy(motion["q"]), torch.from_numpy(motion["wrench"])
+    torque = wrench_torque(build_arm(done.rig.robot, done.rig.model), q, wrench).numpy()
+    np.testing.assert_allclose(torque, motion["contact_torque"], atol=1e-10)
+    np.testing.assert_allclose(np.abs(motion["wrench"][:, :3]).max(axis=0), [30, 20, 10], rtol=1e-6)
+    assert np.abs(motion["wrench"][:, 3:]).max() > 1
 
 
 def test_work_goes_into_energy() -> None:
     """Motors, friction and contacts: within what steps of 1 ms miss."""
     contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10]}]
     motion = (done := experiment(friction=True, contacts=contacts)).motion
-    given = motion.motor_torque - motion.friction_torque + motion.contact_torque
-    work = np.concatenate([[0], np.cumsum((given[:-1] * motion.qd[1:]).sum(axis=1) * STEP)])
-    arm, (q, qd, _) = build_arm(done.robot, done.model), states(done)
+    given = motion["motor_torque"] - motion["friction_torque"] + motion["contact_torque"]
+    work = np.concatenate([[0], np.cumsum((given[:-1] * motion["qd"][1:]).sum(axis=1) * STEP)])
+    arm, (q, qd, _) = build_arm(done.rig.robot, done.rig.model), states(done)
     energy = (kinetic_energy(arm, q, qd) + potential_energy(arm, q)).numpy()
     assert np.ptp(energy) > 5
     assert np.abs(work - (energy - energy[0])).max() < 2e-3 * np.ptp(energy)
@@ -153,8 +151,8 @@ def test_work_goes_into_energy() -> None:
 
 def test_a_motion_is_its_own_derivative() -> None:
     motion = experiment(friction=True).motion
-    np.testing.assert_allclose(np.diff(motion.q, axis=0), STEP * motion.qd[1:], atol=1e-12)
-    np.testing.assert_allclose(np.diff(motion.qd, axis=0), STEP * motion.qdd[:-1], atol=1e-12)
+    np.testing.assert_allclose(np.diff(motion["q"], axis=0), STEP * motion["qd"][1:], atol=1e-12)
+    np.testing.assert_allclose(np.diff(motion["qd"], axis=0), STEP * motion["qdd"][:-1], atol=1e-12)
 
 
 # Sensors of the flange
@@ -163,9 +161,9 @@ def test_a_motion_is_its_own_derivative() -> None:
 @pytest.mark.parametrize("robot", ["ur5", "ur10e"])
 def test_frame_6_is_where_it_belongs(robot: str) -> None:
     motion = (done := experiment(robot)).motion
-    rotation, origin, _ = flange_kinematics(done.robot, motion.q)
-    np.testing.assert_allclose(motion.origin, origin, atol=1e-12)
-    np.testing.assert_allclose(motion.rotation.reshape(-1, 3, 3), rotation, atol=1e-12)
+    rotation, origin, _ = flange_kinematics(done.rig.robot, motion["q"])
+    np.testing.assert_allclose(motion["origin"], origin, atol=1e-12)
+    np.testing.assert_allclose(motion["rotation"].reshape(-1, 3, 3), rotation, atol=1e-12)
 
 
 @pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
@@ -176,12 +174,12 @@ def test_imu_feels_what_kinematics_say(
     turn, ur5 = np.array([-0.5, -0.1, 0.1]), ur5.mounted(gravity)
     motion = (done := experiment(ur5, imu={"mounting_deg": turn.tolist()}, friction=True)).motion
     assert ur5.mounting is not None
-    arm, (q, qd, qdd) = build_arm(done.robot, done.model), states(done)
+    arm, (q, qd, qdd) = build_arm(done.rig.robot, done.rig.model), states(done)
     place = torch.tensor(ur5.mounting.imu, dtype=torch.float64)
     specific = acceleration(arm, q, qd, qdd, point=place)[:, :3].numpy() - ur5.gravity
     rate = velocity(arm, q, qd)[:, 3:].numpy()
-    rotation, *_ = flange_kinematics(ur5, motion.q)
-    for felt, true in ((motion.imu[:, :3], specific), (motion.imu[:, 3:], rate)):
+    rotation, *_ = flange_kinematics(ur5, motion["q"])
+    for felt, true in ((motion["imu"][:, :3], specific), (motion["imu"][:, 3:], rate)):
         inside = np.einsum("nji,nj->ni", rotation, true)
         first_order = inside + np.cross(inside, np.deg2rad(turn))
         assert np.abs(felt - first_order).max() < 1e-4 * np.abs(true).max()
@@ -192,23 +190,23 @@ def test_imu_agrees_with_where_the_flange_goes(ur5: Robot) -> None:
     """Its specific force is the second difference of its place, within the integration's error."""
     motion = experiment(imu={"mounting_deg": [0, 0, 0]}).motion
     assert ur5.mounting is not None
-    rotation = motion.rotation.reshape(-1, 3, 3)
-    place = motion.origin + rotation @ np.array(ur5.mounting.imu)
-    force = np.einsum("nij,nj->ni", rotation, motion.imu[:, :3]) + ur5.gravity
+    rotation = motion["rotation"].reshape(-1, 3, 3)
+    place = motion["origin"] + rotation @ np.array(ur5.mounting.imu)
+    force = np.einsum("nij,nj->ni", rotation, motion["imu"][:, :3]) + ur5.gravity
     assert np.abs(force[1:-1] - np.diff(place, 2, axis=0) / STEP**2).max() < 0.01
     turned = np.einsum("nji,njk->nik", rotation[:-1], rotation[1:])
     rate = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1) / STEP
-    assert np.abs(motion.imu[1:, 3:] - rate).max() < 0.003
+    assert np.abs(motion["imu"][1:, 3:] - rate).max() < 0.003
 
 
 def test_force_sensor_reads_the_force_of_the_hand_on_the_arm(ur5: Robot) -> None:
     contacts = [{"kind": "push", "start_s": 1, "force": [30, -20, 10], "point": [0, 0.02, 0.1]}]
     motion = experiment(contacts=contacts).motion
     assert ur5.mounting is not None
-    rotation = motion.rotation.reshape(-1, 3, 3)
-    there = wrench_of_environment(motion.force_sensor, rotation)
+    rotation = motion["rotation"].reshape(-1, 3, 3)
+    there = wrench_of_environment(motion["force_sensor"], rotation)
     wrench = move_to_frame_6(there, rotation, np.array(ur5.mounting.force_sensor))
-    np.testing.assert_allclose(wrench, motion.wrench, atol=1e-10)
+    np.testing.assert_allclose(wrench, motion["wrench"], atol=1e-10)
 
 
 @pytest.mark.parametrize("gravity", [None, *MOUNTINGS.values()])
@@ -219,11 +217,11 @@ def test_force_sensor_carries_the_tool(
     """Its weight at rest, its inertia in motion; the sensor sits 28.6 mm from frame 6."""
     arm = ur5.mounted(gravity)
     motion = experiment(arm, **{key: PAYLOAD.model_dump()}, trajectory=STILL, seconds=2).motion
-    rotation = motion.rotation[-1].reshape(3, 3)
+    rotation = motion["rotation"][-1].reshape(3, 3)
     weight = PAYLOAD.mass * np.array(arm.gravity) @ rotation
     lever = np.array(PAYLOAD.center_of_mass) - [0, 0, 0.0286]
-    np.testing.assert_allclose(motion.force_sensor[-1, :3], weight, atol=1e-6)
-    np.testing.assert_allclose(motion.force_sensor[-1, 3:], np.cross(lever, weight), atol=1e-6)
+    np.testing.assert_allclose(motion["force_sensor"][-1, :3], weight, atol=1e-6)
+    np.testing.assert_allclose(motion["force_sensor"][-1, 3:], np.cross(lever, weight), atol=1e-6)
 
 
 # Friction
@@ -274,11 +272,11 @@ def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> No
 
     def currents(force: float) -> Array:
         contacts = [{"kind": "push", "start_s": 1, "seconds": 1, "force": [force, 0, 0]}]
-        return experiment(trajectory=STILL, friction=True, contacts=contacts).motion.motor_torque
+        return experiment(trajectory=STILL, friction=True, contacts=contacts).motion["motor_torque"]
 
     small, large = currents(2.0), currents(150.0)
     shown = [np.abs(t - t[0]).max(axis=0)[0] for t in (small, large)]
-    lever = np.abs(experiment(trajectory=STILL).motion.origin[0, 1])
+    lever = np.abs(experiment(trajectory=STILL).motion["origin"][0, 1])
     assert shown[0] < 0.6 * 2.0 * lever
     # of the large one, the share by which it loads the gear besides
     assert shown[1] > (0.8 - LOAD[0]) * 150.0 * lever
@@ -290,16 +288,16 @@ def test_a_stuck_arm_hides_a_small_force_and_comes_back_from_a_large_one() -> No
 def test_an_arm_at_rest_stays_at_rest(robot: str) -> None:
     """No chattering in the stiction: what moved before the recording has settled."""
     motion = experiment(robot, trajectory=STILL, friction=True, seconds=3).motion
-    assert np.abs(motion.qd).max() < 1e-4
-    assert np.abs(motion.q - POSTURE).max() < 1e-3
-    assert np.abs(motion.friction_torque[0]).max() > 0.1
+    assert np.abs(motion["qd"]).max() < 1e-4
+    assert np.abs(motion["q"] - POSTURE).max() < 1e-3
+    assert np.abs(motion["friction_torque"][0]).max() > 0.1
 
 
 @pytest.mark.parametrize("robot", ["ur5", "ur10e"])
 def test_drives_keep_to_the_target(robot: str) -> None:
     """As close as the real UR5's: some 0.3 mrad in the big joints, 1 mrad in the small."""
-    motion = experiment(robot, friction=True, seconds=10).motion
-    off = np.sqrt(np.mean((motion.q - motion.targets.q) ** 2, axis=0))
+    done = experiment(robot, friction=True, seconds=10)
+    off = np.sqrt(np.mean((done.motion["q"] - done.targets.q) ** 2, axis=0))
     assert (off < 1.5e-3).all()
     assert (off > 1e-5).all()
 
@@ -309,29 +307,29 @@ def test_drives_keep_to_the_target(robot: str) -> None:
 
 def test_a_wall_stops_the_arm_and_never_pulls() -> None:
     """At rest against it, stiffness times depth."""
-    below = experiment(trajectory=STILL, seconds=2).motion.origin[0, 2] - 0.05
+    below = experiment(trajectory=STILL, seconds=2).motion["origin"][0, 2] - 0.05
     wall = {"kind": "wall", "through": [0, 0, below], "normal": [0, 0, 2], "point": [0, 0, 0]}
     down = [POSTURE[0], POSTURE[1] + 0.25, *POSTURE[2:]]
     points = {"kind": "movej", "way_points": [POSTURE, down], "speed_rad_s": 0.2, "pause_s": 3}
     motion = experiment(trajectory=points, friction=True, contacts=[wall], seconds=5).motion
-    force, depth = motion.wrench[:, 2], below - motion.origin[:, 2]
+    force, depth = motion["wrench"][:, 2], below - motion["origin"][:, 2]
     assert force.min() == force[depth < 0].max() == 0
     assert depth.max() > 0.001
     np.testing.assert_allclose(force[-1], 5000 * depth[-1], rtol=1e-3)
-    np.testing.assert_array_equal(motion.wrench[:, :2], 0)
+    np.testing.assert_array_equal(motion["wrench"][:, :2], 0)
 
 
 def test_a_spring_pulls_as_far_as_it_is_drawn() -> None:
     spring = {"kind": "spring", "start_s": 1, "displacement": [0, 0.04, 0], "stiffness_n_m": 500}
     motion = experiment(trajectory=STILL, contacts=[spring], seconds=3).motion
-    peak = motion.wrench[2000, :3]  # its middle; the arm hardly gives way
+    peak = motion["wrench"][2000, :3]  # its middle; the arm hardly gives way
     np.testing.assert_allclose(peak, [0, 20, 0], atol=0.2)
 
 
 def test_a_hand_follows_and_lets_go() -> None:
     hand = {"kind": "hand", "start_s": 1, "seconds": 2.5, "displacement": [0.05, 0, 0.03]}
     motion = experiment(contacts=[hand], friction=True).motion
-    force = np.linalg.norm(motion.wrench[:, :3], axis=1)
+    force = np.linalg.norm(motion["wrench"][:, :3], axis=1)
     assert 10 < force.max() < 150
     assert np.abs(np.diff(force)).max() < 0.03 * force.max()
     assert force[:1000].max() == force[3501:].max() == 0
@@ -342,23 +340,23 @@ def test_a_grasped_load_is_a_mass_at_its_point(mounting: str) -> None:
     """m (g − a) while it is held, a that of the point; before and after, nothing."""
     load = {"kind": "load", "mass": 2, "start_s": 1, "seconds": 2.5, "point": [0.02, 0, 0.1]}
     motion = (done := experiment(mounted(mounting), contacts=[load], friction=True)).motion
-    arm, point = build_arm(done.robot, done.model), torch.tensor(load["point"])
+    arm, point = build_arm(done.rig.robot, done.rig.model), torch.tensor(load["point"])
     moved = acceleration(arm, *states(done), point=point.double())[:, :3].numpy()
-    expected = 2 * (done.robot.gravity - moved)
+    expected = 2 * (done.rig.robot.gravity - moved)
     held = slice(1250, 3250)
-    off = np.abs(motion.wrench[held, :3] - expected[held])
+    off = np.abs(motion["wrench"][held, :3] - expected[held])
     assert off.max() < 0.05 * np.ptp(expected[held], axis=0).max()
     assert off.mean() < 0.02
-    assert np.abs(motion.wrench[:1000]).max() == np.abs(motion.wrench[3501:]).max() == 0
-    assert np.abs(np.diff(motion.wrench[:, :3], axis=0)).max() < 0.5
+    assert np.abs(motion["wrench"][:1000]).max() == np.abs(motion["wrench"][3501:]).max() == 0
+    assert np.abs(np.diff(motion["wrench"][:, :3], axis=0)).max() < 0.5
 
 
 @pytest.mark.parametrize("model", ["A", "C+rotors"])
 def test_a_load_heavier_than_the_arm_may_lift_is_stable(model: str) -> None:
     load = {"kind": "load", "mass": 20, "start_s": 0.5, "seconds": 10}
     motion = experiment(trajectory=STILL, model=model, contacts=[load]).motion
-    assert np.abs(motion.qd[-1000:]).max() < 1e-4
-    np.testing.assert_allclose(motion.wrench[-1, :3], [0, 0, -20 * 9.81], atol=1e-2)
+    assert np.abs(motion["qd"][-1000:]).max() < 1e-4
+    np.testing.assert_allclose(motion["wrench"][-1, :3], [0, 0, -20 * 9.81], atol=1e-2)
 
 
 @pytest.mark.parametrize(
@@ -371,8 +369,8 @@ def test_a_load_heavier_than_the_arm_may_lift_is_stable(model: str) -> None:
 )  # fmt: skip
 def test_the_stiffest_contacts_are_stable(contact: dict[str, Any]) -> None:
     motion = experiment(trajectory=STILL, friction=True, contacts=[contact]).motion
-    assert np.abs(motion.q - POSTURE).max() < 0.05
-    assert np.abs(motion.qd[3500:]).max() < 0.01
+    assert np.abs(motion["q"] - POSTURE).max() < 0.05
+    assert np.abs(motion["qd"][3500:]).max() < 0.01
 
 
 def test_what_the_arm_cannot_do_is_told() -> None:
@@ -386,9 +384,6 @@ def test_what_the_arm_cannot_do_is_told() -> None:
 
 
 def test_a_motion_is_kept_whole() -> None:
-    done = experiment(seconds=1.5)
-    for part in fields(done.motion):
-        if part.name != "targets":
-            values = getattr(done.motion, part.name)
-            assert len(values) == 1501
-            assert np.isfinite(values).all()
+    motion = experiment(seconds=1.5).motion
+    assert len(motion) == 1501
+    assert np.isfinite(as_rows(motion)).all()

@@ -15,8 +15,8 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import Experiment, perform
 from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.rig import Experiment, perform
 from ur5lib.tables import read_json, write_table
 
 CYCLE, EVERY = 0.008, 8
@@ -40,7 +40,7 @@ class Made:
         told = sent.drop(columns=["sent", "kept"], errors="ignore")
         self.files = {name: f"{folder}/{name}.parquet" for name in ("signals", "motion")}
         write_table(told.assign(segment=0, interpolated=False), self.files["signals"])
-        states = {name: getattr(motion, name)[::EVERY] for name in ("q", "qd", "qdd")}
+        states = {name: motion[name][::EVERY] for name in ("q", "qd", "qdd")}
         exact: dict[str, Any] = {"motor_qd": states["qd"]}
         exact |= {f"{name}_std": np.zeros_like(values) for name, values in states.items()}
         time, segment = sent["time"].to_numpy(), np.zeros(len(sent), np.int64)
@@ -81,7 +81,7 @@ def test_targets_are_compared_as_told_and_currents_as_carried(
     np.testing.assert_allclose(torques.target[MODEL], signals.target_moment, atol=1e-4)
     record = current_record("", signals, hidden_load.motion, torques, MODEL)
     assert record is not None
-    given = hidden_load.done.motion.motor_torque[::EVERY]
+    given = hidden_load.done.motion["motor_torque"][::EVERY]
     np.testing.assert_allclose(record.torque, given, atol=1e-6)
     assert np.abs(torques.payload_torque).max() > 3
     assert summary["source"] == "study"
@@ -93,7 +93,7 @@ def test_the_observer_s_terms_are_those_of_what_is_carried(
     hidden_load: Made, tmp_path: Path
 ) -> None:
     torques, _ = torques_of(hidden_load, tmp_path, TOLD.joined(HIDDEN))
-    motion, model = hidden_load.motion, LinkModel(hidden_load.done.robot, MODEL)
+    motion, model = hidden_load.motion, LinkModel(hidden_load.done.rig.robot, MODEL)
     momentum = model.momentum(motion.q, motion.qd)
     np.testing.assert_allclose(torques.gravity_torque, model.gravity_torque(motion.q), atol=1e-9)
     np.testing.assert_allclose(torques.momentum, momentum, atol=1e-9)
@@ -108,7 +108,7 @@ def test_what_the_channels_say_is_carried_where_the_study_is_silent(
     assert summary["source"] == source
     assert summary["payload"] == summary["configured"] == read_back(told)
     np.testing.assert_array_equal(torques.payload_torque, 0)
-    given = made.done.motion.motor_torque[::EVERY]
+    given = made.done.motion["motor_torque"][::EVERY]
     np.testing.assert_allclose(torques.measured[MODEL], given, atol=1e-4)
 
 

@@ -2,27 +2,26 @@
 
 import csv
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
+
+import numpy as np
 
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.robots.description import Robot
 from ur5lib.stand.lab.controller import HOST, EmulatedController
-from ur5lib.stand.lab.device_clock import DeviceClock, Drift
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.lab.net_ft_box import INTERNAL_RATE, NetFTBox
-from ur5lib.stand.lab.readings import ForceReading, ImuReading
-from ur5lib.stand.lab.truth_recorder import TruthRecorder
+from ur5lib.stand.lab.truth import ForceReading, ImuReading
 from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
+from ur5lib.stand.rig import STEP, build_rig
+from ur5lib.stand.truth import write_truth
 
 FORCE_RATE, IMU_RATE = 1000.0, 256.0  # Hz
-FORCE_DRIFT, IMU_DRIFT = 40.0, -3000.0  # ppm, of the devices' clocks
-ARM_DRIFT = 25.0  # ppm
-PLAN = {  # the arm rests until somebody moves it
-    "trajectory": {"kind": "standstill"},
-    "force_sensor": {"bias": [-5.3, 1.8, -1.0, 0.07, 0.43, -0.11]},
-    "imu": {},
-}
+FORCE_CLOCK, IMU_CLOCK = Clock(drift_ppm=40.0), Clock(drift_ppm=-3000.0)
+ARM_CLOCK = Clock(offset_s=4096.0, drift_ppm=25.0)
+FORCE_SENSOR, IMU = ForceSensor(bias=(-5.3, 1.8, -1.0, 0.07, 0.43, -0.11)), Imu()
 TRUTH = "truth"  # file of the truth beside a recording's files, without suffix
 PUSH = {"kind": "push", "start_s": 8, "seconds": 3, "force": [20.0, -10.0, 25.0]}
 
@@ -34,36 +33,51 @@ def emulated_lab(robot: Robot, is_pushed: bool, folder: Path) -> Iterator[Lab]:
     An arm, an ATI Net F/T on its flange, and an Xsens MTi. is_pushed: whether the arm is pushed 8 s
     after it is switched on. folder: of the recording; the truth is written beside its files.
     """
-    plan = SimulatedRecording.model_validate(PLAN | {"contacts": [PUSH] if is_pushed else []})
-    with ExitStack() as devices:
-        arm = EmulatedController(robot, plan=plan, drift_ppm=ARM_DRIFT)
-        truth = devices.enter_context(arm).truth
-        collected = devices.enter_context(TruthRecorder(arm))
-        force = ForceReading(truth, plan.force_sensor or ForceSensor())
-        box = devices.enter_context(NetFTBox(force, FORCE_RATE, Drift(drift_ppm=FORCE_DRIFT)))
-        turning = ImuReading(truth, plan.imu or Imu())
-        imu = devices.enter_context(EmulatedXsens(turning, IMU_RATE, Drift(drift_ppm=IMU_DRIFT)))
-        yield Lab(
-            robot=ArmDevice(address=HOST),
-            force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
-            imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
-        )
+    with EmulatedController(robot, _plan(is_pushed), clock=ARM_CLOCK) as arm:
+        force, turning = ForceReading(arm.truth, FORCE_SENSOR), ImuReading(arm.truth, IMU, IMU_RATE)
+        box = NetFTBox(force, FORCE_RATE, FORCE_CLOCK)
+        imu = EmulatedXsens(turning, IMU_RATE, IMU_CLOCK)
+        with box, imu:
+            yield Lab(
+                robot=ArmDevice(address=HOST),
+                force_sensor=NetFTDevice(address=HOST, port=box.port, http_port=box.http_port),
+                imu=XsensDevice(port=imu.path, rate_hz=IMU_RATE),
+            )
+        begins = {
+            "force": _begin(box.clock, folder / "force_sensor.csv", "ft_sequence", INTERNAL_RATE),
+            "imu": _begin(imu.clock, folder / "imu.csv", "sample_counter", IMU_RATE),
+        }
         start = _first(folder / "robot.csv", "timestamp")
         if start is not None:
-            counters = {
-                "force": (box.clock, folder / "force_sensor.csv", "ft_sequence", INTERNAL_RATE),
-                "imu": (imu.clock, folder / "imu.csv", "sample_counter", IMU_RATE),
-            }
-            begins = {name: _begin(*counter) for name, counter in counters.items()}
-            clocks = {
-                name: {"offset_s": arm.clock.stamp(begin) - start}
-                for name, begin in begins.items()
-                if begin is not None
-            }
-            collected.write(start, clocks, folder / TRUTH)
+            _write_truth(arm, start, begins, folder / TRUTH)
 
 
-def _begin(clock: DeviceClock, file: Path, counter: str, rate: float) -> float | None:
+def _plan(is_pushed: bool) -> SimulatedRecording:
+    """Return a plan in which the arm rests until somebody moves it."""
+    plain = {"trajectory": {"kind": "standstill"}, "contacts": [PUSH] if is_pushed else []}
+    return SimulatedRecording.model_validate(plain | {"force_sensor": FORCE_SENSOR, "imu": IMU})
+
+
+def _write_truth(
+    arm: EmulatedController, start: float, begins: dict[str, float | None], truth: Path
+) -> None:
+    """Write the truth from the controller's timestamp `start` [s] on, until now.
+
+    begins: host's time of each sensor's first sample [s], None without one; truth: path of
+    truth.parquet and truth.json without their suffixes.
+    """
+    setup = arm.setup
+    clocks = {
+        name: {"offset_s": arm.clock.shown(begin) - start}
+        for name, begin in begins.items()
+        if begin is not None
+    }
+    motion = arm.truth.states(round((start - setup.clock.offset_s) / STEP))
+    rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
+    write_truth(rig, setup.plan, motion, 1 / setup.rate, {"clocks": clocks}, truth)
+
+
+def _begin(clock: Clock, file: Path, counter: str, rate: float) -> float | None:
     """Return the host's time [s] of the first sample in a file, by the device's counter."""
     count = _first(file, counter)
     return None if count is None else clock.host(count / rate)

@@ -1,20 +1,19 @@
-"""The channels of the controller, frame by frame."""
+"""The controller's channels: what it measures, and what it computes from its model of the arm."""
+
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 import pandas as pd
 from scipy.signal import butter, lfilter
-from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Payload
 from ur5lib.stand.arm import FLANGE
-from ur5lib.stand.drive import current_noise, motion_share
-from ur5lib.stand.engine import Experiment, SimulatedMotion
-from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import STEP
+from ur5lib.stand.drive import Drive, current_noise, motion_share
+from ur5lib.stand.rig import STEP, Experiment, Rig, States, step_times
 from ur5lib.stand.trajectories import Targets
 from ur5lib.tables import named
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array
 
 DECIMALS = 6  # of all channels, as in the thesis's logs
 COUNTS = 2**19  # of an encoder per turn
@@ -23,10 +22,21 @@ POSITION_NOISE = np.array([5e-5, 4e-5, 6e-5, 15e-5, 9e-5, 15e-5])  # rad
 VELOCITY_NOISE = np.array([0.004, 0.006, 0.005, 0.025, 0.011, 0.033])  # rad/s
 WINDOW = 4  # steps over which velocity is averaged, which delays it by 2 ms
 FORCE_CUTOFF = 5.0  # Hz, of the controller's force estimate
-DAMPING = 0.02  # of that estimate near singularities
+DAMPING = 0.02**2 * np.eye(6)  # of that estimate near singularities
 TEMPERATURE_STEP = 1 / 16  # °C
 
-Steps = Labels
+
+@dataclass(frozen=True)
+class Measurement:
+    """The joints' measured angles [rad], speeds [rad/s] and motor currents [A], (..., 6) each."""
+
+    q: Array
+    qd: Array
+    current: Array
+
+    def at(self, frames: slice) -> "Measurement":
+        """Return the measurements at some frames."""
+        return Measurement(self.q[frames], self.qd[frames], self.current[frames])
 
 
 def frames(
@@ -34,112 +44,154 @@ def frames(
 ) -> pd.DataFrame:
     """Return the controller's frames: `time` [s] and its channels under RTDE names.
 
-    cycle: [s]; random: generator of the noise, None for no noise. `actual_TCP_force` is the
-    controller's estimate of the wrench of the arm on its environment: currents less the torques of
-    model and known friction. It is zero for an arm with a wrist sensor, whose readings replace it.
+    cycle: [s]; random: generator of the noise, None for no noise.
     """
-    nominal, drive, motion = experiment.nominal, experiment.drive, experiment.motion
-    steps = np.arange(0, len(motion.time), round(cycle / STEP))
-    q, qd = _encoders(motion, random)
-    current = motion.motor_torque / drive.torque_constant
-    if random is not None:
-        current = current + current_noise(motion.q, motion.qd, random)
-    targets, current = _at(motion.targets, steps), current[steps]
-    moment = model_torques(nominal, targets)
-    jacobian = jacobians(nominal, motion.q[steps])
-    expected = moment + drive.known_friction(targets.qd)
-    estimated = not experiment.robot.wrist_sensor
-    force = estimated * _force(drive.torque_constant * current - expected, jacobian, cycle)
-    channels = {
+    rig, states = experiment.rig, experiment.motion
+    before = np.concatenate([np.repeat(states["q"][:1], WINDOW, axis=0), states["q"][:-WINDOW]])
+    measured = measure(rig.drive, states, before, random)
+    sent = slice(None, None, round(cycle / STEP))
+    time, estimate = step_times(len(states))[sent], ForceEstimate(cycle)
+    targets = experiment.targets.at(sent)
+    values = channels(rig, states[sent], measured.at(sent), targets, estimate)
+    temperature = sensed(experiment.plan.temperature(time))
+    values["joint_temperatures"] = np.repeat(temperature[:, None], 6, axis=1)
+    columns = {"time": np.round(time, DECIMALS)}
+    for name, numbers in values.items():
+        columns |= named(np.round(numbers, DECIMALS), name)
+    for name, constant in payload_channels(rig.declared).items():
+        rows = np.tile(constant, (len(time), 1))
+        columns |= {name: rows[:, 0]} if rows.shape[1] == 1 else named(rows, name)
+    return pd.DataFrame(columns)
+
+
+def measure(
+    drive: Drive, states: States, before: Array, random: np.random.Generator | None
+) -> Measurement:
+    """Return the measurements in true states (...), by encoders' counts and their differences.
+
+    before: angles WINDOW steps earlier (..., 6) [rad]; random: generator of the noise, None for the
+    true values.
+    """
+    q, qd = states["q"], states["qd"]
+    current = states["motor_torque"] / drive.torque_constant
+    if random is None:
+        return Measurement(q, qd, current)
+    noise = motion_share(qd) * random.normal(size=(2, *q.shape))
+    count = 2 * np.pi / COUNTS
+    return Measurement(
+        q=count * np.rint((q + POSITION_NOISE * noise[0]) / count),
+        qd=(q - before) / (WINDOW * STEP) + VELOCITY_NOISE * noise[1],
+        current=current + current_noise(q, qd, random),
+    )
+
+
+def channels(
+    rig: Rig, states: States, measured: Measurement, targets: Targets, estimate: "ForceEstimate"
+) -> dict[str, Array]:
+    """Return channels under RTDE names (..., 6), in base axes, for true states (...).
+
+    `actual_TCP_force` is the controller's estimate of the wrench of the arm on its environment:
+    currents less the torques of model and known friction. It is zero for an arm with a wrist
+    sensor, whose readings replace it.
+    """
+    drive, moment = rig.drive, model_torques(rig, targets)
+    jacobian = jacobians(rig, states["q"])
+    force = np.zeros_like(moment)
+    if not rig.robot.wrist_sensor:
+        expected = moment + drive.known_friction(targets.qd)
+        force = estimate.update(jacobian, drive.torque_constant * measured.current - expected)
+    return {
         "target_q": targets.q,
         "target_qd": targets.qd,
         "target_qdd": targets.qdd,
         "target_current": (moment + drive.viscous * targets.qd) / drive.torque_constant,
         "target_moment": moment,
-        "actual_q": q[steps],
-        "actual_qd": qd[steps],
-        "actual_current": current,
+        "actual_q": measured.q,
+        "actual_qd": measured.qd,
+        "actual_current": measured.current,
         "actual_TCP_force": force,
-        "actual_TCP_pose": _pose(motion, steps),
-        "actual_TCP_speed": np.einsum("nij,nj->ni", jacobian, qd[steps]),
-        "joint_temperatures": _temperatures(experiment.plan, motion.time)[steps],
+        "actual_TCP_pose": poses(states["origin"], states["rotation"]),
+        "actual_TCP_speed": (jacobian @ measured.qd[..., None])[..., 0],
     }
-    columns = {"time": np.round(STEP * steps, DECIMALS)}
-    for name, values in channels.items():
-        columns |= named(np.round(values, DECIMALS), name)
-    return pd.DataFrame(columns | _payload(experiment.declared, len(steps)))
 
 
-def _temperatures(plan: SimulatedRecording, time: Array) -> Array:
-    """Return the motors' temperatures (N, 6) [°C], rounded to the sensor's step."""
-    warming = np.interp(time, time[[0, -1]], plan.temperature_c)
-    return np.repeat(TEMPERATURE_STEP * np.rint(warming / TEMPERATURE_STEP)[:, None], 6, axis=1)
+def sensed(temperature: Array) -> Array:
+    """Return the motors' temperatures [°C], rounded to the sensor's step."""
+    return TEMPERATURE_STEP * np.rint(temperature / TEMPERATURE_STEP)
 
 
-def _payload(declared: Payload | None, count: int) -> dict[str, Array]:
+def payload_channels(declared: Payload | None) -> dict[str, Array]:
     """Return RTDE's channels of the payload configured at the controller, none without one."""
     if declared is None:
         return {}
-    channels = {"payload_cog": declared.center_of_mass, "payload_inertia": declared.inertia}
-    columns = {"payload": np.full(count, declared.mass)}
-    for name, values in channels.items():
-        columns |= named(np.tile(values, (count, 1)), name)
-    return columns
+    return {
+        "payload": np.array([declared.mass]),
+        "payload_cog": np.array(declared.center_of_mass),
+        "payload_inertia": np.array(declared.inertia),
+    }
 
 
-def model_torques(plant: mujoco.MjModel, motion: Targets) -> Array:
-    """Return the inverse dynamics of a motion (N, 6) [Nm], rotors and payload included."""
-    data, torques = mujoco.MjData(plant), np.empty((len(motion.q), 6))
-    states = zip(motion.q, motion.qd, motion.qdd, strict=True)
-    for torque, (data.qpos, data.qvel, data.qacc) in zip(torques, states, strict=True):
-        mujoco.mj_inverse(plant, data)
+def model_torques(rig: Rig, motion: Targets) -> Array:
+    """Return the controller's inverse dynamics (..., 6) [Nm] of a motion, with rotors and the
+    declared payload.
+    """
+    data, torques = rig.nominal_data, np.empty_like(motion.q)
+    states = zip(*map(np.atleast_2d, (motion.q, motion.qd, motion.qdd)), strict=True)
+    for torque, (data.qpos, data.qvel, data.qacc) in zip(
+        np.atleast_2d(torques), states, strict=True
+    ):
+        mujoco.mj_inverse(rig.nominal, data)
         torque[:] = data.qfrc_inverse
     return torques
 
 
-def jacobians(plant: mujoco.MjModel, q: Array) -> Array:
-    """Return the geometric Jacobian (N, 6, 6) at the origin of frame 6, base axes; q: (N, 6)."""
-    data, result = mujoco.MjData(plant), np.empty((len(q), 6, 6))
-    flange = plant.body(FLANGE).id
-    for jacobian, data.qpos in zip(result, q, strict=True):
-        mujoco.mj_kinematics(plant, data)
-        mujoco.mj_comPos(plant, data)
-        mujoco.mj_jacBody(plant, data, jacobian[:3], jacobian[3:], flange)
+def jacobians(rig: Rig, q: Array) -> Array:
+    """Return the geometric Jacobian (..., 6, 6) at the origin of frame 6, base axes; q: (..., 6).
+
+    Leaves `rig.nominal_data` in the last posture.
+    """
+    data, result = rig.nominal_data, np.empty((*q.shape, 6))
+    flange = rig.nominal.body(FLANGE).id
+    for jacobian, data.qpos in zip(result.reshape(-1, 6, 6), np.atleast_2d(q), strict=True):
+        mujoco.mj_kinematics(rig.nominal, data)
+        mujoco.mj_comPos(rig.nominal, data)
+        mujoco.mj_jacBody(rig.nominal, data, jacobian[:3], jacobian[3:], flange)
     return result
 
 
-def _at(targets: Targets, steps: Steps) -> Targets:
-    return Targets(targets.q[steps], targets.qd[steps], targets.qdd[steps])
+def poses(origin: Array, rotation: Array) -> Array:
+    """Return origins [m] and rotation vectors [rad] (..., 6); rotation: matrices (..., 9)."""
+    result, quaternion = np.empty((*origin.shape[:-1], 6)), np.empty(4)
+    result[..., :3] = origin
+    for pose, matrix in zip(np.atleast_2d(result), np.atleast_2d(rotation), strict=True):
+        mujoco.mju_mat2Quat(quaternion, matrix)
+        mujoco.mju_quat2Vel(pose[3:], quaternion, 1.0)
+    return result
 
 
-def _encoders(motion: SimulatedMotion, random: np.random.Generator | None) -> tuple[Array, Array]:
-    """Return measured positions and velocities (difference over WINDOW) at every step (N, 6)."""
-    if random is None:
-        return motion.q, motion.qd
-    noise = motion_share(motion.qd) * random.normal(size=(2, *motion.q.shape))
-    before = np.concatenate([np.repeat(motion.q[:1], WINDOW, axis=0), motion.q[:-WINDOW]])
-    qd = (motion.q - before) / (WINDOW * STEP)
-    count = 2 * np.pi / COUNTS
-    q = count * np.rint((motion.q + POSITION_NOISE * noise[0]) / count)
-    return q, qd + VELOCITY_NOISE * noise[1]
+class ForceEstimate:
+    """Low-pass filtered wrenches of external torques, at the origin of frame 6, base axes."""
+
+    def __init__(self, cycle: float) -> None:
+        """cycle: [s]."""
+        self._filter = butter(1, FORCE_CUTOFF, fs=1 / cycle)
+        self._first: Array | None = None
+        self._memory = np.zeros((1, 6))
+
+    def update(self, jacobian: Array, external: Array) -> Array:
+        """Return the next estimates (..., 6) [N, Nm]; jacobian: (..., 6, 6), external: torques
+        (..., 6) [Nm].
+        """
+        wrench = np.atleast_2d(damped_wrench(external, jacobian))
+        if self._first is None:
+            self._first = wrench[0]
+        slow, self._memory = lfilter(*self._filter, wrench - self._first, axis=0, zi=self._memory)
+        return np.reshape(slow + self._first, external.shape)
 
 
 def damped_wrench(external: Array, jacobian: Array) -> Array:
     """Return the wrenches (..., 6) [N, Nm] of external torques (..., 6) [Nm] by damped least
     squares; jacobian: (..., 6, 6).
     """
-    square = jacobian @ jacobian.mT + DAMPING**2 * np.eye(6)
+    square = jacobian @ jacobian.mT + DAMPING
     return np.asarray(np.linalg.solve(square, jacobian @ external[..., None])[..., 0])
-
-
-def _force(external: Array, jacobian: Array, cycle: float) -> Array:
-    """Return the wrenches (N, 6) of external torques (N, 6), low-pass filtered."""
-    wrench = damped_wrench(external, jacobian)
-    b, a = butter(1, FORCE_CUTOFF, fs=1 / cycle)
-    return lfilter(b, a, wrench - wrench[0], axis=0) + wrench[0]
-
-
-def _pose(motion: SimulatedMotion, steps: Steps) -> Array:
-    """Return origin [m] and rotation vector [rad] of frame 6 (N, 6)."""
-    turn = Rotation.from_matrix(motion.rotation[steps].reshape(-1, 3, 3)).as_rotvec()
-    return np.concatenate([motion.origin[steps], turn], axis=1)

@@ -7,6 +7,7 @@ from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, mode
 
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
 from ur5lib.strict import Strict, existing_file
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import rest_conditions
 
 POSTURE = (0.5, -1.6, 1.6, -1.5, 1.5, 0.3)  # rad; elbow up, far from singularities
@@ -287,3 +288,7 @@ class SimulatedRecording(Planned):
     )
     imu: Imu | None = Field(None, description="IMU, if any")
     faults: Faults = Field(Faults(), description="faults of the recording")
+
+    def temperature(self, time: Array | float) -> Array:
+        """Return the motors' temperature [°C] at times [s] since the start."""
+        return np.asarray(np.interp(time, [0.0, self.seconds], self.temperature_c))

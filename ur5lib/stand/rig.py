@@ -1,36 +1,43 @@
-"""A simulated arm with its drives, friction and contacts, advanced step by step."""
+"""A simulated arm with its drives, friction and contacts, advanced step by step along a plan."""
 
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.stand.arm import FLANGE, build_arm
 from ur5lib.stand.contacts import Contacts
 from ur5lib.stand.drive import Drive, drive_of, link_torques
-from ur5lib.stand.friction import Friction, FrictionParameters, friction_of
+from ur5lib.stand.friction import USUAL, Friction, FrictionParameters, friction_of
 from ur5lib.stand.plan import Imu, SimulatedRecording
+from ur5lib.stand.trajectories import Targets, plan_targets
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s, of the integration
 SETTLE = 300  # steps simulated before anything is recorded
 START = 0.5  # largest initial dry friction, as a share of the breakaway torque
-PARTS = {  # quantities of each step, and their numbers of components
-    "q": 6,
-    "qd": 6,
-    "qdd": 6,
-    "motor_torque": 6,
-    "friction_torque": 6,
-    "contact_torque": 6,
-    "wrench": 6,
-    "force_sensor": 6,
-    "imu": 6,
-    "origin": 3,
-    "rotation": 9,
-}
+JOINTS = float, 6
+WRENCH = float, 6
+STATE = np.dtype(  # of an arm in one step; D q̈ + C q̇ + g = motor − friction + contact
+    [
+        ("q", *JOINTS),  # rad
+        ("qd", *JOINTS),  # rad/s
+        ("qdd", *JOINTS),  # rad/s²
+        ("motor_torque", *JOINTS),  # Nm
+        ("friction_torque", *JOINTS),  # Nm, against the motion
+        ("contact_torque", *JOINTS),  # Nm
+        ("wrench", *WRENCH),  # environment on link 6 and beyond, base axes, origin of frame 6
+        ("force_sensor", *WRENCH),  # tool and environment on the flange, at the sensor, its axes
+        ("imu", float, 6),  # specific force [m/s²] and angular rate [rad/s], IMU axes
+        ("origin", float, 3),  # of frame 6 [m]
+        ("rotation", float, 9),  # of frame 6
+    ]
+)
 
+States = NDArray[np.void]  # (N,) of STATE, every millisecond
 Target = tuple[Array, Array, Array]  # q [rad], qd [rad/s], qdd [rad/s²], each (6,)
 
 
@@ -56,7 +63,7 @@ class Rig:
     contacts: Contacts
 
     def step(self, target: Target, warmth: float, row: Array) -> None:
-        """Advance by one step; write the state before it into `row`, in the order of PARTS.
+        """Advance by one step; write the state before it into `row`, in the order of STATE.
 
         warmth: [K], of the motors above the usual temperature.
         """
@@ -69,8 +76,8 @@ class Rig:
         friction = self.friction_state.torque(q, qd, load, STEP, warmth)
         self.data.qfrc_applied = motor - friction
         mujoco.mj_step2(self.plant, self.data)
-        flange, held, imu = self.data.body(FLANGE), *np.split(self.data.sensordata, 2)
-        forces = (motor, friction, contact, wrench, -held, imu)
+        flange, sensed = self.data.body(FLANGE), self.data.sensordata
+        forces = (motor, friction, contact, wrench, -sensed[:6], sensed[6:])
         np.concatenate((q, qd, self.data.qacc, *forces, flange.xpos, flange.xmat), out=row)
 
     def _motor_torques(self, q: Array, qd: Array, target: Target) -> Array:
@@ -115,3 +122,43 @@ def build_rig(
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A simulated arm and its motion along a plan; targets: of the drives, at each state."""
+
+    rig: Rig
+    plan: SimulatedRecording
+    motion: States
+    targets: Targets
+
+
+def perform(
+    robot: Robot, plan: SimulatedRecording, random: np.random.Generator, declare: bool = True
+) -> Experiment:
+    """Simulate a plan; arguments as of `build_rig`.
+
+    Raises InputError when the arm cannot execute the plan.
+    """
+    rig = build_rig(robot, plan, random, declare)
+    time = step_times(round(plan.seconds / STEP) + 1)
+    targets = plan_targets(plan.trajectory, rig.robot, time)
+    warmth = plan.temperature(time) - USUAL
+    states = np.empty(len(time), STATE)
+    rig.data.qpos, rig.data.time = targets.q[0], -SETTLE * STEP
+    wanted, rows = [*zip(targets.q, targets.qd, targets.qdd, strict=True)], as_rows(states)
+    for step in range(-SETTLE, len(time)):
+        now = max(step, 0)  # while the arm settles, the first target holds
+        rig.step(wanted[now], warmth[now], rows[now])
+    return Experiment(rig, plan, states, targets)
+
+
+def step_times(count: int) -> Array:
+    """Return the times of the first steps (count,) [s]."""
+    return np.asarray(STEP * np.arange(count, dtype=np.float64))
+
+
+def as_rows(states: States) -> Array:
+    """Return the numbers of states, one row each; they share their memory."""
+    return states.view(np.float64).reshape(len(states), -1)

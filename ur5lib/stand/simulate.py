@@ -9,25 +9,18 @@ import pandas as pd
 
 from ur5lib.robots.description import Robot
 from ur5lib.stand.controller import frames
-from ur5lib.stand.engine import SimulatedMotion, perform
 from ur5lib.stand.faults import apply_faults, draw_faulty_frames
 from ur5lib.stand.files import WRITERS, write_files
 from ur5lib.stand.layout import FORMATS_WITH_PAYLOAD
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.sensors import force_readings, imu_readings
+from ur5lib.stand.rig import States, perform
+from ur5lib.stand.sensors import force_readings, imu_readings, wrist_channels
 from ur5lib.stand.truth import planned_clocks, write_truth
-from ur5lib.stand.wrist_sensor import wrist_channels
 
 Format = Literal["thesis-csv", "realtime-stream", "rtde-csv"]
 
-DEVICES = (
-    "arm",
-    "controller",
-    "faults",
-    "force",
-    "imu",
-    "wrist",
-)  # each with its own random generator
+# Each has its own random generator.
+DEVICES = ("arm", "controller", "faults", "force", "imu", "wrist")
 CYCLES = {"thesis-csv": 0.008, "realtime-stream": 0.008, "rtde-csv": 0.002}  # s
 
 
@@ -52,11 +45,11 @@ def simulate(
     write_files(files, folder, plan.faults.torn_files)
     numbers = {name: np.flatnonzero(flags) for name, flags in asdict(faulty).items()}
     devices = {"clocks": planned_clocks(plan), "frames": numbers}
-    write_truth(experiment, plan, experiment.motion, cycle, devices, truth)
+    write_truth(experiment.rig, plan, experiment.motion, cycle, devices, truth)
 
 
 def _sensors(
-    plan: SimulatedRecording, motion: SimulatedMotion, random: dict[str, np.random.Generator]
+    plan: SimulatedRecording, motion: States, random: dict[str, np.random.Generator]
 ) -> dict[str, pd.DataFrame]:
     readings = {}
     if plan.force_sensor is not None:

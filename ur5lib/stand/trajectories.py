@@ -28,6 +28,10 @@ class Targets:
     qd: Array
     qdd: Array
 
+    def at(self, steps: slice) -> "Targets":
+        """Return the targets at some steps."""
+        return Targets(self.q[steps], self.qd[steps], self.qdd[steps])
+
 
 def plan_targets(plan: Movej | Fourier | Series | Standstill, robot: Robot, time: Array) -> Targets:
     """Return the targets of a trajectory at times (N,) [s].
@@ -104,29 +108,38 @@ def _standstill(plan: Standstill, time: Array) -> Targets:
 def _movej(plan: Movej, time: Array) -> Targets:
     listed = plan.way_points
     points = np.array(read_way_points(listed) if isinstance(listed, str) else listed)
-    parts = np.zeros((3, len(time), 6))
-    parts[0] = points[0]
-    for start, origin, way in _legs(plan, points, float(time[-1])):
-        place, speed, acceleration = trapezoid(
-            time - start, way, plan.speed_rad_s, plan.acceleration_rad_s2
-        )
+    q, qd, qdd = np.zeros((3, len(time), 6))
+    q[:] = points[0]
+    for start, origin, goal in _legs(plan, points, float(time[-1])):
+        move = leg(time - start, origin, goal, plan.speed_rad_s, plan.acceleration_rad_s2)
         later = time >= start
-        share = np.outer(place[later], way) / np.abs(way).max()
-        parts[0][later] = origin + share
-        parts[1] += np.outer(speed, way) / np.abs(way).max()
-        parts[2] += np.outer(acceleration, way) / np.abs(way).max()
-    return Targets(*parts)
+        q[later] = move.q[later]
+        qd += move.qd
+        qdd += move.qdd
+    return Targets(q, qd, qdd)
+
+
+def leg(time: Array, origin: Array, goal: Array, speed: float, acceleration: float) -> Targets:
+    """Return the targets of one movej between two different postures (6,) [rad].
+
+    time: since its start (N,) [s]; speed [rad/s], acceleration [rad/s²]: of the joint with the
+    longest way. All joints start and stop together.
+    """
+    way = goal - origin
+    parts = trapezoid(time, way, speed, acceleration)
+    place, qd, qdd = (np.outer(part, way) / np.abs(way).max() for part in parts)
+    return Targets(origin + place, qd, qdd)
 
 
 def _legs(plan: Movej, points: Array, end: float) -> Iterator[tuple[float, Array, Array]]:
-    """Yield start [s], origin and way (6,) [rad] of each move, until the end."""
+    """Yield start [s], origin and goal (6,) [rad] of each move, until the end."""
     start = 0.0
     for origin, goal in pairwise(cycle(points)):
         if start >= end:
             return
         way = goal - origin
         if way.any():
-            yield start, origin, way
+            yield start, origin, goal
         moving = duration(way, plan.speed_rad_s, plan.acceleration_rad_s2)[2]
         start += max(moving + plan.pause_s, SHORTEST)
 

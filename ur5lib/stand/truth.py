@@ -10,38 +10,48 @@ import pandas as pd
 
 from ur5lib.stand import controller, sensors
 from ur5lib.stand import drive as drives
-from ur5lib.stand.engine import Experiment, TrueMotion
 from ur5lib.stand.plan import SimulatedRecording
-from ur5lib.stand.rig import STEP, Rig
+from ur5lib.stand.rig import STEP, Rig, States, step_times
 from ur5lib.tables import named, write_json, write_table
-from ur5lib.timeseries.arrays import Array
+
+COLUMNS = {  # of the table: quantities of `rig.STATE`, their names and units there
+    "q": ("q", "rad"),
+    "qd": ("qd", "rad/s"),
+    "qdd": ("qdd", "rad/s2"),
+    "motor_torque": ("tau_motor", "Nm"),
+    "friction_torque": ("tau_friction", "Nm"),
+    "contact_torque": ("tau_contact", "Nm"),
+    "wrench": ("wrench", "N, Nm"),
+    "origin": ("o6", "m"),
+    "rotation": ("R6", "1"),
+}
 
 Clocks = dict[str, dict[str, float]]
 
 
 def write_truth(
-    arm: Experiment | Rig,
+    rig: Rig,
     plan: SimulatedRecording,
-    motion: TrueMotion,
+    motion: States,
     cycle: float,
     devices: Mapping[str, Any],
     truth: Path,
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    arm: simulated arm; cycle: of the controller [s]; devices: `clocks`, and `frames`, the numbers
-    of faulty frames; truth: path of both files without their suffixes.
+    rig: simulated arm; motion: its states; cycle: of the controller [s]; devices: `clocks`, and
+    `frames`, the numbers of faulty frames; truth: path of both files without their suffixes.
     """
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)
     summary = {
-        "robot": arm.robot.name,
-        "gravity": arm.robot.gravity,
-        "model": arm.model,
+        "robot": rig.robot.name,
+        "gravity": rig.robot.gravity,
+        "model": rig.model,
         "cycle_s": cycle,
         "plan": plan.model_dump(),
-        "drive": asdict(arm.drive),
-        "friction": asdict(arm.friction),
+        "drive": asdict(rig.drive),
+        "friction": asdict(rig.friction),
         "noise": _noise() if plan.noise else None,
         "contacts": _intervals(motion),
         **devices,
@@ -59,29 +69,17 @@ def planned_clocks(plan: SimulatedRecording) -> Clocks:
     }
 
 
-def truth_table(motion: TrueMotion, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
+def truth_table(motion: States, cycle: float) -> tuple[pd.DataFrame, dict[str, str]]:
     """Return the true time series at the controller's frames, and the unit of each column.
 
-    Columns: `time`; q, qd, qdd; tau_motor, tau_friction, tau_contact [Nm]; wrench of the
-    environment on link 6 and beyond [N, Nm], base axes, at the origin of frame 6; o6, R6: pose of
-    frame 6.
+    Columns: `time`, and those of COLUMNS. cycle: of the controller [s].
     """
     every = slice(None, None, round(cycle / STEP))
-    parts = {
-        "q": (motion.q, "rad"),
-        "qd": (motion.qd, "rad/s"),
-        "qdd": (motion.qdd, "rad/s2"),
-        "tau_motor": (motion.motor_torque, "Nm"),
-        "tau_friction": (motion.friction_torque, "Nm"),
-        "tau_contact": (motion.contact_torque, "Nm"),
-        "wrench": (motion.wrench, "N, Nm"),
-        "o6": (motion.origin, "m"),
-        "R6": (motion.rotation, "1"),
-    }
-    columns, units = {"time": motion.time[every]}, {"time": "s"}
-    for name, (values, unit) in parts.items():
-        columns |= named(values[every], name)
-        units |= dict.fromkeys(named(values[every], name), unit)
+    columns, units = {"time": step_times(len(motion))[every]}, {"time": "s"}
+    for quantity, (name, unit) in COLUMNS.items():
+        channels = named(motion[quantity][every], name)
+        columns |= channels
+        units |= dict.fromkeys(channels, unit)
     return pd.DataFrame(columns), units
 
 
@@ -98,9 +96,10 @@ def _noise() -> dict[str, Any]:
     }
 
 
-def _intervals(motion: TrueMotion) -> list[list[float]]:
+def _intervals(motion: States) -> list[list[float]]:
     """Return the starts and ends of all contacts [s]."""
-    touched = (motion.contact_torque != 0).any(axis=1)
+    touched = (motion["contact_torque"] != 0).any(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[0], touched, [0]])))
-    times: Array = np.append(motion.time, motion.time[-1])[edges]
-    return times.reshape(-1, 2).tolist()
+    times = step_times(len(motion))[edges.clip(max=len(motion) - 1)]
+    intervals: list[list[float]] = times.reshape(-1, 2).tolist()
+    return intervals

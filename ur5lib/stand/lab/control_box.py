@@ -1,16 +1,15 @@
 """The control box of an emulated arm: its state, its program, its cycle."""
 
-import asyncio
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
+from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS
+from ur5lib.stand.lab.instruments import Instruments, Outputs
 from ur5lib.stand.lab.live_arm import LiveArm
-from ur5lib.stand.lab.outputs import Instruments, Outputs
-from ur5lib.stand.lab.registers import Registers
 from ur5lib.stand.rig import STEP
-from ur5lib.timeseries.arrays import Array
 
 Program = Iterator[None]  # advanced once per cycle, until it ends
 
@@ -46,12 +45,28 @@ POWER_ON_BIT, PROGRAM_BIT = 1, 2  # of `robot_status_bits`
 NORMAL_BIT, PROTECTIVE_BIT = 1, 4  # of `safety_status_bits`
 
 
+class UnsupportedCommandError(Exception):
+    """A program uses a command that is not emulated."""
+
+
+@dataclass
+class Watchdog:
+    """Stops the program when a client does not write a register often enough.
+
+    name: of the input register; longest: between two writes [s]; last: time of the last one [s].
+    """
+
+    name: str
+    longest: float
+    last: float
+
+
 class ControlBox:
     """The state of a controller, which all its interfaces share.
 
-    software: major, minor, bugfix, build; cycle: [s]; uptime: [s] at the start; outputs: of the
-    last cycle; log: listeners, called with each line of the robot's log; connections: of all
-    clients; loaded: name of the loaded program.
+    software: major, minor, bugfix, build; cycle: [s]; uptime: [s] at the start; registers: by their
+    RTDE names; log: listeners, called with each line of the robot's log; loaded: name of the loaded
+    program.
     """
 
     def __init__(
@@ -64,23 +79,30 @@ class ControlBox:
     ) -> None:
         """random: generator of the noise."""
         self.arm, self.software, self.cycle = arm, software, cycle
-        self.registers = Registers()
+        self.registers = {name: 0.0 for name in [*INPUTS, *OUTPUTS] if "_register_" in name}
         self.robot_mode, self.safety_mode = RobotMode.RUNNING, SafetyMode.NORMAL
         self.paused = False
         self.loaded = ""
         self.log: list[Callable[[str], None]] = []
-        self.connections: set[asyncio.Transport] = set()
         self.watchdog: Watchdog | None = None
         self._uptime, self._cycles = uptime, 0
         self._program: Program | None = None
         self.arm.advance(1)
         self._instruments = Instruments(arm, cycle, random)
-        self.outputs: Outputs = self._read()
+        self.zero_force = self._instruments.zero_force
+        self._outputs: Outputs | None = None
 
     @property
     def time(self) -> float:
         """Return the time of the last cycle since the start [s], by the controller's clock."""
         return self._cycles * self.cycle
+
+    @property
+    def outputs(self) -> Outputs:
+        """Return the outputs of the last cycle, which are computed when they are first read."""
+        if self._outputs is None:
+            self._outputs = self._instruments.read() | self._status() | self.registers
+        return self._outputs
 
     @property
     def state(self) -> RuntimeState:
@@ -123,10 +145,6 @@ class ControlBox:
         for listener in self.log:
             listener(text)
 
-    def zero_force(self) -> None:
-        """Zero the wrist sensor, if the arm has one."""
-        self._instruments.zero_force()
-
     def advance(self) -> None:
         """Advance by one cycle."""
         if self._program is not None and not self.paused:
@@ -135,10 +153,10 @@ class ControlBox:
         if self.safety_mode == SafetyMode.NORMAL and (reason := self.arm.exceeded()):
             self.protective_stop(reason)
         self._cycles += 1
-        self.outputs = self._read()
+        self._outputs = None
 
     def _continue(self, program: Program) -> None:
-        if self.watchdog is not None and self.watchdog.expired(self.time):
+        if self.watchdog is not None and self.time - self.watchdog.last > self.watchdog.longest:
             self.say("RTDE watchdog: the program is stopped")
             self.stop()
             return
@@ -150,10 +168,7 @@ class ControlBox:
             self.say(f"Runtime error: {error}")
             self.stop()
 
-    def _read(self) -> Outputs:
-        return self._instruments.read() | self._status() | self._payload() | self.registers.values
-
-    def _status(self) -> dict[str, Array | float]:
+    def _status(self) -> dict[str, float]:
         running = self.robot_mode == RobotMode.RUNNING
         normal = self.safety_mode == SafetyMode.NORMAL
         playing = self.state == RuntimeState.PLAYING
@@ -161,7 +176,7 @@ class ControlBox:
             "timestamp": self._uptime + self.time,
             "actual_execution_time": 0.0003,
             "robot_mode": self.robot_mode,
-            "joint_mode": np.full(6, JOINT_RUNNING if running else JOINT_IDLE, np.float64),
+            "joint_mode": JOINT_RUNNING if running else JOINT_IDLE,
             "safety_mode": self.safety_mode,
             "safety_status": self.safety_mode,
             "runtime_state": self.state,
@@ -170,33 +185,3 @@ class ControlBox:
             "robot_status_bits": POWER_ON_BIT * running | PROGRAM_BIT * playing,
             "safety_status_bits": NORMAL_BIT if normal else PROTECTIVE_BIT,
         }
-
-    def _payload(self) -> dict[str, Array | float]:
-        declared = self.arm.rig.declared
-        if declared is None:
-            return {}
-        return {
-            "payload": declared.mass,
-            "payload_cog": np.array(declared.center_of_mass),
-            "payload_inertia": np.array(declared.inertia),
-        }
-
-
-class UnsupportedCommandError(Exception):
-    """A program uses a command that is not emulated."""
-
-
-class Watchdog:
-    """Stops the program when a client does not write a register often enough."""
-
-    def __init__(self, name: str, least: float, now: float) -> None:
-        """name: of the input register; least: writes per second; now: [s], controller's clock."""
-        self.name, self._longest, self._last = name, 1 / least, now
-
-    def feed(self, now: float) -> None:
-        """Note that the register was written."""
-        self._last = now
-
-    def expired(self, now: float) -> bool:
-        """Return whether the last write is too long ago."""
-        return now - self._last > self._longest

@@ -1,5 +1,6 @@
-"""ur_rtde's control script, executed natively.
+"""Programs that clients send to the controller, and ur_rtde's control script, executed natively.
 
+A program is one line, or all lines from `def` to `end`; a new one replaces the one that runs.
 RTDEControlInterface uploads a program in URScript (`rtde_control.script` of its sources) and talks
 with it by registers: input integer 0 is the command, further inputs are its arguments; output
 integer 0 is 1 for "ready" and 2 for "command done", which the client acknowledges by command 0.
@@ -7,18 +8,15 @@ Realtime commands are executed in every cycle and need no acknowledgement.
 """
 
 import re
+from asyncio import StreamReader
 from collections.abc import Callable
 
 import numpy as np
 
 from ur5lib.robots.description import Payload
 from ur5lib.stand.lab import urscript
-from ur5lib.stand.lab.control_box import (
-    ControlBox,
-    Program,
-    UnsupportedCommandError,
-    Watchdog,
-)
+from ur5lib.stand.lab.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
+from ur5lib.timeseries.arrays import Array
 
 NAME = "def rtde_control()"
 OFFSET = re.compile(r"# int register offset\n(\d+)")
@@ -32,9 +30,23 @@ RUNNING, COUNT, OPERATION = 1 << 15, 1 << 16, 1 << 24  # in the register of prog
 COUNTED = 128  # counts and operations are counted modulo this
 
 
-def is_control_script(text: str) -> bool:
-    """Return whether a program is ur_rtde's."""
-    return NAME in text
+async def run_programs(box: ControlBox, reader: StreamReader) -> None:
+    """Start every complete program of a client until it hangs up."""
+    while line := await _line(reader):
+        text = line
+        if re.match(r"(def|sec)\s", line):
+            while line and not line.startswith("end"):
+                line = await _line(reader)
+                text += line
+        if line and text.strip():
+            is_control_script = NAME in text
+            program = ControlScript(text, box).run() if is_control_script else None
+            box.run(program or urscript.program(text.splitlines(), box))
+
+
+async def _line(reader: StreamReader) -> str:
+    """Return the next line, empty at the end; the last line may lack its end."""
+    return (await reader.readline()).decode("utf-8", "replace")
 
 
 class ControlScript:
@@ -42,7 +54,7 @@ class ControlScript:
 
     def __init__(self, text: str, box: ControlBox) -> None:
         """text: the program as uploaded, with the client's insertions."""
-        self._box, self._registers, self._motion = box, box.registers, box.arm.motion
+        self.box, self._motion = box, box.arm.motion
         offset = OFFSET.search(text)
         self._offset = int(offset[1]) if offset else 0
         path = PATH.search(text)
@@ -70,9 +82,7 @@ class ControlScript:
     def _execute(self, command: int) -> Program:
         if command not in HANDLERS:
             raise UnsupportedCommandError(f"command {command} of ur_rtde is not emulated")
-        steps = HANDLERS[command](self)
-        if steps is not None:
-            yield from steps
+        yield from HANDLERS[command](self) or ()
 
     def _continue_moves(self) -> None:
         if self._moves is not None and next(self._moves, "ended") == "ended":
@@ -96,31 +106,26 @@ class ControlScript:
         self._write(PROGRESS, value)
 
     def _integer(self, k: int) -> int:
-        return self._registers.integer(k + self._offset)
+        return int(self.box.registers[f"input_int_register_{k + self._offset}"])
 
-    def _doubles(self, first: int, count: int) -> np.ndarray:
-        return self._registers.doubles(first + self._offset, count)
+    def _doubles(self, first: int, count: int) -> Array:
+        names = (f"input_double_register_{first + k + self._offset}" for k in range(count))
+        return np.array([self.box.registers[name] for name in names])
 
     def _write(self, k: int, value: int) -> None:
-        self._registers.write_integer(k + self._offset, value)
-
-    def _answer(self, values: np.ndarray) -> None:
-        self._registers.write_doubles(self._offset, iter(values))
+        self.box.registers[f"output_int_register_{k + self._offset}"] = value
 
     # The commands
-
-    def nothing(self) -> None:
-        """Do nothing: no command, or one without a counterpart here."""
 
     def move_j(self) -> Program | None:
         """Move to joint angles."""
         *goal, speed, acceleration = self._doubles(0, 8)
         self._motion.movej(np.array(goal), speed, acceleration)
-        return self._start(urscript.wait_until_done(self._box))
+        return self._start(urscript.wait_until_done(self.box))
 
     def move_path(self) -> Program | None:
         """Move along the path that the client has inserted; blends are not emulated."""
-        return self._start(urscript.program(self._path, self._box))
+        return self._start(urscript.program(self._path, self.box))
 
     def servo_j(self) -> None:
         """Follow joint angles."""
@@ -135,110 +140,85 @@ class ControlScript:
         self._moves = None
         self._signal_progress(running=False)
         self._motion.stopj(self._doubles(0, 1)[0])
-        return urscript.wait_until_done(self._box)
-
-    def teach_mode(self) -> None:
-        """Let the arm be led by hand."""
-        self._box.arm.release()
+        return urscript.wait_until_done(self.box)
 
     def freedrive(self) -> None:
         """Let the arm be led by hand; along some axes only is not emulated."""
         if not all(self._integer(axis) for axis in range(1, 7)):
             raise UnsupportedCommandError("freedrive along some axes only is not emulated")
-        self._box.arm.release()
+        self.box.arm.release()
 
     def end_freedrive(self) -> Program:
         """Stay where the arm was led."""
-        self._box.hold()
-        return urscript.wait_until_done(self._box)
-
-    def get_freedrive_status(self) -> None:
-        """Answer that freedrive is possible: emulated joints are backdrivable in any posture."""
-        self._write(RESULT, 0)
+        self.box.hold()
+        return urscript.wait_until_done(self.box)
 
     def set_payload(self) -> None:
         """Declare a payload: mass and centre of mass."""
-        mass, *center = self._doubles(0, 4)
-        self._declare(mass, center, np.zeros(6))
+        self._declare(np.zeros(6))
 
     def set_target_payload(self) -> None:
         """Declare a payload: mass, centre of mass and inertia."""
+        self._declare(self._doubles(4, 6))
+
+    def _declare(self, inertia: Array) -> None:
         mass, *center = self._doubles(0, 4)
-        self._declare(mass, center, self._doubles(4, 6))
-
-    def _declare(self, mass: float, center: list[float], inertia: np.ndarray) -> None:
         payload = Payload(mass=mass, center_of_mass=tuple(center), inertia=tuple(inertia))
-        self._box.arm.declare(payload if mass else None)
-
-    def zero_force(self) -> None:
-        """Zero the wrist sensor."""
-        self._box.zero_force()
-
-    def protective_stop(self) -> None:
-        """Stop the arm."""
-        self._box.protective_stop("commanded by the program")
+        self.box.arm.declare(payload if mass else None)
 
     def set_watchdog(self) -> None:
         """Stop the program when the client stops writing."""
-        least = self._doubles(0, 1)[0]
         name = f"input_int_register_{self._offset}"
-        self._box.watchdog = Watchdog(name, least, self._box.time)
+        self.box.watchdog = Watchdog(name, 1 / self._doubles(0, 1)[0], self.box.time)
 
     def is_within_limits(self) -> None:
         """Answer whether joint angles are within the limits."""
-        limits = self._box.arm.rig.robot.position_limits()
-        self._write(RESULT, bool((np.abs(self._doubles(0, 6)) <= limits).all()))
+        limits = self.box.arm.rig.robot.position_limits()
+        self.write_result(bool((np.abs(self._doubles(0, 6)) <= limits).all()))
 
-    def is_steady(self) -> None:
-        """Answer whether the arm is at rest."""
-        self._write(RESULT, not self._motion.moving)
+    def outputs(self, name: str) -> Array:
+        """Return an output of the controller (6,)."""
+        return np.asarray(self.box.outputs[name])
 
-    def get_step_time(self) -> None:
-        """Answer the cycle [s]."""
-        self._answer(np.array([self._box.cycle]))
+    def write_result(self, value: int) -> None:
+        """Answer an integer."""
+        self._write(RESULT, value)
 
-    def get_joint_torques(self) -> None:
-        """Answer the torques of the joints [Nm]."""
-        self._answer(np.asarray(self._box.outputs["actual_current_as_torque"]))
-
-    def get_pose(self) -> None:
-        """Answer the pose of the flange, which is that of the tool."""
-        self._answer(np.asarray(self._box.outputs["actual_TCP_pose"]))
-
-    def get_tool_offset(self) -> None:
-        """Answer the pose of the tool in the flange's frame."""
-        self._answer(np.zeros(6))
+    def answer(self, *values: float) -> None:
+        """Answer doubles."""
+        for k, value in enumerate(values, self._offset):
+            self.box.registers[f"output_double_register_{k}"] = float(value)
 
 
 Handler = Callable[[ControlScript], Program | None]
 
 REALTIME = (9, 11, 26, 38, 58)
 HANDLERS: dict[int, Handler] = {
-    0: ControlScript.nothing,
+    0: lambda _: None,
     1: ControlScript.move_j,
-    8: ControlScript.zero_force,
+    8: lambda script: script.box.zero_force(),
     9: ControlScript.speed_j,
     11: ControlScript.servo_j,
     15: ControlScript.stop_motion,  # speedStop
     16: ControlScript.stop_motion,  # servoStop
     17: ControlScript.set_payload,
-    18: ControlScript.teach_mode,
+    18: lambda script: script.box.arm.release(),  # teachMode
     19: ControlScript.end_freedrive,  # endTeachMode
-    26: ControlScript.get_step_time,
-    29: ControlScript.nothing,  # setTcp
-    31: ControlScript.protective_stop,
+    26: lambda script: script.answer(script.box.cycle),  # getStepTime
+    29: lambda _: None,  # setTcp
+    31: lambda script: script.box.protective_stop("commanded by the program"),
     33: ControlScript.stop_motion,  # stopL
     34: ControlScript.stop_motion,  # stopJ
     35: ControlScript.set_watchdog,
     37: ControlScript.is_within_limits,
-    38: ControlScript.get_joint_torques,
-    40: ControlScript.get_tool_offset,
-    43: ControlScript.get_pose,
+    38: lambda script: script.answer(*script.outputs("actual_current_as_torque")),
+    40: lambda script: script.answer(*np.zeros(6)),  # getTCPOffset
+    43: lambda script: script.answer(*script.outputs("actual_TCP_pose")),
     45: ControlScript.move_path,
-    47: ControlScript.is_steady,
+    47: lambda script: script.write_result(not script.box.arm.motion.moving),  # isSteady
     52: ControlScript.freedrive,
     53: ControlScript.end_freedrive,
-    54: ControlScript.get_freedrive_status,
-    58: ControlScript.get_pose,
+    54: lambda script: script.write_result(0),  # freedrive is possible in any posture
+    58: lambda script: script.answer(*script.outputs("actual_TCP_pose")),
     65: ControlScript.set_target_payload,
 }

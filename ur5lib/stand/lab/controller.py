@@ -6,13 +6,17 @@ clients and plain sockets expect them; behind them the simulated arm moves in re
 
 import asyncio
 import contextlib
+import inspect
 import multiprocessing
 import selectors
 import signal
 import socket
+import struct
 import time
-from collections.abc import Callable
+from asyncio import StreamReader, StreamWriter
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass, replace
+from functools import partial
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
@@ -21,19 +25,20 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.stand.lab import dashboard_server
 from ur5lib.stand.lab.control_box import ControlBox
-from ur5lib.stand.lab.dashboard_server import DashboardClient
+from ur5lib.stand.lab.control_script import run_programs
+from ur5lib.stand.lab.delivery import Faults
+from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.lab.realtime_server import RealtimeServer
 from ur5lib.stand.lab.rtde_server import RtdeServer
-from ur5lib.stand.lab.script_port import ScriptClient
-from ur5lib.stand.lab.stream_faults import StreamFaults
 from ur5lib.stand.lab.truth import Truth
-from ur5lib.stand.plan import Contact, SimulatedRecording, Standstill
-from ur5lib.timeseries.arrays import Array
+from ur5lib.stand.plan import SimulatedRecording, Standstill
 
 HOST = "127.0.0.1"
 STARTS = 60.0  # s within which the process of a controller must answer
+LONGEST = 1 << 24  # bytes of a line that a client sends
 STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))
 
 
@@ -56,37 +61,11 @@ class Ports:
             return cls(*(free.getsockname()[1] for free in sockets))
 
 
-@dataclass(frozen=True)
-class Generation:
-    """A generation of controllers: software, rate [Hz], size of port 30003's messages [bytes]."""
+# Generations of controllers: software, rate [Hz], size of port 30003's messages [bytes].
+CB3: dict[str, Any] = {"software": (3, 15, 8, 106339), "rate": 125, "message": 1140}
+E_SERIES: dict[str, Any] = {"software": (5, 11, 1, 108318), "rate": 500, "message": 1220}
 
-    software: tuple[int, int, int, int]
-    rate: int
-    message: int
-
-
-CB3 = Generation((3, 15, 8, 106339), 125, 1140)
-E_SERIES = Generation((5, 11, 1, 108318), 500, 1220)
-
-
-@dataclass(frozen=True)
-class ControllerClock:
-    """The controller's clock: host = start + (1 + drift) (stamp − uptime), all in [s].
-
-    host: time.monotonic; stamp: the controller's `timestamp`; uptime: its value at the start.
-    """
-
-    start: float
-    uptime: float
-    drift: float
-
-    def host(self, stamp: Array | float) -> Array | float:
-        """Return the host's time of the controller's timestamps."""
-        return self.start + (1 + self.drift) * (stamp - self.uptime)
-
-    def stamp(self, host: float) -> float:
-        """Return the controller's timestamp at a time of the host [s]."""
-        return self.uptime + (host - self.start) / (1 + self.drift)
+Service = Callable[[StreamReader, StreamWriter], Coroutine[Any, Any, None]]
 
 
 @dataclass(frozen=True)
@@ -94,19 +73,18 @@ class Setup:
     """The settings of an emulated controller.
 
     plan: payload, temperatures, contacts and sensors of the arm, which starts at rest where the
-    plan's trajectory starts; rate: [Hz], of its cycle; message: size of port 30003's messages
-    [bytes]; uptime: [s], at the start; drift_ppm: of its clock, positive: slow; seed: of the noise.
+    plan's trajectory starts; software: major, minor, bugfix, build; rate: [Hz], of its cycle;
+    message: size of port 30003's messages [bytes]; seed: of the noise.
     """
 
     robot: Robot
     plan: SimulatedRecording
-    rate: int
     software: tuple[int, int, int, int]
+    rate: int
     message: int
     ports: Ports = Ports()
-    faults: StreamFaults = StreamFaults()
-    uptime: float = 4096.0
-    drift_ppm: float = 0.0
+    faults: Faults = Faults()
+    clock: Clock = Clock(offset_s=4096.0)
     seed: int = 0
 
 
@@ -118,17 +96,12 @@ class EmulatedController:
     """
 
     def __init__(
-        self,
-        robot: str | Robot = "ur5e",
-        rate: int | None = None,
-        plan: SimulatedRecording = STILL,
-        **options: Any,
+        self, robot: str | Robot = "ur5e", plan: SimulatedRecording = STILL, **options: Any
     ) -> None:
-        """robot: or its name; rate: [Hz], None for that of its generation; options: see Setup."""
+        """robot: or its name; options: of Setup; default: those of the arm's generation."""
         arm = load_robot(robot_path(robot)) if isinstance(robot, str) else robot
         generation = E_SERIES if arm.wrist_sensor else CB3
-        setup = Setup(arm, plan, rate or generation.rate, generation.software, generation.message)
-        self.setup = replace(setup, **options)
+        self.setup = Setup(arm, plan, **generation | options)
 
     def __enter__(self) -> Self:
         """Start; returns when all ports are open and the clock runs."""
@@ -140,8 +113,7 @@ class EmulatedController:
         )
         self._process.start()
         far_end.close()
-        start = self._answer(STARTS)
-        self.clock = ControllerClock(start, self.setup.uptime, 1e-6 * self.setup.drift_ppm)
+        self.clock = replace(self.setup.clock, start=self._answer())
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -151,41 +123,14 @@ class EmulatedController:
         self._line.close()
         Path(self.truth.path).unlink(missing_ok=True)
 
-    def touch(self, contact: Contact) -> None:
-        """Add a contact with the arm; its start counts from the controller's start."""
-        self._ask("touch", contact)
-
-    def time(self) -> float:
-        """Return the time since the start, by the controller's clock [s]."""
-        return float(self._ask("time"))
-
-    def protective_stop(self) -> None:
-        """Stop the arm as a collision would."""
-        self._ask("protective_stop")
-
-    def unlock(self) -> bool:
-        """Release a protective stop, unless the arm still brakes; return whether it is released."""
-        return bool(self._ask("unlock"))
-
-    def die(self) -> None:
-        """Close all connections and ports, as when the power fails; the arm stands still."""
-        self._ask("die")
-
-    def come_back(self) -> None:
-        """Open the ports again."""
-        self._ask("come_back")
-
-    def freeze(self, frozen: bool = True) -> None:
-        """Keep the connections and send nothing; False: send again."""
-        self._ask("freeze", frozen)
-
-    def _ask(self, order: str, *arguments: Any) -> Any:
+    def ask(self, order: str, *arguments: Any) -> Any:
+        """Give the controller an order of `_Controller.orders`, and return its answer."""
         self._line.send((order, *arguments))
-        return self._answer(STARTS)
+        return self._answer()
 
-    def _answer(self, patience: float) -> Any:
-        if not self._line.poll(patience):
-            raise TimeoutError(f"the emulated controller does not answer within {patience:g} s")
+    def _answer(self) -> Any:
+        if not self._line.poll(STARTS):
+            raise TimeoutError(f"the emulated controller does not answer within {STARTS:g} s")
         answer = self._line.recv()
         if isinstance(answer, InputError):
             self.__exit__()
@@ -205,13 +150,24 @@ class _Controller:
 
     def __init__(self, setup: Setup, truth: Truth, line: Connection) -> None:
         self._setup, self._truth, self._line = setup, truth, line
-        random = np.random.default_rng(setup.seed).spawn(4)
+        random = np.random.default_rng(setup.seed).spawn(2)
         arm = LiveArm(setup.robot, setup.plan, truth, random[0])
-        self._box = ControlBox(arm, setup.software, 1 / setup.rate, setup.uptime, random[1])
-        self._rtde = RtdeServer(self._box, setup.faults, random[2])
-        self._realtime = RealtimeServer(self._box, setup.message, setup.faults, random[3])
+        software, uptime = setup.software, setup.clock.offset_s
+        self._box = box = ControlBox(arm, software, 1 / setup.rate, uptime, random[1])
+        self._rtde = RtdeServer(box, setup.faults)
+        self._realtime = RealtimeServer(box, setup.message, setup.faults)
         self._servers: list[asyncio.Server] = []
+        self._clients: set[StreamWriter] = set()
         self._frozen = False
+        self.orders: dict[str, Callable[..., Any]] = {
+            "touch": arm.touch,  # add a contact, whose start counts from the controller's start
+            "time": lambda: box.time,  # since the start, by the controller's clock [s]
+            "stop": lambda: box.protective_stop("collision"),
+            "unlock": box.unlock,  # answers whether the stop is released
+            "die": self._die,  # as when the power fails; the arm stands still
+            "come back": self._open,
+            "freeze": self._freeze,  # True: keep the connections and send nothing
+        }
 
     async def run(self) -> None:
         """Run until the process that holds the other end of the line is gone."""
@@ -222,21 +178,21 @@ class _Controller:
         except InputError as error:
             self._line.send(error)
             return
-        start = time.monotonic()
-        self._truth.begin(start, 1 + 1e-6 * self._setup.drift_ppm)
-        self._line.send(start)
+        clock = self._setup.clock.begun()
+        self._truth.begin(clock.start, clock.scale)
+        self._line.send(clock.start)
         loop.add_reader(self._line.fileno(), self._obey, gone)
-        pace = loop.create_task(self._pace(start))
+        pace = loop.create_task(self._pace(clock))
         await asyncio.wait({gone, pace}, return_when=asyncio.FIRST_COMPLETED)
         if pace.done():
             pace.result()  # raises the error that ended it
 
-    async def _pace(self, start: float) -> None:
+    async def _pace(self, clock: Clock) -> None:
         """Publish each cycle when its time has come, then compute the next one."""
-        period = (1 + 1e-6 * self._setup.drift_ppm) * self._box.cycle
         cycle = 0
         while True:
-            await asyncio.sleep(max(0.0, start + cycle * period - time.monotonic()))
+            due = clock.start + clock.scale * cycle * self._box.cycle
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
             if not self._frozen:
                 self._rtde.publish(cycle)
                 self._realtime.publish()
@@ -244,21 +200,31 @@ class _Controller:
             cycle += 1
 
     async def _open(self) -> None:
+        """Open the ports."""
         ports, box = self._setup.ports, self._box
-        services: dict[int, Callable[[], asyncio.Protocol]] = {
-            ports.rtde: self._rtde.connect,
-            ports.realtime: self._realtime.connect,
-            ports.secondary: lambda: ScriptClient(box),
-            ports.dashboard: lambda: DashboardClient(box),
+        services: dict[int, Service] = {
+            ports.rtde: self._rtde.serve,
+            ports.realtime: self._realtime.serve,
+            ports.secondary: lambda reader, _: run_programs(box, reader),
+            ports.dashboard: partial(dashboard_server.serve, box),
         }
-        loop = asyncio.get_running_loop()
         for port, service in services.items():
+            client = partial(self._serve, service)
             try:
-                self._servers.append(await loop.create_server(service, HOST, port))
+                server = await asyncio.start_server(client, HOST, port, limit=LONGEST)
             except OSError as error:
                 raise InputError(
                     f"port {port} of {HOST} is taken: is another emulated controller running?"
                 ) from error
+            self._servers.append(server)
+
+    async def _serve(self, service: Service, reader: StreamReader, writer: StreamWriter) -> None:
+        """Serve a client until it hangs up, or sends an impossible package, line or name."""
+        self._clients.add(writer)
+        with contextlib.suppress(OSError, EOFError, ValueError, OverflowError, struct.error):
+            await service(reader, writer)
+        self._clients.discard(writer)
+        writer.close()
 
     def _obey(self, gone: "asyncio.Future[None]") -> None:
         try:
@@ -269,28 +235,17 @@ class _Controller:
         asyncio.get_running_loop().create_task(self._carry_out(order, arguments))
 
     async def _carry_out(self, order: str, arguments: list[Any]) -> None:
-        answer: Any = None
-        match order:
-            case "touch":
-                self._box.arm.touch(*arguments)
-            case "time":
-                answer = self._box.time
-            case "protective_stop":
-                self._box.protective_stop("collision")
-            case "unlock":
-                answer = self._box.unlock()
-            case "die":
-                self._die()
-            case "come_back":
-                await self._open()
-            case "freeze":
-                (self._frozen,) = arguments
-        self._line.send(answer)
+        answer = self.orders[order](*arguments)
+        self._line.send(await answer if inspect.isawaitable(answer) else answer)
+
+    def _freeze(self, frozen: bool) -> None:
+        self._frozen = frozen
 
     def _die(self) -> None:
+        """Close all connections and ports."""
         self._box.stop()
         for server in self._servers:
             server.close()
         self._servers.clear()
-        for connection in set(self._box.connections):
-            connection.abort()
+        for client in self._clients:
+            client.transport.abort()

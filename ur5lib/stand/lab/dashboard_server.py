@@ -3,43 +3,23 @@
 Source: Universal Robots' dashboard server guide, CB-Series and e-Series.
 """
 
-import asyncio
+from asyncio import StreamReader, StreamWriter
 from collections.abc import Callable, Iterator
 
-from ur5lib.stand.lab.connection import Connection
 from ur5lib.stand.lab.control_box import ControlBox, RobotMode, RuntimeState, SafetyMode
 
 WELCOME = "Connected: Universal Robots Dashboard Server"
 SERIAL_NUMBER = "20260000001"
-PROGRAM_STATES = {
-    RuntimeState.STOPPED: "STOPPED",
-    RuntimeState.PLAYING: "PLAYING",
-    RuntimeState.PAUSED: "PAUSED",
-}
 
 
-class DashboardClient(Connection):
-    """One client's connection."""
-
-    def __init__(self, box: ControlBox) -> None:
-        super().__init__(box)
-        self._text = ""
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Send the welcome line."""
-        super().connection_made(transport)
-        self._send(WELCOME)
-
-    def data_received(self, data: bytes) -> None:
-        """Answer all complete lines."""
-        *lines, self._text = (self._text + data.decode("utf-8", "replace")).split("\n")
-        for line in lines:
-            self._send(answer(line.strip(), self.box))
-            if line.strip() in ("quit", "shutdown"):
-                self.transport.close()
-
-    def _send(self, text: str) -> None:
-        self.transport.write(f"{text}\n".encode())
+async def serve(box: ControlBox, reader: StreamReader, writer: StreamWriter) -> None:
+    """Answer all lines of a client until it hangs up or quits."""
+    writer.write(f"{WELCOME}\n".encode())
+    while data := await reader.readline():
+        line = data.decode("utf-8", "replace").strip()
+        writer.write(f"{answer(line, box)}\n".encode())
+        if line in ("quit", "shutdown"):
+            return
 
 
 def answer(line: str, box: ControlBox) -> str:
@@ -50,34 +30,6 @@ def answer(line: str, box: ControlBox) -> str:
         if line.startswith(f"{start} "):
             return command(box, line.removeprefix(start).strip())
     return f"could not understand: '{line}'"
-
-
-def _robot_mode(box: ControlBox) -> str:
-    return f"Robotmode: {box.robot_mode.name}"
-
-
-def _safety_mode(box: ControlBox) -> str:
-    return f"Safetymode: {box.safety_mode.name}"
-
-
-def _safety_status(box: ControlBox) -> str:
-    return f"Safetystatus: {box.safety_mode.name}"
-
-
-def _program_state(box: ControlBox) -> str:
-    return f"{PROGRAM_STATES[box.state]} {box.loaded or '<unnamed>'}"
-
-
-def _running(box: ControlBox) -> str:
-    return f"Program running: {str(box.state == RuntimeState.PLAYING).lower()}"
-
-
-def _version(box: ControlBox) -> str:
-    return "URSoftware {}.{}.{}.{} (Jan 01 2024)".format(*box.software)
-
-
-def _model(box: ControlBox) -> str:
-    return box.arm.rig.robot.name.upper().removesuffix("E")
 
 
 def _power_on(box: ControlBox) -> str:
@@ -144,34 +96,30 @@ def _log(box: ControlBox, text: str) -> str:
     return "Added log message"
 
 
-def _fixed(text: str) -> Callable[[ControlBox], str]:
-    return lambda _: text
-
-
 COMMANDS: dict[str, Callable[[ControlBox], str]] = {
-    "robotmode": _robot_mode,
-    "safetymode": _safety_mode,
-    "safetystatus": _safety_status,
-    "programState": _program_state,
-    "running": _running,
-    "PolyscopeVersion": _version,
-    "get robot model": _model,
-    "get serial number": _fixed(SERIAL_NUMBER),
+    "robotmode": lambda box: f"Robotmode: {box.robot_mode.name}",
+    "safetymode": lambda box: f"Safetymode: {box.safety_mode.name}",
+    "safetystatus": lambda box: f"Safetystatus: {box.safety_mode.name}",
+    "programState": lambda box: f"{box.state.name} {box.loaded or '<unnamed>'}",
+    "running": lambda box: f"Program running: {str(box.state == RuntimeState.PLAYING).lower()}",
+    "PolyscopeVersion": lambda box: "URSoftware {}.{}.{}.{} (Jan 01 2024)".format(*box.software),
+    "get robot model": lambda box: box.arm.rig.robot.name.upper().removesuffix("E"),
+    "get serial number": lambda _: SERIAL_NUMBER,
     "get loaded program": _loaded,
-    "is in remote control": _fixed("true"),
+    "is in remote control": lambda _: "true",
     "isProgramSaved": lambda box: f"true {box.loaded}",
     "power on": _power_on,
     "power off": _power_off,
     "brake release": _brake_release,
     "unlock protective stop": _unlock,
-    "close safety popup": _fixed("closing safety popup"),
-    "restart safety": _fixed("Restarting safety"),
-    "close popup": _fixed("closing popup"),
+    "close safety popup": lambda _: "closing safety popup",
+    "restart safety": lambda _: "Restarting safety",
+    "close popup": lambda _: "closing popup",
     "play": _play,
     "stop": _stop,
     "pause": _pause,
-    "quit": _fixed("Disconnected"),
-    "shutdown": _fixed("Shutting down"),
+    "quit": lambda _: "Disconnected",
+    "shutdown": lambda _: "Shutting down",
 }
 WITH_ARGUMENT: dict[str, Callable[[ControlBox, str], str]] = {
     "load": _load,

@@ -2,9 +2,12 @@
 
 import heapq
 import random
+import time
+from asyncio import StreamWriter
 from dataclasses import dataclass
 
 REST = 0.003  # s, until the second part of a split packet follows
+BACKLOG = 1 << 16  # bytes unread by a client, beyond which it is sent no more
 
 
 @dataclass(frozen=True)
@@ -90,3 +93,24 @@ class Delivery:
             when = self._latest = max(when, self._latest)
         heapq.heappush(self._queue, (when, self._parts, sample, part))
         self._parts += 1
+
+
+class FaultyStream:
+    """The packets of a controller to one client."""
+
+    def __init__(self, writer: StreamWriter, faults: Faults) -> None:
+        self._writer, self._delivery = writer, Delivery(faults, is_stream=True)
+
+    def send(self, packet: bytes) -> None:
+        """Send a packet, unless a fault hits it or the client does not read.
+
+        Late packets and second parts of split ones are sent with a later packet.
+        """
+        if self._writer.transport.get_write_buffer_size() <= BACKLOG:
+            now = time.monotonic()
+            self._delivery.put(0, packet, now)
+            self._writer.write(b"".join(self._delivery.take(now)))
+
+    def write(self, packet: bytes) -> None:
+        """Send a packet that no fault hits, after those in transmission."""
+        self._writer.write(b"".join([*self._delivery.take(float("inf")), packet]))

@@ -1,19 +1,50 @@
-"""The thread of an emulated device: sleeps until a sample is due or a request arrives."""
+"""An emulated device: its clock, and the thread that samples and answers requests."""
 
+import math
 import select
 import threading
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Self
 
 from ur5lib.stand.lab.delivery import Delivery, Faults
-from ur5lib.stand.lab.device_clock import DeviceClock, Drift
 from ur5lib.timeseries.arrays import Array
 
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together
 HASTE = 3  # times the rate, at most, at which samples are sent after the computer was busy
 Reading = Callable[[float], Array]  # of the host's monotonic time [s]
+
+
+@dataclass(frozen=True)
+class Clock:
+    """A device's clock: t_host = start + (1 + drift) (t_device − offset).
+
+    offset_s: its time when the device is switched on [s]; drift_ppm: positive: slow; start: when
+    the device is switched on [s, the host's time.monotonic].
+    """
+
+    offset_s: float = 0.0
+    drift_ppm: float = 0.0
+    start: float = 0.0
+
+    @property
+    def scale(self) -> float:
+        """Return the host's seconds per second of the clock."""
+        return 1 + 1e-6 * self.drift_ppm
+
+    def begun(self) -> Self:
+        """Return the clock of a device that is switched on now."""
+        return replace(self, start=time.monotonic())
+
+    def host(self, shown: float) -> float:
+        """Return the host's time [s] at which the clock shows `shown` [s]."""
+        return self.start + self.scale * (shown - self.offset_s)
+
+    def shown(self, host: float) -> float:
+        """Return the clock's time at a time of the host [s]."""
+        return self.offset_s + (host - self.start) / self.scale
 
 
 class Emulated(ABC):
@@ -25,17 +56,17 @@ class Emulated(ABC):
 
     is_stream: bool
 
-    def __init__(self, reading: Reading, rate_hz: float, drift: Drift, faults: Faults) -> None:
+    def __init__(self, reading: Reading, rate_hz: float, clock: Clock, faults: Faults) -> None:
         self.reading, self.rate_hz = reading, rate_hz
-        self.drift, self.faults = drift, faults
+        self.clock, self.faults = clock, faults
         self.delivery = Delivery(faults, self.is_stream)
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> Self:
         """Switch on."""
-        self._born = time.monotonic()
-        self.clock = DeviceClock(self.rate_hz, self.drift)
+        self.clock = self.clock.begun()
+        self._born = self.clock.start
         self._thread.start()
         return self
 
@@ -48,6 +79,14 @@ class Emulated(ABC):
     def is_powered(self) -> bool:
         """Return whether the device works; without power it neither sends nor answers."""
         return self.faults.powered(time.monotonic() - self._born)
+
+    def shown(self, sample: int) -> float:
+        """Return the time of a sample, counted from 0, by the device's clock [s]."""
+        return self.clock.offset_s + sample / self.rate_hz
+
+    def instant(self, sample: int) -> float:
+        """Return the host's time of a sample [s]."""
+        return self.clock.host(self.shown(sample))
 
     @abstractmethod
     def line(self) -> int:
@@ -76,11 +115,11 @@ class Emulated(ABC):
     def _run(self) -> None:
         sampled, powered = 0, True
         while not self._stopped.is_set():
-            wait = max(self.clock.instant(sampled) - time.monotonic(), NAP)
+            wait = max(self.instant(sampled) - time.monotonic(), NAP)
             asked = bool(select.select([self.line()], [], [], wait)[0])
             before, powered = powered, self.is_powered()
             if powered and not before:
-                self.clock, sampled = DeviceClock(self.rate_hz, self.drift), 0
+                self.clock, sampled = self.clock.begun(), 0
                 self.delivery.forget()
                 self.restart()
             if asked:
@@ -90,12 +129,12 @@ class Emulated(ABC):
 
     def _sample(self, first: int, now: float) -> int:
         """Send the samples that are due; return the number of the next one."""
-        count_max = 1 + round(HASTE * self.rate_hz * NAP)
-        end = min(self.clock.count(now), first + count_max)
+        due = math.floor((self.clock.shown(now) - self.clock.offset_s) * self.rate_hz) + 1
+        end = min(due, first + 1 + round(HASTE * self.rate_hz * NAP))
         for sample in range(first, end):
             packet = self.packet(sample)
             if packet is not None:
-                self.delivery.put(sample, packet, self.clock.instant(sample))
+                self.delivery.put(sample, packet, self.instant(sample))
         for part in self.delivery.take(now):
             self.send(part)
         return end

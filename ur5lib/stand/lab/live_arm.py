@@ -1,23 +1,26 @@
-"""The simulated arm, advanced as time passes."""
+"""The simulated arm, advanced as time passes, and its motion under URScript's commands."""
 
-from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
+from itertools import count
 
 import mujoco
 import numpy as np
 
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.stand.arm import build_arm
+from ur5lib.stand.controller import WINDOW
 from ur5lib.stand.friction import USUAL
-from ur5lib.stand.lab.motion import JointMotion
-from ur5lib.stand.lab.truth import COLUMNS, WIDTH, Truth
+from ur5lib.stand.lab.truth import Truth
 from ur5lib.stand.plan import Contact, Imu, SimulatedRecording
-from ur5lib.stand.rig import SETTLE, STEP, build_rig
-from ur5lib.stand.trajectories import plan_targets
+from ur5lib.stand.rig import SETTLE, STATE, STEP, Target, as_rows, build_rig, step_times
+from ur5lib.stand.trajectories import leg, plan_targets
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.profiles import duration
 
-KEPT = 5  # last states, from which the controller computes velocities
+REST = np.zeros(6)
+KEPT = WINDOW + 1  # last states, from which the controller computes velocities
 TOLERANCE = 1.02  # factor of the limits of position and speed, up to which targets may go
 FOLLOWING_ERROR = 0.1  # rad; a larger deviation from the target stops the arm
 
@@ -26,7 +29,7 @@ class LiveArm:
     """An arm that follows the commands of its `motion`, step by step.
 
     It starts at rest where the trajectory of its plan starts; the plan's contacts and warming count
-    from there. states: the last states (up to KEPT, WIDTH); time: [s] since the start.
+    from there. states: the last states (KEPT,); time: [s] since the start.
     """
 
     def __init__(
@@ -36,7 +39,8 @@ class LiveArm:
         self._bare, self._truth = robot, truth
         start = plan_targets(plan.trajectory, robot, np.zeros(1)).q[0]
         self.motion = JointMotion(start)
-        self.states: deque[Array] = deque(maxlen=KEPT)
+        self.states = np.zeros(KEPT, STATE)
+        self._rows = as_rows(self.states)
         self.rig.data.qpos, self.rig.data.time = start, -SETTLE * STEP
         for _ in range(SETTLE):
             self._step()
@@ -45,15 +49,6 @@ class LiveArm:
     def time(self) -> float:
         """Return the time since the start [s]."""
         return float(self.rig.data.time)
-
-    def state(self, name: str) -> Array:
-        """Return a quantity of `rig.PARTS` in the last state."""
-        return self.states[-1][COLUMNS[name]]
-
-    def warmth(self) -> float:
-        """Return the motors' temperature above the usual one [K]."""
-        plan = self.plan
-        return float(np.interp(self.time, [0.0, plan.seconds], plan.temperature_c)) - USUAL
 
     def advance(self, steps: int) -> None:
         """Advance by some steps, and write them to the truth."""
@@ -86,7 +81,7 @@ class LiveArm:
                 return f"position limit of joint {joint + 1}"
             if abs(target.qd[joint]) > TOLERANCE * speeds[joint]:
                 return f"speed limit of joint {joint + 1}"
-        off = np.abs(target.q - self.state("q"))
+        off = np.abs(target.q - self.states["q"][-1])
         return f"joint {off.argmax() + 1} off its path" if off.max() > FOLLOWING_ERROR else ""
 
     @cached_property
@@ -95,6 +90,107 @@ class LiveArm:
         return self._bare.position_limits(), [motor.velocity_max for motor in motors]
 
     def _step(self) -> None:
-        row = np.empty(WIDTH)
-        self.rig.step(self.motion.step(), self.warmth(), row)
-        self.states.append(row)
+        warmth = float(self.plan.temperature(self.time)) - USUAL
+        self._rows[:-1] = self._rows[1:]
+        self.rig.step(self.motion.step(), warmth, self._rows[-1])
+
+
+class JointMotion:
+    """The motion of the joints' targets under one command at a time.
+
+    q, qd, qdd: the present targets (6,) [rad, rad/s, rad/s²]; moving: whether a command has not
+    ended. Commands raise ValueError where a speed, an acceleration or a time is not positive.
+    """
+
+    def __init__(self, q: Array) -> None:
+        """q: where the joints rest at first (6,) [rad]."""
+        self.q, self.qd, self.qdd = q, REST, REST
+        self._rows: Iterator[Target] = iter(())
+        self.moving = False
+        self._goal, self._rate, self._gain = q, 0.0, 0.0
+        self._kind = ""
+
+    def step(self) -> Target:
+        """Return the targets of the next step."""
+        row = next(self._rows, None)
+        if row is None:
+            self.moving, self._kind = False, ""
+            row = self.q, REST, REST
+        self.q, self.qd, self.qdd = row
+        return row
+
+    def movej(self, goal: Array, speed: float, acceleration: float) -> None:
+        """Move to the angles `goal` (6,) [rad]; joints start and stop together.
+
+        speed [rad/s], acceleration [rad/s²]: of the joint with the longest way.
+        """
+        _expect_positive(speed, acceleration)
+        self._start("movej", self._move(goal, speed, acceleration))
+
+    def stopj(self, deceleration: float) -> None:
+        """Brake all joints; deceleration [rad/s²]: of the fastest one."""
+        _expect_positive(deceleration)
+        self._start("stopj", self._brake(deceleration))
+
+    def servoj(self, goal: Array, lookahead: float) -> None:
+        """Follow the angles `goal` (6,) [rad], which may be renewed at any time.
+
+        lookahead [s]: how far the arm lags behind a goal of constant speed.
+        """
+        _expect_positive(lookahead)
+        self._goal, self._rate = goal, 2 / lookahead
+        if self._kind != "servoj":
+            self._start("servoj", self._follow())
+
+    def speedj(self, speeds: Array, acceleration: float) -> None:
+        """Move at joint speeds (6,) [rad/s], which may be renewed; acceleration [rad/s²]."""
+        _expect_positive(acceleration)
+        self._goal, self._gain = speeds, acceleration
+        if self._kind != "speedj":
+            self._start("speedj", self._run())
+
+    def freedrive(self, actual: Callable[[], tuple[Array, Array]]) -> None:
+        """Follow the joints wherever they are pushed, as in freedrive.
+
+        actual: returns their angles and speeds (6,) [rad, rad/s].
+        """
+        self._start("freedrive", ((*actual(), REST) for _ in count()))
+
+    def _start(self, kind: str, rows: Iterator[Target]) -> None:
+        self._kind, self._rows, self.moving = kind, rows, True
+
+    def _brake(self, deceleration: float) -> Iterator[Target]:
+        q, qd = self.q, self.qd
+        seconds = np.abs(qd).max() / deceleration
+        for k in range(1, int(np.ceil(seconds / STEP)) + 1):
+            passed = min(k * STEP, seconds)
+            remaining = 1 - passed / seconds
+            yield q + qd * (1 + remaining) / 2 * passed, qd * remaining, -qd / seconds
+
+    def _move(self, goal: Array, speed: float, acceleration: float) -> Iterator[Target]:
+        yield from self._brake(acceleration)
+        if (goal == self.q).all():
+            return
+        seconds = duration(goal - self.q, speed, acceleration)[2]
+        time = step_times(int(np.ceil(seconds / STEP)) + 1)[1:]
+        move = leg(time, self.q, goal, speed, acceleration)
+        yield from zip(move.q, move.qd, move.qdd, strict=True)
+
+    def _follow(self) -> Iterator[Target]:
+        """Approach the goal like a critically damped spring, which lags by 2/rate."""
+        while True:
+            qdd = self._rate * (self._rate * (self._goal - self.q) - 2 * self.qd)
+            qd = self.qd + STEP * qdd
+            yield self.q + STEP * qd, qd, qdd
+
+    def _run(self) -> Iterator[Target]:
+        while True:
+            missing = self._goal - self.qd
+            largest = np.abs(missing).max()
+            qd = self.qd + missing * min(1.0, self._gain * STEP / largest if largest else 1.0)
+            yield self.q + STEP * qd, qd, (qd - self.qd) / STEP
+
+
+def _expect_positive(*values: float) -> None:
+    if not all(0 < value < np.inf for value in values):
+        raise ValueError("speeds, accelerations and times must be positive")

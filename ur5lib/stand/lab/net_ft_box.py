@@ -13,8 +13,7 @@ from typing import Self
 import numpy as np
 
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.device_clock import Drift
-from ur5lib.stand.lab.emulated import Emulated, Reading
+from ur5lib.stand.lab.emulated import Clock, Emulated, Reading
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
@@ -48,7 +47,7 @@ class NetFTBox(Emulated):
         self,
         reading: Reading,
         rate_hz: float = 1000.0,
-        drift: Drift = Drift(),
+        clock: Clock = Clock(),
         faults: Faults = Faults(),
         force_unit: str = "N",
         torque_unit: str = "Nm",
@@ -57,7 +56,7 @@ class NetFTBox(Emulated):
         saturation: float = np.inf,
         serial_number: str = "FT00001",
     ) -> None:
-        super().__init__(reading, rate_hz, drift, faults)
+        super().__init__(reading, rate_hz, clock, faults)
         self._counts = np.repeat([force_counts, torque_counts], 3)
         self._saturation = saturation
         self._page = PAGE.format(
@@ -106,13 +105,13 @@ class NetFTBox(Emulated):
         """Return the record of a sample if somebody has asked for a stream."""
         if self._client is None or self._sequence == self._last:
             return None
-        true = self.reading(self.clock.instant(sample))
+        true = self.reading(self.instant(sample))
         if self._zero is None:
             self._zero = true
         clipped = np.clip(true[:3], -self._saturation, self._saturation)
         status = GAUGES_SATURATED if (clipped != true[:3]).any() else 0
         self._sequence += 1
-        internal = round(self.clock.shown(sample) * INTERNAL_RATE)
+        internal = round(self.shown(sample) * INTERNAL_RATE)
         wrench = np.concatenate([clipped, true[3:]])
         counts = np.rint((wrench - self._zero) * self._counts)
         numbers = [self._sequence, internal, status, *counts.clip(-LARGEST, LARGEST).astype(int)]

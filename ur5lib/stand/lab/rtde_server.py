@@ -4,18 +4,15 @@ Source: Universal Robots' guide to RTDE, protocol versions 1 and 2. A package is
 its kind (uint8) and its content, big-endian; texts list variables separated by commas.
 """
 
-import asyncio
 import struct
+from asyncio import StreamReader, StreamWriter
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, exists, layout, size
-from ur5lib.stand.lab.connection import Connection
+from ur5lib.robots.rtde_variables import FORMATS, INPUTS, OUTPUTS, exists, size
 from ur5lib.stand.lab.control_box import ControlBox
-from ur5lib.stand.lab.outputs import Outputs
-from ur5lib.stand.lab.stream_faults import FaultyStream, StreamFaults
+from ur5lib.stand.lab.delivery import Faults, FaultyStream
 
 HEADER = struct.Struct(">HB")
 VERSION, SOFTWARE, TEXT, DATA = b"VvMU"
@@ -24,45 +21,30 @@ INFO = 2  # level of a text message
 SOURCE = b"URControl"
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """The variables of a data package, in order.
-
-    layout: of the package; casts: conversion of each number to its type.
-    """
-
-    names: list[str]
-    sizes: list[int]
-    layout: struct.Struct
-    casts: list[type[int] | type[float]]
-
-
-def recipe(names: list[str], kinds: list[str]) -> Recipe:
-    """Return the recipe of variables of these types."""
-    sizes = [size(kind) for kind in kinds]
-    casts = [
-        float if kind in ("DOUBLE", "VECTOR3D", "VECTOR6D") else int
-        for kind, count in zip(kinds, sizes, strict=True)
-        for _ in range(count)
-    ]
-    return Recipe(names, sizes, layout(kinds), casts)
+def recipe(names: list[str], kinds: list[str]) -> np.dtype[np.void]:
+    """Return the layout of a data package with variables of these types: big-endian, no padding."""
+    pairs = zip(names, kinds, strict=True)
+    return np.dtype([(name, ">" + FORMATS[kind][-1], (size(kind),)) for name, kind in pairs])
 
 
 class RtdeServer:
     """All RTDE clients of one controller."""
 
-    def __init__(self, box: ControlBox, faults: StreamFaults, random: np.random.Generator) -> None:
-        self.box, self._faults, self._random = box, faults, random
+    def __init__(self, box: ControlBox, faults: Faults) -> None:
+        self.box, self._faults = box, faults
         self.clients: set[RtdeClient] = set()
         box.log.append(self._send_text)
 
-    def connect(self) -> "RtdeClient":
-        """Return the protocol of a new client."""
-        return RtdeClient(self)
-
-    def stream(self, transport: asyncio.Transport) -> FaultyStream:
-        """Return the stream of a client."""
-        return FaultyStream(transport, self._faults, self._random)
+    async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
+        """Answer the packages of a client, and send it data, until it hangs up."""
+        client = RtdeClient(self, FaultyStream(writer, self._faults))
+        self.clients.add(client)
+        try:
+            while True:
+                length, kind = HEADER.unpack(await reader.readexactly(HEADER.size))
+                client.handle(kind, await reader.readexactly(length - HEADER.size))
+        finally:
+            self.clients.discard(client)
 
     def publish(self, cycle: int) -> None:
         """Send the outputs of a cycle, by its number, to the clients that are due."""
@@ -78,16 +60,15 @@ class RtdeServer:
             client.send_text(text)
 
 
-class RtdeClient(Connection):
+class RtdeClient:
     """One client's connection."""
 
-    def __init__(self, server: RtdeServer) -> None:
-        super().__init__(server.box)
-        self._server = server
-        self._buffer, self._version, self._started = b"", 1, False
-        self._outputs: Recipe | None = None
+    def __init__(self, server: RtdeServer, stream: FaultyStream) -> None:
+        self.box, self._server, self._stream = server.box, server, stream
+        self._version, self._started = 1, False
+        self._outputs: np.dtype[np.void] | None = None
         self._every = 1  # cycles between data packages
-        self._recipes: list[Recipe] = []
+        self._recipes: list[np.dtype[np.void]] = []
         self._answers: dict[int, Callable[[bytes], bytes]] = {
             VERSION: self._negotiate,
             SOFTWARE: lambda _: struct.pack(">4I", *self.box.software),
@@ -100,55 +81,30 @@ class RtdeClient(Connection):
     @property
     def inputs(self) -> set[str]:
         """Return the inputs that this client writes."""
-        return {name for entry in self._recipes for name in entry.names}
+        return {name for recipe in self._recipes for name in recipe.names or ()}
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin."""
-        super().connection_made(transport)
-        self._stream = self._server.stream(self.transport)
-        self._server.clients.add(self)
-
-    def connection_lost(self, _: Exception | None) -> None:
-        """Forget the client."""
-        super().connection_lost(_)
-        self._server.clients.discard(self)
-
-    def data_received(self, data: bytes) -> None:
-        """Answer all complete packages."""
-        self._buffer += data
-        while len(self._buffer) >= HEADER.size:
-            length, kind = HEADER.unpack_from(self._buffer)
-            if length < HEADER.size:
-                self.transport.abort()
-                return
-            if len(self._buffer) < length:
-                return
-            content, self._buffer = self._buffer[HEADER.size : length], self._buffer[length:]
-            self._handle(kind, content)
+    def handle(self, kind: int, content: bytes) -> None:
+        """Answer a package."""
+        if kind == DATA:
+            self._write_inputs(content)
+        elif kind in self._answers:
+            self._stream.write(_package(kind, self._answers[kind](content)))
 
     def publish(self, cycle: int) -> None:
-        """Send the outputs of a cycle, if this client is due."""
+        """Send the outputs of a cycle, if this client is due; zero for those not emulated."""
         if self._outputs is None or not self._started or cycle % self._every:
             return
-        content = _packed(self._outputs, self.box.outputs)
-        self._stream.send(_package(DATA, b"\x01" * (self._version > 1) + content))
+        row, outputs = np.zeros((), self._outputs), self.box.outputs
+        for name in self._outputs.names or ():
+            row[name] = outputs.get(name, 0.0)
+        self._stream.send(_package(DATA, b"\x01" * (self._version > 1) + row.tobytes()))
 
     def send_text(self, text: str) -> None:
         """Send a text message."""
         if self._started and self._version > 1:
             message = text.encode()[:255]
             parts = bytes([len(message)]), message, bytes([len(SOURCE)]), SOURCE, bytes([INFO])
-            self._stream.flush()
-            self.transport.write(_package(TEXT, b"".join(parts)))
-
-    def _handle(self, kind: int, content: bytes) -> None:
-        if kind == DATA:
-            self._write_inputs(content)
-        elif kind in self._answers:
-            try:
-                self.transport.write(_package(kind, self._answers[kind](content)))
-            except (struct.error, OverflowError):  # a package that is cut, a frequency near zero
-                self.transport.abort()
+            self._stream.write(_package(TEXT, b"".join(parts)))
 
     def _negotiate(self, content: bytes) -> bytes:
         version = int.from_bytes(content, "big")
@@ -191,14 +147,14 @@ class RtdeClient(Connection):
         if not content or not 0 < content[0] <= len(self._recipes):
             return
         recipe = self._recipes[content[0] - 1]
-        if len(content) - 1 != recipe.layout.size:
+        if len(content) - 1 != recipe.itemsize:
             return
-        values = recipe.layout.unpack_from(content, 1)
-        if len(values) == len(recipe.names):  # vectors are accepted, but no register is one
-            self.box.registers.values.update(zip(recipe.names, values, strict=True))
+        row = np.frombuffer(content, recipe, offset=1)[0]
+        written = self.box.registers.keys() & set(recipe.names or ())  # no register is a vector
+        self.box.registers.update({name: row[name].item() for name in written})
         watchdog = self.box.watchdog
-        if watchdog is not None and watchdog.name in recipe.names:
-            watchdog.feed(self.box.time)
+        if watchdog is not None and watchdog.name in written:
+            watchdog.last = self.box.time
 
 
 def _names(content: bytes) -> list[str]:
@@ -207,12 +163,3 @@ def _names(content: bytes) -> list[str]:
 
 def _package(kind: int, content: bytes) -> bytes:
     return HEADER.pack(HEADER.size + len(content), kind) + content
-
-
-def _packed(recipe: Recipe, outputs: Outputs) -> bytes:
-    """Return outputs as a data package holds them; zero for those that are not emulated."""
-    numbers: list[float] = []
-    for name, count in zip(recipe.names, recipe.sizes, strict=True):
-        value = outputs.get(name, 0.0)
-        numbers += value.tolist() if isinstance(value, np.ndarray) else [value] * count
-    return recipe.layout.pack(*[cast(n) for cast, n in zip(recipe.casts, numbers, strict=True)])

@@ -1,23 +1,19 @@
 """The true motion and forces of an emulated arm, shared with other processes of the host."""
 
+import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
-from ur5lib.stand.rig import PARTS, STEP
-from ur5lib.stand.sensors import EARTH_FIELD
+from ur5lib.stand.plan import ForceSensor, Imu
+from ur5lib.stand.rig import STATE, STEP, States
+from ur5lib.stand.sensors import ImuReader, read_force
 from ur5lib.timeseries.arrays import Array
-
-ROWS = 16384  # of the last steps that are kept
-WIDTH = sum(PARTS.values())
-COLUMNS = dict(
-    zip(PARTS, np.split(np.arange(WIDTH), np.cumsum(list(PARTS.values()))[:-1]), strict=True)
-)
 
 
 class Truth:
-    """The last 16 seconds of an arm's true state, in a file that processes map into memory.
+    """The true states of an arm since it was switched on, in a file.
 
     One process writes; any other opens the same path. Its time is the host's time.monotonic.
     """
@@ -25,14 +21,14 @@ class Truth:
     def __init__(self, path: str | Path) -> None:
         """Open the file of an emulated arm; `Truth.new` makes one."""
         self.path = str(path)
-        rows = np.memmap(path, np.float64, "r+", shape=(ROWS + 1, WIDTH))
-        self._head, self._rows = rows[0], rows[1:]
+        self._file = Path(path).open("r+b", buffering=0)  # noqa: SIM115, open as long as this is
+        self._file.seek(0, os.SEEK_END)
 
     @classmethod
     def new(cls) -> "Truth":
         """Return an empty truth in a temporary file, which the caller deletes."""
         with tempfile.NamedTemporaryFile(suffix=".truth", delete=False) as file:
-            file.truncate((ROWS + 1) * WIDTH * 8)
+            file.truncate(STATE.itemsize)
         return cls(file.name)
 
     def __reduce__(self) -> tuple[type["Truth"], tuple[str]]:
@@ -40,58 +36,74 @@ class Truth:
 
     def begin(self, start: float, rate: float) -> None:
         """Set the time of the first step [s, host], and the host's seconds per simulated second."""
-        self._head[:2] = start, rate
+        os.pwrite(self._file.fileno(), np.array([start, rate]).tobytes(), 0)
 
-    def append(self, row: Array) -> None:
-        """Write the state of the next step, in the order of `rig.PARTS`."""
-        count = int(self._head[2])
-        self._rows[count % ROWS] = row
-        self._head[2] = count + 1
+    def append(self, states: States) -> None:
+        """Write the states of the next steps."""
+        self._file.write(states.tobytes())
 
     def latest(self) -> float:
         """Return the time of the last step [s, host]."""
-        start, rate, count = self._head[:3]
-        return float(start + rate * STEP * (count - 1))
+        start, rate = self._head()
+        return start + rate * STEP * (self._count() - 1)
 
-    def since(self, first: int) -> Array:
-        """Return the states of all steps from number `first` on (N, WIDTH), in rig.PARTS' order.
-
-        NaN for steps that are no longer in the file.
-        """
-        count = int(self._head[2])
-        steps = np.arange(first, count)
-        rows = self._rows[steps % ROWS].copy()
-        rows[steps <= int(self._head[2]) - ROWS] = np.nan
-        return rows
+    def states(self, first: int = 0, end: int | None = None) -> States:
+        """Return the states from step `first` to before step `end`, by default all."""
+        count = (self._count() if end is None else end) - first
+        place = (1 + first) * STATE.itemsize
+        return np.frombuffer(os.pread(self._file.fileno(), count * STATE.itemsize, place), STATE)
 
     def part(self, name: str, when: Array | float) -> Array:
-        """Return a quantity of `rig.PARTS` at times (...) [s, host]: (..., components).
+        """Return a quantity of `rig.STATE` at times (...) [s, host]: (..., components).
 
-        Interpolated between steps; times before or after those kept give the first or last one.
+        Interpolated between steps; times before the first or after the last one give that one.
         """
-        start, rate, count = self._head[:3]
-        step = (np.asarray(when, np.float64) - start) / (rate * STEP)
-        step = np.clip(step, max(0, count - ROWS + 2), count - 1)
-        before = np.clip(np.floor(step), 0, max(count - 2, 0)).astype(np.int64)
-        share = (step - before)[..., None]
-        rows = self._rows[:, COLUMNS[name][0] : COLUMNS[name][-1] + 1]
-        return np.asarray(
-            (1 - share) * rows[before % ROWS] + share * rows[(before + 1) % ROWS], np.float64
-        )
+        (start, rate), last = self._head(), self._count() - 1
+        step = np.clip((np.asarray(when, np.float64) - start) / (rate * STEP), 0, last)
+        before = np.floor(step).astype(np.int64)
+        after, share = np.minimum(before + 1, last), (step - before)[..., None]
+        first = int(before.min())
+        values = self.states(first, int(after.max()) + 1)[name]
+        return np.asarray((1 - share) * values[before - first] + share * values[after - first])
 
-    def force_sensor(self, when: Array | float) -> Array:
-        """Return the true reading of a force sensor between flange and tool (..., 6) [N, Nm].
+    def _head(self) -> tuple[float, float]:
+        start, rate = np.frombuffer(os.pread(self._file.fileno(), 16, 0))
+        return float(start), float(rate)
 
-        Force and torque of tool and environment on the flange, at the sensor, axes of frame 6.
-        """
-        return self.part("force_sensor", when)
+    def _count(self) -> int:
+        return os.fstat(self._file.fileno()).st_size // STATE.itemsize - 1
 
-    def imu(self, when: Array | float) -> Array:
-        """Return the true reading of an IMU on the flange (..., 9), in its axes.
 
-        Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised], the last in the
-        axes of frame 6.
-        """
-        rotation = self.part("rotation", when)
-        field = EARTH_FIELD @ rotation.reshape(*rotation.shape[:-1], 3, 3)
-        return np.concatenate([self.part("imu", when), field], axis=-1)
+class ForceReading:
+    """A force sensor: called with the host's time.monotonic [s], it returns (6,) [N, Nm].
+
+    Force and torque on the arm, at the sensor, axes of frame 6.
+    """
+
+    def __init__(self, truth: Truth, sensor: ForceSensor, seed: int | None = 0) -> None:
+        """seed: of the noise, None for no noise."""
+        self._truth, self._sensor = truth, sensor
+        self._random = None if seed is None else np.random.default_rng(seed)
+
+    def __call__(self, when: float) -> Array:
+        """Return the reading at a time [s]."""
+        return read_force(self._sensor, self._truth.part("force_sensor", when), self._random)
+
+
+class ImuReading:
+    """An IMU: called with the host's time.monotonic [s] of each sample, it returns (9,).
+
+    Specific force [m/s²], angular rate [rad/s] and magnetic field [normalised], in its axes.
+    """
+
+    def __init__(self, truth: Truth, imu: Imu, rate: float, seed: int | None = 0) -> None:
+        """rate: of the samples [Hz]; seed: of the noise, None for no noise."""
+        random = None if seed is None else np.random.default_rng(seed)
+        self._truth, self._reader = truth, ImuReader(imu, rate, random)
+
+    def __call__(self, when: float) -> Array:
+        """Return the reading at a time [s]."""
+        now = np.array([when])
+        true, rotation = (self._truth.part(name, now) for name in ("imu", "rotation"))
+        acceleration, field, rate = self._reader.read(true, rotation)
+        return np.concatenate([acceleration[0], rate[0], field[0]])

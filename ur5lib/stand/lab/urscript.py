@@ -129,7 +129,7 @@ def _zero_ftsensor(command: Command, box: ControlBox) -> Program:
 
 def _write_integer(command: Command, box: ControlBox) -> Program:
     register, value = command.arguments(address=0, value=0)
-    box.registers.write_integer(register, value)
+    box.registers[f"output_int_register_{register}"] = value
     yield
 
 

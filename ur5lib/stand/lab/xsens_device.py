@@ -11,8 +11,7 @@ import struct
 import tty
 
 from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.device_clock import Drift
-from ur5lib.stand.lab.emulated import Emulated, Reading
+from ur5lib.stand.lab.emulated import Clock, Emulated, Reading
 from ur5lib.timeseries.arrays import Array
 
 GO_TO_MEASUREMENT, GO_TO_CONFIG, WAKE_UP, ERROR = 0x10, 0x30, 0x3E, 0x42
@@ -50,11 +49,11 @@ class XsensDevice(Emulated):
         self,
         reading: Reading,
         rate_hz: float = 256.0,
-        drift: Drift = Drift(),
+        clock: Clock = Clock(),
         faults: Faults = Faults(),
         is_legacy: bool = False,
     ) -> None:
-        super().__init__(reading, rate_hz, drift, faults)
+        super().__init__(reading, rate_hz, clock, faults)
         self._is_legacy = is_legacy
         self._master, self._slave = os.openpty()
         tty.setraw(self._slave)
@@ -87,12 +86,12 @@ class XsensDevice(Emulated):
         """Return the message of a sample while the device measures."""
         if not self._is_measuring:
             return None
-        true = self.reading(self.clock.instant(sample))
+        true = self.reading(self.instant(sample))
         # The counter starts where the clock does: with the clock's offset.
-        count = round(self.clock.shown(sample) * self.rate_hz) % 2**16
+        count = round(self.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
             return encode_message(MTDATA, struct.pack(">9fH", *true, count))
-        ticks = math.floor(self.clock.shown(sample) * 10_000) % 2**32
+        ticks = math.floor(self.shown(sample) * 10_000) % 2**32
         stamps = {COUNTER: count.to_bytes(2, "big"), TIME_FINE: ticks.to_bytes(4, "big")}
         items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
         return encode_message(MTDATA2, b"".join(_item(*item) for item in items))
