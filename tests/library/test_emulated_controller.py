@@ -14,9 +14,8 @@ import pytest
 
 from tests.entries import read_recording
 from ur5lib.errors import InputError
-from ur5lib.recorder.arm_identity import identify
 from ur5lib.recorder.arm_motion import ArmMotion, MotionError
-from ur5lib.recorder.arm_state import read_state
+from ur5lib.recorder.arm_state import identify, read_state
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.realtime_arm import RealtimeArm
 from ur5lib.recorder.rtde_arm import RtdeArm

@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ur5lib.recorder.rtde_client import RtdeClient
+from ur5lib.recorder.rtde_arm import RtdeClient
 from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
 from ur5lib.stand.lab import urscript
-from ur5lib.stand.lab.control_box import ControlBox, RuntimeState, SafetyMode
+from ur5lib.stand.lab.control_box import ControlBox
 from ur5lib.stand.lab.controller import EmulatedController, Ports
 from ur5lib.stand.lab.dashboard_server import answer
 from ur5lib.stand.lab.live_arm import JointMotion, LiveArm

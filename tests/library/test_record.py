@@ -19,12 +19,12 @@ from ur5lib.commands.record import RecordOptions, record
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
-from ur5lib.recorder.arm_state import PLAYING
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.rtde_variables import RuntimeState
 from ur5lib.stand.lab.controller import HOST, EmulatedController
 from ur5lib.stand.lab.delivery import Faults
 from ur5lib.stand.lab.net_ft_box import NetFTBox
@@ -148,7 +148,7 @@ def test_an_arm_that_is_led_by_hand_is_recorded(study: Path) -> None:
         assert np.abs(arm.truth.part("qd", arm.truth.latest())).max() < 0.05
     led = pd.read_csv("raw/lab/led/robot.csv")
     turned = np.abs(led[[f"actual_q_{joint}" for joint in range(6)]].to_numpy() - HOME)
-    begin = int((led["runtime_state"] == PLAYING).to_numpy().argmax())
+    begin = int((led["runtime_state"] == RuntimeState.PLAYING).to_numpy().argmax())
     assert turned[: begin + 1].max() < 0.01
     assert turned.max() > 0.2
     assert set(led["safety_mode"]) == {1}

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
 from ur5lib.recorder import rdt
-from ur5lib.recorder.counter import Counter
+from ur5lib.recorder.device import Counter
 
 RATE = 1000.0
 STREAMS = 1000

@@ -22,8 +22,7 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.device import NewSamples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
-from ur5lib.recorder.manifest import NAME, write_manifest
-from ur5lib.recorder.session import Session
+from ur5lib.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
@@ -95,7 +94,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Lab, Path, Emula
     with lab() as (devices, controller):
         with Session(devices.devices(), folder) as session:
             write_manifest(folder, session.identities(), None, None)
-            assert not read_json(folder / NAME)["complete"]
+            assert not read_json(folder / MANIFEST)["complete"]
             lags = [behind(controller)]
             time.sleep(SECONDS)
             lags.append(behind(controller))
@@ -129,7 +128,7 @@ def test_a_session_ends_without_a_word(tmp_path: Path, capfd: pytest.CaptureFixt
 def test_nothing_is_lost_and_the_manifest_says_what_recorded(
     recorded: tuple[Lab, Path, EmulatedController],
 ) -> None:
-    manifest = read_json(recorded[1] / NAME)
+    manifest = read_json(recorded[1] / MANIFEST)
     assert manifest["complete"]
     for name, rate in (("robot", 125), ("force_sensor", 500), ("imu", 100)):
         entry = manifest["devices"][name]

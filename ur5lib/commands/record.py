@@ -16,16 +16,13 @@ from ur5lib.commands.named_lab import arm_of, checked_name, lab_of
 from ur5lib.commands.recorded_entry import enter, entry_of
 from ur5lib.errors import InputError
 from ur5lib.recorder import live
-from ur5lib.recorder.arm_identity import identify
-from ur5lib.recorder.arm_motion import MotionError
-from ur5lib.recorder.arm_state import ArmState, read_state
+from ur5lib.recorder.arm_motion import MotionError, Mover, move_to_start
+from ur5lib.recorder.arm_state import ArmState, identify, read_state
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.commanded_motion import AT_START, CommandedMotion, read_motion, refusals
 from ur5lib.recorder.lab import Lab
-from ur5lib.recorder.manifest import write_manifest
 from ur5lib.recorder.move_program import is_program, plan, read_program
-from ur5lib.recorder.mover import Mover, move_to_start
-from ur5lib.recorder.session import Session
+from ur5lib.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
 from ur5lib.study.reading import read_plain
 from ur5lib.timeseries.arrays import Array

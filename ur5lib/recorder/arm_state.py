@@ -1,39 +1,18 @@
-"""The present state of an arm."""
+"""The identity of an arm by its controller's dashboard, and its present state by RTDE."""
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.rtde_client import PATIENCE, PORT, RtdeClient
+from ur5lib.recorder.rtde_arm import PATIENCE, PORT, RtdeClient
+from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
 from ur5lib.timeseries.arrays import Array
 
 NAMES = ("actual_q", "actual_qd", "robot_mode", "safety_mode", "runtime_state")
-ROBOT_MODES = {  # RTDE's `robot_mode`
-    -1: "no controller",
-    0: "disconnected",
-    1: "confirm safety",
-    2: "booting",
-    3: "power off",
-    4: "power on",
-    5: "idle",
-    6: "backdrive",
-    7: "running",
-}
-SAFETY_MODES = {  # RTDE's `safety_mode`
-    1: "normal",
-    2: "reduced",
-    3: "protective stop",
-    4: "recovery",
-    5: "safeguard stop",
-    6: "system emergency stop",
-    7: "robot emergency stop",
-    8: "violation",
-    9: "fault",
-}
-RUNNING, PLAYING = 7, 2
-SAFE = (1, 2)
+SAFE = (SafetyMode.NORMAL, SafetyMode.REDUCED)
 
 
 @dataclass(frozen=True)
@@ -70,8 +49,46 @@ def read_state(address: str, port: int = PORT) -> ArmState:
     return ArmState(
         q=np.array(numbers[:6]),
         qd=np.array(numbers[6:12]),
-        robot_mode=ROBOT_MODES.get(robot, f"unknown mode {robot}"),
-        safety_mode=SAFETY_MODES.get(safety, f"unknown mode {safety}"),
-        ready=robot == RUNNING and safety in SAFE,
-        program_runs=runtime == PLAYING,
+        robot_mode=_word(robot, RobotMode),
+        safety_mode=_word(safety, SafetyMode),
+        ready=robot == RobotMode.RUNNING and safety in SAFE,
+        program_runs=runtime == RuntimeState.PLAYING,
     )
+
+
+def _word(mode: int, modes: type[IntEnum]) -> str:
+    known = mode in modes.__members__.values()
+    return modes(mode).name.lower().replace("_", " ") if known else f"unknown mode {mode}"
+
+
+def identify(address: str) -> dict[str, str]:
+    """Return `model`, `serial_number` and `firmware` of the arm at an address.
+
+    Raises InputError when ur_rtde is not installed or the dashboard does not answer.
+    """
+    try:
+        import dashboard_client
+    except ImportError as error:
+        raise InputError(
+            "asking the dashboard needs ur_rtde; install it: pip install 'ur5lib[record]'"
+        ) from error
+    dashboard = dashboard_client.DashboardClient(address)
+    try:
+        dashboard.connect()
+        identity = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
+        identity["serial_number"] = _serial_number(dashboard)
+        dashboard.disconnect()
+    except RuntimeError as error:
+        raise InputError(
+            f"the dashboard of {address}, port 29999, does not answer ({error}); check that the "
+            "controller is switched on and in remote control"
+        ) from error
+    return identity
+
+
+def _serial_number(dashboard: object) -> str:
+    """Return the serial number, empty for controllers without this command."""
+    try:
+        return str(dashboard.getSerialNumber())  # type: ignore[attr-defined]
+    except RuntimeError:
+        return ""

@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.device import Device, DeviceLost
-from ur5lib.recorder.files import growing_file
+from ur5lib.recorder.device import Device, DeviceLost, NewSamples, Packets
 from ur5lib.recorder.lab import AnyDevice
 
 REPORT = 0.25  # s between reports to the recorder
+HOST_TIME = "host_time"
 
 
 @dataclass
@@ -44,11 +44,47 @@ class Status:
         return self.samples / self.seconds if self.seconds > 0 else 0.0
 
 
+class SampleFile:
+    """A CSV to which samples are appended, at any time valid up to the last line.
+
+    One row a sample, with all digits of its numbers; the host's time is the first column, or the
+    last one where the device has its own `timestamp`. Packets of bytes are rows
+    `received_s,payload_hex`.
+    """
+
+    def __init__(self, path: Path, columns: tuple[str, ...]) -> None:
+        self._file = path.open("w", encoding="ascii")
+        self._has_clock = columns[0] == "timestamp"
+        time = "received_s" if columns == ("payload_hex",) else HOST_TIME
+        names = (*columns, time) if self._has_clock else (time, *columns)
+        self._file.write(",".join(names) + "\n")
+        self._file.flush()
+
+    def write(self, samples: NewSamples | Packets, zero: float) -> None:
+        """Append samples; zero: time of the host's clock when time.monotonic read zero [s]."""
+        arrived = (zero + samples.received).tolist()
+        if isinstance(samples, Packets):
+            packets = zip(arrived, samples.packets, strict=True)
+            lines = [f"{time:.6f},{packet.hex()}" for time, packet in packets]
+        else:
+            rows = zip(arrived, samples.values.tolist(), strict=True)
+            lines = [
+                ",".join(map(repr, [*values, time] if self._has_clock else [time, *values]))
+                for time, values in rows
+            ]
+        self._file.writelines(f"{line}\n" for line in lines)
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
 def capture(plan: AnyDevice, path: Path, zero: float, line: Connection, stop: Event) -> None:
     """Record a device into a file until `stop` is set; runs in the device's own process.
 
-    zero: as in Growing.write. Sends through `line`: first the device's entry for the manifest, or
-    why it cannot be recorded; then its Status repeatedly, and once at the end.
+    zero: as in SampleFile.write. Sends through `line`: first the device's entry for the manifest,
+    or why it cannot be recorded; then its Status repeatedly, and once at the end.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the recorder handles Ctrl-C
     device = plan.device()
@@ -80,7 +116,7 @@ def _record(
     parent: int,
 ) -> None:
     """Write samples until `stop`, or until the recorder's process has ended."""
-    file = growing_file(path, device.columns)
+    file = SampleFile(path, device.columns)
     received: queue.SimpleQueue[Any] = queue.SimpleQueue()
     over = threading.Event()
     reports: queue.SimpleQueue[Status | None] = queue.SimpleQueue()
@@ -130,12 +166,13 @@ def _report(line: Connection, reports: queue.SimpleQueue[Status | None]) -> None
         return
 
 
-def _count(status: Status, device: Device, samples: Any, first: float) -> None:
-    status.samples += getattr(samples, "messages", len(samples.received))
+def _count(status: Status, device: Device, samples: NewSamples | Packets, first: float) -> None:
     status.lost += samples.lost
     status.seconds = float(samples.received[-1] - first)
-    if not hasattr(samples, "values"):  # packets, not decoded yet
+    if isinstance(samples, Packets):
+        status.samples += samples.messages
         return
+    status.samples += len(samples.received)
     low, high = samples.values.min(axis=0).tolist(), samples.values.max(axis=0).tolist()
     for name, least, most in zip(device.columns, low, high, strict=True):
         status.low[name] = min(least, status.low.get(name, least))

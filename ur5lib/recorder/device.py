@@ -1,9 +1,16 @@
-"""The interface between the recorder and any device that it records."""
+"""The interface between the recorder and any device that it records, and what devices share."""
 
+import select
+import socket
+import time
 from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ur5lib.timeseries.arrays import Array
+
+CHUNK = 1 << 16  # bytes read at a time
+LONGEST_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
+LONGEST_SILENCE = 1.0  # s
 
 
 class DeviceLost(Exception):  # noqa: N818, an event that every recorder expects
@@ -21,6 +28,21 @@ class NewSamples:
 
     received: Array
     values: Array
+    lost: int
+
+
+@dataclass(frozen=True)
+class Packets:
+    """Packets of bytes as they arrived from a socket, of a device that does not decode them.
+
+    received: the host's time.monotonic at the arrival of each packet (n,) [s]; packets: bytes;
+    messages: the number of the device's messages that ended in them; lost: the number of messages
+    missing before or among those.
+    """
+
+    received: Array
+    packets: list[bytes]
+    messages: int
     lost: int
 
 
@@ -43,7 +65,7 @@ class Device(Protocol):
         """
         ...
 
-    def read(self) -> NewSamples:
+    def read(self) -> NewSamples | Packets:
         """Return the samples since the last call, after waiting at most 0.1 s.
 
         Raises DeviceLost when the device has gone.
@@ -53,3 +75,59 @@ class Device(Protocol):
     def close(self) -> None:
         """Stop streaming; does nothing when the device is closed or gone."""
         ...
+
+
+class Counter:
+    """Checks the numbers of consecutive samples.
+
+    bits: numbers wrap around at 2^bits; rate_hz: of the samples. Numbers that are repeated, late,
+    or more than LONGEST_GAP ahead are not accepted. total: the number without wrap-around.
+    """
+
+    def __init__(self, bits: int, rate_hz: float) -> None:
+        self._period = 1 << bits
+        self._furthest = min(int(LONGEST_GAP * rate_hz), self._period // 2 - 1)
+        self._last: int | None = None
+        self.total = 0
+
+    def lost_before(self, number: int) -> int | None:
+        """Return the count of samples missing before this one; None if it is not accepted."""
+        step = 1 if self._last is None else (number - self._last) % self._period
+        if not 1 <= step <= self._furthest:
+            return None
+        self.total += step if self._last is not None else number
+        self._last = number
+        return step - 1
+
+
+class Silence:
+    """Detects that a device has stopped sending; name: of the device, for messages."""
+
+    def __init__(self, name: str) -> None:
+        """Start the timer."""
+        self._name, self._last = name, time.monotonic()
+
+    def check(self, samples: int) -> None:
+        """Restart the timer if there are samples; raise DeviceLost after 1 s without any."""
+        now = time.monotonic()
+        if samples:
+            self._last = now
+        elif now - self._last > LONGEST_SILENCE:
+            raise DeviceLost(f"{self._name} has sent nothing for {LONGEST_SILENCE:g} s")
+
+
+def receive(connection: socket.socket, address: str, patience: float) -> tuple[float, bytes]:
+    """Return the host's time.monotonic [s] and the available bytes of a TCP connection.
+
+    No bytes after `patience` [s] without any. address: of the device, for messages. Raises
+    DeviceLost when the connection fails or is closed.
+    """
+    if not select.select([connection], [], [], patience)[0]:
+        return time.monotonic(), b""
+    try:
+        data = connection.recv(CHUNK)
+    except OSError as error:
+        raise DeviceLost(f"{address}: {error}") from error
+    if not data:
+        raise DeviceLost(f"{address} has closed the connection")
+    return time.monotonic(), data

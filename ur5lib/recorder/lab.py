@@ -1,14 +1,11 @@
 """The devices of a laboratory, as a study names them under `devices`."""
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from ur5lib.recorder.device import Device
 from ur5lib.strict import Strict
-
-if TYPE_CHECKING:
-    from ur5lib.recorder.realtime_arm import RealtimeArm
 
 Port = Annotated[int, Field(gt=0, lt=65536)]
 Columns = list[str]
@@ -28,16 +25,15 @@ class ArmDevice(Strict):
 
     port: Port | None = Field(None, description="its port; default: that of the interface")
 
-    def device(self) -> "Device | RealtimeArm":
+    def device(self) -> Device:
         """Return the device to record."""
         if self.interface == "realtime":
-            from ur5lib.recorder.realtime_arm import PORT, RealtimeArm
+            from ur5lib.recorder import realtime_arm
 
-            return RealtimeArm(self.address, self.port or PORT)
-        from ur5lib.recorder.rtde_arm import RtdeArm
-        from ur5lib.recorder.rtde_client import PORT
+            return realtime_arm.RealtimeArm(self.address, self.port or realtime_arm.PORT)
+        from ur5lib.recorder import rtde_arm
 
-        return RtdeArm(self.address, self.rate_hz, self.port or PORT)
+        return rtde_arm.RtdeArm(self.address, self.rate_hz, self.port or rtde_arm.PORT)
 
     def entry(self, file: str) -> dict[str, object]:
         """Return the keys of a study's entry that locate the robot's file."""

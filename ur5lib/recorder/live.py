@@ -7,13 +7,14 @@ import numpy as np
 from rich.table import Table
 
 from ur5lib.recorder import rdt
+from ur5lib.recorder.arm_state import SAFE
 from ur5lib.recorder.capture import Status
+from ur5lib.robots.rtde_variables import SafetyMode
 
 FEW = 0.001  # share of samples that may be lost
 SLOW = 0.9  # least share of a device's nominal rate
 SETTLED = 2.0  # s, after which a rate can be judged
 MOVED = 0.5  # rad; the friction of a joint that turns less cannot be identified
-NORMAL, REDUCED = 1, 2  # RTDE's `safety_mode`
 
 
 def table(statuses: Mapping[str, Status]) -> Table:
@@ -52,7 +53,7 @@ def warnings(
             yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
         if int(status.latest.get("status", 0)) & rdt.SATURATED:
             yield f"{name} is saturated: its force is beyond its range"
-        if int(status.latest.get("safety_mode", NORMAL)) not in (NORMAL, REDUCED):
+        if int(status.latest.get("safety_mode", SafetyMode.NORMAL)) not in SAFE:
             yield "the arm is in a safety stop: look at its pendant"
 
 

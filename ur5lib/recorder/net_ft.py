@@ -12,9 +12,7 @@ import requests
 
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
-from ur5lib.recorder.counter import Counter
-from ur5lib.recorder.device import DeviceLost, NewSamples
-from ur5lib.recorder.silence import Silence
+from ur5lib.recorder.device import Counter, DeviceLost, NewSamples, Silence
 
 CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
 FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens

@@ -1,41 +1,21 @@
 """An arm recorded from its controller's realtime port 30003, for controllers without RTDE."""
 
 import contextlib
-import select
 import socket
 import struct
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.arrivals import receive
-from ur5lib.recorder.device import DeviceLost
-from ur5lib.recorder.silence import LONGEST, Silence
+from ur5lib.recorder.device import LONGEST_SILENCE, DeviceLost, Packets, Silence, receive
 from ur5lib.robots.realtime_message import SOFTWARE
-from ur5lib.timeseries.arrays import Array
 
 PORT = 30003
 PATIENCE = 3.0  # s, for the controller to answer
 HEAD = struct.Struct(">id")  # size and timestamp of a message
 WAIT = 0.1  # s, for which one call waits
-
-
-@dataclass(frozen=True)
-class Packets:
-    """Packets of bytes as they arrived from a socket.
-
-    received: the host's time.monotonic at the arrival of each packet (n,) [s]; packets: bytes;
-    messages: the number of the controller's messages that ended in them; lost: the number of
-    messages missing before or among those, by the controller's timestamps.
-    """
-
-    received: Array
-    packets: list[bytes]
-    messages: int
-    lost: int
 
 
 class RealtimeArm:
@@ -84,11 +64,10 @@ class RealtimeArm:
         """
         if self._socket is None:
             raise DeviceLost(f"{self._address} is not open")
-        if not select.select([self._socket], [], [], WAIT)[0]:
-            self._silence.check(0)
+        arrived, data = receive(self._socket, self._address, WAIT)
+        self._silence.check(len(data))
+        if not data:
             return Packets(np.zeros(0), [], 0, 0)
-        arrived, data = receive(self._socket, self._address)
-        self._silence.check(1)
         return Packets(np.array([arrived]), [data], *self._count(data))
 
     def close(self) -> None:
@@ -105,7 +84,7 @@ class RealtimeArm:
             raise ConnectionError(f"the layout of its messages of {size} bytes is unknown")
         both = self._ahead(connection, size + HEAD.size)
         first, second = HEAD.unpack_from(both)[1], HEAD.unpack_from(both, size)[1]
-        if not 0 < second - first < LONGEST:
+        if not 0 < second - first < LONGEST_SILENCE:
             raise ConnectionError("its messages have no timestamps")
         return size, first, second
 

@@ -1,9 +1,12 @@
-"""A session: all devices recorded together, each by its own process."""
+"""A session: all devices recorded together, each by its own process, and its manifest."""
 
 import multiprocessing
+import platform
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
 from multiprocessing.connection import Connection
 from pathlib import Path
 from types import TracebackType
@@ -12,7 +15,10 @@ from typing import Any, Self
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.lab import AnyDevice
+from ur5lib.tables import checksum, write_json
 
+MANIFEST = "manifest.json"
+CLOCK = "time.monotonic of the host, plus its difference to seconds since 1970 at the start"
 PATIENCE = 30.0  # s, for a device to answer and its process to start
 CLOSING = 10.0  # s, for all processes to write their last samples
 POLL = 0.05  # s between queries of their reports meanwhile
@@ -119,3 +125,35 @@ class Session:
         except (EOFError, OSError):
             if worker.status.ended is None and not self._stop.is_set():
                 worker.status.ended = f"the process that records {name} was killed"
+
+
+def write_manifest(
+    folder: Path,
+    identities: Mapping[str, Mapping[str, Any]],
+    statuses: Mapping[str, Status] | None,
+    moved: str | None,
+) -> None:
+    """Write the manifest; statuses: at the end, None before; moved: the commanded motion."""
+    entries = {name: dict(identity) for name, identity in identities.items()}
+    for name, status in (statuses or {}).items():
+        file = folder / f"{name}.csv"
+        entries[name] |= {
+            "file": file.name,
+            "sha256": checksum(file) if file.is_file() else None,
+            "samples": status.samples,
+            "lost": status.lost,
+            "recorded_rate_hz": round(status.rate(), 3),
+            "ended": status.ended,
+        }
+    write_json(
+        {
+            "written": datetime.now(UTC).isoformat(timespec="seconds"),
+            "complete": statuses is not None,
+            "host": platform.node(),
+            "clock": CLOCK,
+            "ur5lib": version("ur5lib"),
+            "motion": moved,
+            "devices": entries,
+        },
+        folder / MANIFEST,
+    )

@@ -11,12 +11,9 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recorder import mtdata
-from ur5lib.recorder.counter import Counter
-from ur5lib.recorder.device import DeviceLost, NewSamples
+from ur5lib.recorder.device import Counter, DeviceLost, NewSamples, Silence
 from ur5lib.recorder.mtdata import Measurement
-from ur5lib.recorder.silence import Silence
-from ur5lib.recorder.xbus import Message
-from ur5lib.recorder.xbus_port import RefusedError, XbusPort
+from ur5lib.recorder.xbus import Message, RefusedError, XbusPort
 
 GO_TO_CONFIG, GO_TO_MEASUREMENT = 0x30, 0x10
 REQUEST_DEVICE_ID, REQUEST_PRODUCT_CODE, REQUEST_FIRMWARE = 0x00, 0x1C, 0x12

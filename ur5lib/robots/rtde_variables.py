@@ -4,6 +4,7 @@ Source: Universal Robots' guide to RTDE, tables of robot controller outputs and 
 """
 
 import struct
+from enum import IntEnum
 from itertools import chain
 
 FORMATS = {  # of the types, as in the module `struct`
@@ -65,6 +66,42 @@ SINCE = {  # first minor version of the controller's software 3 and 5 that has a
     "ft_raw_wrench": {5: 9},
     "actual_current_as_torque": {5: 23},
 }
+
+
+class RobotMode(IntEnum):
+    """Values of `robot_mode`."""
+
+    NO_CONTROLLER = -1
+    DISCONNECTED = 0
+    CONFIRM_SAFETY = 1
+    BOOTING = 2
+    POWER_OFF = 3
+    POWER_ON = 4
+    IDLE = 5
+    BACKDRIVE = 6
+    RUNNING = 7
+
+
+class SafetyMode(IntEnum):
+    """Values of `safety_mode`."""
+
+    NORMAL = 1
+    REDUCED = 2
+    PROTECTIVE_STOP = 3
+    RECOVERY = 4
+    SAFEGUARD_STOP = 5
+    SYSTEM_EMERGENCY_STOP = 6
+    ROBOT_EMERGENCY_STOP = 7
+    VIOLATION = 8
+    FAULT = 9
+
+
+class RuntimeState(IntEnum):
+    """Values of `runtime_state` that programs of one arm take."""
+
+    STOPPED = 1
+    PLAYING = 2
+    PAUSED = 4
 
 
 def exists(output: str, major: int, minor: int) -> bool:

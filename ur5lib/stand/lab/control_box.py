@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
-from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS
+from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
 from ur5lib.stand.lab.instruments import Instruments, Outputs
 from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.rig import STEP
@@ -15,29 +14,6 @@ Program = Iterator[None]  # advanced once per cycle, until it ends
 
 STOPPING = 20.0  # rad/s², deceleration of a protective stop
 ENDING = 4.0  # rad/s², deceleration where a program ends in motion
-
-
-class RobotMode(IntEnum):
-    """RTDE's `robot_mode`."""
-
-    POWER_OFF = 3
-    IDLE = 5
-    RUNNING = 7
-
-
-class SafetyMode(IntEnum):
-    """RTDE's `safety_mode`."""
-
-    NORMAL = 1
-    PROTECTIVE_STOP = 3
-
-
-class RuntimeState(IntEnum):
-    """RTDE's `runtime_state`."""
-
-    STOPPED = 1
-    PLAYING = 2
-    PAUSED = 4
 
 
 JOINT_RUNNING, JOINT_IDLE = 253, 255  # RTDE's `joint_mode`
