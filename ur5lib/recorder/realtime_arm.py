@@ -25,7 +25,7 @@ class RealtimeArm:
     """
 
     name = "robot"
-    columns = ("payload_hex",)
+    columns: tuple[str, ...] = ("payload_hex",)
 
     def __init__(self, address: str, port: int = PORT) -> None:
         self._address, self._port = address, port
