@@ -81,7 +81,8 @@ def test_lost_records_are_counted_as_the_box_lost_them() -> None:
     assert len(box.delivery.lost) > 10
     assert box.delivery.late
     assert len(gone) == lost
-    assert gone == {sample for sample in hit if sampled[0] < sample < sampled[-1]}
+    arrived = sampled[-1] - 25  # later ones may still be in transmission
+    assert {k for k in gone if k < arrived} == {k for k in hit if sampled[0] < k < arrived}
 
 
 def test_the_box_s_clock_drifts() -> None:
