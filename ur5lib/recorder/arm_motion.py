@@ -6,11 +6,10 @@ Nothing here checks whether a motion is safe: the caller must.
 import threading
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any, Self
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.arm_state import read_state
+from ur5lib.recorder.arm_state import read_state, ur_rtde
 from ur5lib.recorder.commanded_motion import ACCELERATION, SPEED, CommandedMotion
 from ur5lib.timeseries.arrays import Array
 
@@ -49,12 +48,7 @@ class ArmMotion:
         Raises InputError when ur_rtde is not installed or the controller does not answer.
         """
         read_state(self._address)  # fails fast and clearly, where ur_rtde would block
-        try:
-            import rtde_control
-        except ImportError as error:
-            raise InputError(
-                "moving the arm needs ur_rtde; install it: pip install 'ur5lib[record]'"
-            ) from error
+        rtde_control = ur_rtde("rtde_control", "moving the arm")
         try:
             self._control = rtde_control.RTDEControlInterface(self._address)
         except (RuntimeError, ValueError) as error:
@@ -64,9 +58,7 @@ class ArmMotion:
             ) from error
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop the arm, where it moves, and disconnect."""
         self.stop()
         if self._is_connected():

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
+from importlib import import_module
+from typing import Any
 
 import numpy as np
 
@@ -66,13 +68,7 @@ def identify(address: str) -> dict[str, str]:
 
     Raises InputError when ur_rtde is not installed or the dashboard does not answer.
     """
-    try:
-        import dashboard_client
-    except ImportError as error:
-        raise InputError(
-            "asking the dashboard needs ur_rtde; install it: pip install 'ur5lib[record]'"
-        ) from error
-    dashboard = dashboard_client.DashboardClient(address)
+    dashboard = ur_rtde("dashboard_client", "asking the dashboard").DashboardClient(address)
     try:
         dashboard.connect()
         identity = {"model": dashboard.getRobotModel(), "firmware": dashboard.polyscopeVersion()}
@@ -92,3 +88,13 @@ def _serial_number(dashboard: object) -> str:
         return str(dashboard.getSerialNumber())  # type: ignore[attr-defined]
     except RuntimeError:
         return ""
+
+
+def ur_rtde(module: str, purpose: str) -> Any:
+    """Return a module of ur_rtde. Raises InputError when it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"{purpose} needs ur_rtde; install it: pip install 'ur5lib[record]'"
+        ) from error

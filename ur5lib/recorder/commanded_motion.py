@@ -91,9 +91,13 @@ def dense_path(q: Array) -> Array:
     return np.concatenate(parts)
 
 
+def position_limits(robot: Robot) -> Array:
+    """Return the largest angles of the joints (6,) [rad]."""
+    return np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
+
+
 def _beyond_limits(path: Array, robot: Robot) -> Iterator[str]:
-    limits = np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
-    furthest = np.abs(path).max(axis=0)
+    furthest, limits = np.abs(path).max(axis=0), position_limits(robot)
     for joint in np.flatnonzero(furthest > limits):
         yield (
             f"joint {joint + 1} turns to {furthest[joint]:.2f} rad, beyond its limit of "

@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
 
 CHUNK = 1 << 16  # bytes read at a time
@@ -131,3 +132,11 @@ def receive(connection: socket.socket, address: str, patience: float) -> tuple[f
     if not data:
         raise DeviceLost(f"{address} has closed the connection")
     return time.monotonic(), data
+
+
+def no_controller(interface: str, address: str, port: int, error: Exception) -> InputError:
+    """Return the error for a controller that does not answer; interface: by which it was asked."""
+    return InputError(
+        f"no controller answers by {interface} at {address}, port {port} ({error}); check that it "
+        "is switched on and that its address is the one in the study"
+    )

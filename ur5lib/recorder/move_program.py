@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.errors import InputError
-from ur5lib.recorder.commanded_motion import FARTHEST, FEWEST, CommandedMotion
+from ur5lib.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE, geometric_jacobian, solutions
 from ur5lib.robots.statics import link_frames
@@ -149,7 +149,7 @@ def _pose(goal: ToolPose) -> tuple[Array, Array]:
 
 def _nearest_turn(q: Array, near: Array, robot: Robot) -> Array:
     """Return angles (M, 6), turned towards `near` (6,) as far as the joints' limits allow."""
-    limit = np.nan_to_num(robot.position_limits(), nan=FARTHEST, posinf=FARTHEST)
+    limit = position_limits(robot)
     q = near + (q - near + np.pi) % (2 * np.pi) - np.pi
     return q - 2 * np.pi * np.sign(q) * (np.abs(q) > limit)
 

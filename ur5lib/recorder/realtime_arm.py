@@ -8,8 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.errors import InputError
-from ur5lib.recorder.device import LONGEST_SILENCE, DeviceLost, Packets, Silence, receive
+from ur5lib.recorder.device import (
+    LONGEST_SILENCE,
+    DeviceLost,
+    Packets,
+    Silence,
+    no_controller,
+    receive,
+)
 from ur5lib.robots.realtime_message import SOFTWARE
 
 PORT = 30003
@@ -40,10 +46,7 @@ class RealtimeArm:
             self._socket = socket.create_connection((self._address, self._port), PATIENCE)
             size, first, second = self._peek(self._socket)
         except (OSError, struct.error) as error:
-            raise InputError(
-                f"no controller answers at {self._address}, port {self._port} ({error}); check "
-                "that it is switched on and that its address is the one in the study"
-            ) from error
+            raise no_controller("its stream", self._address, self._port, error) from error
         self._size, self._cycle = size, second - first
         self._rest, self._last = b"", first - self._cycle
         self._silence = Silence(self._address)

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.errors import InputError
-from ur5lib.recorder.device import DeviceLost, NewSamples, Silence, receive
+from ur5lib.recorder.device import DeviceLost, NewSamples, Silence, no_controller, receive
 from ur5lib.robots.rtde_variables import FORMATS, all_columns, layout
 
 PORT = 30004
@@ -69,7 +68,7 @@ class RtdeClient:
                 raise ConnectionError("it does not speak version 2")
             major, minor, bugfix, build = struct.unpack(">4I", self._ask(SOFTWARE))
         except (OSError, struct.error) as error:
-            raise self._no_answer(error) from error
+            raise no_controller("RTDE", address, port, error) from error
         self.software = int(major), int(minor), int(bugfix), int(build)
 
     def start(self, names: Sequence[str], rate: float) -> list[str]:
@@ -82,7 +81,7 @@ class RtdeClient:
             if self._ask(START) != b"\x01":
                 raise ConnectionError("it does not start")
         except OSError as error:
-            raise self._no_answer(error) from error
+            raise no_controller("RTDE", self._address, self._port, error) from error
         self._layout = layout(kinds)
         return names
 
@@ -145,12 +144,6 @@ class RtdeClient:
                 raise ConnectionError("it has closed the connection")
             data += more
         return data
-
-    def _no_answer(self, error: Exception) -> InputError:
-        return InputError(
-            f"no controller answers by RTDE at {self._address}, port {self._port} ({error}); check "
-            "that it is switched on and that its address is the one in the study"
-        )
 
 
 class RtdeArm:

@@ -38,10 +38,10 @@ async def run_programs(box: ControlBox, reader: StreamReader) -> None:
             while line and not line.startswith("end"):
                 line = await _line(reader)
                 text += line
-        if line and text.strip():
-            is_control_script = NAME in text
-            program = ControlScript(text, box).run() if is_control_script else None
-            box.run(program or urscript.program(text.splitlines(), box))
+        if NAME in text and line:
+            box.run(ControlScript(text, box).run())
+        elif line and text.strip():
+            box.run(urscript.program(text.splitlines(), box))
 
 
 async def _line(reader: StreamReader) -> str:

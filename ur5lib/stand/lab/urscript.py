@@ -24,7 +24,7 @@ def program(lines: Sequence[str], box: ControlBox) -> Program:
         command = _plain(text)
         if command.name not in COMMANDS:
             raise UnsupportedCommandError(f"{command.name}() is not emulated")
-        yield from COMMANDS[command.name](command, box)
+        yield from COMMANDS[command.name](command, box) or wait(0, box)
 
 
 def _plain(line: str) -> Command:
@@ -65,7 +65,7 @@ def _movej(command: Command, box: ControlBox) -> Program:
         way = float(np.abs(goal - box.arm.motion.q).max()) or 1e-9
         v, a = 2 * way / t, 4 * way / t**2
     box.arm.motion.movej(goal, v, a)
-    yield from wait_until_done(box)
+    return wait_until_done(box)
 
 
 def _servoj(command: Command, box: ControlBox) -> Program:
@@ -73,85 +73,57 @@ def _servoj(command: Command, box: ControlBox) -> Program:
         q=None, a=0, v=0, t=0.002, lookahead_time=0.1, gain=300
     )
     box.arm.motion.servoj(joints(q), lookahead)
-    yield from wait(t, box)
+    return wait(t, box)
 
 
 def _speedj(command: Command, box: ControlBox) -> Program:
     qd, a, t = command.arguments(qd=None, a=1.4, t=0)
     box.arm.motion.speedj(joints(qd), a)
-    yield from wait(t, box)
+    return wait(t, box)
 
 
 def _stopj(command: Command, box: ControlBox) -> Program:
-    (a,) = command.arguments(a=2.0)
-    box.arm.motion.stopj(a)
-    yield from wait_until_done(box)
+    box.arm.motion.stopj(*command.arguments(a=2.0))
+    return wait_until_done(box)
 
 
-def _sleep(command: Command, box: ControlBox) -> Program:
-    (t,) = command.arguments(t=0.01)
-    yield from wait(t, box)
-
-
-def _freedrive(command: Command, box: ControlBox) -> Program:
+def _freedrive(command: Command, box: ControlBox) -> None:
     axes, _ = command.arguments(freeAxes=(1, 1, 1, 1, 1, 1), feature=None)
     if not all(axes):
         raise UnsupportedCommandError("freedrive along some axes only is not emulated")
     box.arm.release()
-    yield
 
 
-def _end_freedrive(command: Command, box: ControlBox) -> Program:
+def _end_freedrive(_: Command, box: ControlBox) -> Program:
     box.hold()
-    yield from wait_until_done(box)
+    return wait_until_done(box)
 
 
-def _set_payload(command: Command, box: ControlBox) -> Program:
+def _set_payload(command: Command, box: ControlBox) -> None:
     mass, center = command.arguments(m=0.0, cog=(0.0, 0.0, 0.0))
     box.arm.declare(Payload(mass=mass, center_of_mass=tuple(center)) if mass else None)
-    yield
 
 
-def _textmsg(command: Command, box: ControlBox) -> Program:
-    box.say("".join(map(str, command.values)))
-    yield
-
-
-def _protective_stop(command: Command, box: ControlBox) -> Program:
-    box.protective_stop("commanded by the program")
-    yield
-
-
-def _zero_ftsensor(command: Command, box: ControlBox) -> Program:
-    box.zero_force()
-    yield
-
-
-def _write_integer(command: Command, box: ControlBox) -> Program:
+def _write_integer(command: Command, box: ControlBox) -> None:
     register, value = command.arguments(address=0, value=0)
     box.registers[f"output_int_register_{register}"] = value
-    yield
 
 
-def _nothing(command: Command, box: ControlBox) -> Program:
-    yield
-
-
-COMMANDS: dict[str, Callable[[Command, ControlBox], Program]] = {
+COMMANDS: dict[str, Callable[[Command, ControlBox], Program | None]] = {
     "movej": _movej,
     "servoj": _servoj,
     "speedj": _speedj,
     "stopj": _stopj,
-    "sleep": _sleep,
+    "sleep": lambda command, box: wait(command.arguments(t=0.01)[0], box),
     "freedrive_mode": _freedrive,
     "end_freedrive_mode": _end_freedrive,
     "teach_mode": _freedrive,
     "end_teach_mode": _end_freedrive,
     "set_payload": _set_payload,
-    "textmsg": _textmsg,
-    "protective_stop": _protective_stop,
-    "zero_ftsensor": _zero_ftsensor,
+    "textmsg": lambda command, box: box.say("".join(map(str, command.values))),
+    "protective_stop": lambda _, box: box.protective_stop("commanded by the program"),
+    "zero_ftsensor": lambda _, box: box.zero_force(),
     "write_output_integer_register": _write_integer,
-    "signal_async_progress": _nothing,
-    "sync": _nothing,
+    "signal_async_progress": lambda _, __: None,
+    "sync": lambda _, __: None,
 }
