@@ -18,8 +18,7 @@ from ur5lib.recorder.commanded_motion import FEWEST, CommandedMotion, position_l
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE, geometric_jacobian, solutions
 from ur5lib.robots.statics import link_frames
-from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
-from ur5lib.strict import expect_file
+from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
@@ -57,13 +56,13 @@ class Move:
 
 def is_program(path: Path) -> bool:
     """Return whether a file holds calls instead of numbers. Raises InputError if it is no text."""
-    return any("(" in line for _, line in calls(_lines(path)))
+    return any("(" in line for _, line in read_calls(path, "moves"))
 
 
 def read_program(path: Path) -> list[Move]:
     """Read a file of moves. Raises InputError with file and line for anything else."""
     moves: list[Move] = []
-    for number, line in calls(_lines(path)):
+    for number, line in read_calls(path, "moves"):
         place = f"{path}, line {number}"
         try:
             command = parse(line)
@@ -106,14 +105,6 @@ def plan(
         q[start + len(leg) :] += leg[-1] - leg[0]
     time: Array = PERIOD * np.arange(len(q), dtype=np.float64)
     return CommandedMotion(q, time, speed)
-
-
-def _lines(path: Path) -> list[str]:
-    expect_file(path)
-    try:
-        return path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path} cannot be read ({error}); give a text file of moves") from error
 
 
 def _move(command: Command, place: str) -> Move:

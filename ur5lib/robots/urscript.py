@@ -6,10 +6,13 @@ Source: Universal Robots' script manual. Loops, conditions and variables are not
 import ast
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ur5lib.errors import InputError
+from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
 FRAME = ("def ", "sec ", "end", "global ")  # lines without a command
@@ -48,6 +51,20 @@ def calls(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
         text = line.split("#")[0].strip()
         if text and not text.startswith(FRAME):
             yield number, text
+
+
+def read_calls(path: Path, content: str) -> list[tuple[int, str]]:
+    """Return the lines of a file with commands, and their numbers.
+
+    content: of the file, for messages. Raises InputError where the file is no text.
+    """
+    expect_file(path)
+    try:
+        return [*calls(path.read_text(encoding="utf-8").splitlines())]
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(
+            f"{path} cannot be read ({error}); give a text file of {content}"
+        ) from error
 
 
 def parse(line: str) -> Command:

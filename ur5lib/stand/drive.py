@@ -73,7 +73,7 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
         velocity_gain=2 * NATURAL_FREQUENCY,
         viscous=KNOWN * friction.viscous,
         coulomb=KNOWN * friction.coulomb,
-        torque_max=np.array([robot.motor(joint).torque_max for joint in range(1, 7)]),
+        torque_max=np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]),
         torque_constant=np.fmin(TORQUE_CONSTANT, robot.maker_torque_constants()),
     )
 

@@ -64,7 +64,7 @@ class FrictionParameters:
 
 def friction_of(robot: Robot, friction: bool) -> FrictionParameters:
     """Return the friction of an arm's joints; friction: False for none."""
-    size = np.array([robot.motor(joint).torque_max for joint in range(1, 7)]) * friction
+    size = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers]) * friction
     return FrictionParameters(
         COULOMB * size, VISCOUS * size, LOAD * friction, PERIODIC * COULOMB * size
     )

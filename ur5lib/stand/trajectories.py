@@ -9,9 +9,8 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, Six
-from ur5lib.robots.urscript import calls, parse, six
+from ur5lib.robots.urscript import parse, read_calls, six
 from ur5lib.stand.plan import Fourier, Movej, Series, Standstill
-from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, fourier_terms, rest_conditions, trapezoid
 
@@ -56,14 +55,8 @@ def read_way_points(path: str | Path) -> list[Six]:
 
     This is the file format of the thesis (Section 4.4.1). Raises InputError for anything else.
     """
-    expect_file(Path(path))
-    try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path} cannot be read ({error}); give a text file of way-points"
-        ) from error
-    points = [_way_point(line, f"{path}, line {k}") for k, line in calls(lines)]
+    lines = read_calls(Path(path), "way-points")
+    points = [_way_point(line, f"{path}, line {k}") for k, line in lines]
     if len(points) < 2:
         raise InputError(f"{path}: found {len(points)} way-point(s); give at least two")
     return points
@@ -153,7 +146,7 @@ def _fourier(plan: Fourier, robot: Robot, time: Array) -> Targets:
     coefficients = _drawn_coefficients(plan)
     terms = fourier_terms(plan.period_s, plan.harmonics, fine)[:3]
     parts = [term @ coefficients for term in terms]
-    motors = [robot.motor(joint) for joint in range(1, 7)]
+    motors = [robot.motor(joint) for joint in robot.joint_numbers]
     limits = [
         np.full(6, plan.amplitude_rad),
         plan.limit_share * np.array([motor.velocity_max for motor in motors]),

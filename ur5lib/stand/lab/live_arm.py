@@ -86,7 +86,7 @@ class LiveArm:
 
     @cached_property
     def _limits(self) -> tuple[list[float], list[float]]:
-        motors = [self._bare.motor(joint) for joint in range(1, 7)]
+        motors = [self._bare.motor(joint) for joint in self._bare.joint_numbers]
         return self._bare.position_limits(), [motor.velocity_max for motor in motors]
 
     def _step(self) -> None:
