@@ -21,11 +21,17 @@ RECORD = bytes.fromhex(
 )
 
 
-def test_requests_are_those_of_the_manual() -> None:
-    assert rdt.request(rdt.STREAM).hex() == "1234000200000000"
-    assert rdt.request(rdt.STREAM, 1000).hex() == "12340002000003e8"
-    assert rdt.request(rdt.STOP).hex() == "1234000000000000"
-    assert rdt.request(rdt.SET_BIAS).hex() == "1234004200000000"
+@pytest.mark.parametrize(
+    ("command", "count", "sent"),
+    [
+        (rdt.STREAM, 0, "1234000200000000"),
+        (rdt.STREAM, 1000, "12340002000003e8"),
+        (rdt.STOP, 0, "1234000000000000"),
+        (rdt.SET_BIAS, 0, "1234004200000000"),
+    ],
+)
+def test_requests_are_those_of_the_manual(command: int, count: int, sent: str) -> None:
+    assert rdt.request(command, count).hex() == sent
 
 
 def test_a_record_is_that_of_the_manual() -> None:
@@ -48,27 +54,22 @@ def test_what_is_decoded_is_what_was_encoded(numbers: tuple[int, ...]) -> None:
     assert rdt.decode(struct.pack(">IIIiiiiii", *numbers)) == numbers
 
 
-def lost(bits: int, numbers: list[int]) -> list[int | None]:
+@pytest.mark.parametrize(
+    ("bits", "numbers", "missing"),
+    [
+        (32, [5, 6, 9, 10], [0, 0, 2, 0]),
+        (32, [2**32 - 2, 2**32 - 1, 0, 3], [0, 0, 0, 2]),  # wraps around
+        (16, [2**16 - 2, 1], [0, 2]),
+        (32, [5, 5, 8, 7, 6, 9], [0, None, 2, None, None, 0]),  # repeated or late
+        (32, [5, 5 + 10_001, 6, 6 + 10_000], [0, None, 0, 9999]),  # a jump beyond ten seconds
+        (16, [5, 5 + 10_001, 6], [0, None, 0]),
+    ],
+)
+def test_a_counter_counts_what_is_lost(
+    bits: int, numbers: list[int], missing: list[int | None]
+) -> None:
     counter = Counter(bits, RATE)
-    return [counter.lost_before(number) for number in numbers]
-
-
-def test_a_counter_counts_what_is_lost() -> None:
-    assert lost(32, [5, 6, 9, 10]) == [0, 0, 2, 0]
-
-
-def test_a_counter_wraps_around() -> None:
-    assert lost(32, [2**32 - 2, 2**32 - 1, 0, 3]) == [0, 0, 0, 2]
-    assert lost(16, [2**16 - 2, 1]) == [0, 2]
-
-
-def test_a_counter_discards_what_is_repeated_or_late() -> None:
-    assert lost(32, [5, 5, 8, 7, 6, 9]) == [0, None, 2, None, None, 0]
-
-
-def test_a_counter_believes_no_jump_beyond_ten_seconds() -> None:
-    assert lost(32, [5, 5 + 10_001, 6, 6 + 10_000]) == [0, None, 0, 9999]
-    assert lost(16, [5, 5 + 10_001, 6]) == [0, None, 0]
+    assert [counter.lost_before(number) for number in numbers] == missing
 
 
 def spoilt(records: list[bytes], draw: random.Random) -> list[bytes]:
