@@ -23,8 +23,8 @@ import torch
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inertia_matrix, inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 
 LOOPED = 10_000
 MODEL = "C+rotors"

@@ -14,8 +14,8 @@ from tests.conftest import shared_folder
 from ur5lib.cli import app
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.description import Robot, joint_sizes, load_robot, robot_names, robot_path
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 from ur5lib.timeseries.arrays import Array
 
 CB, E_SERIES, HEAVY = ["ur3", "ur5", "ur10"], ["ur3e", "ur5e", "ur10e", "ur16e"], ["ur20", "ur30"]

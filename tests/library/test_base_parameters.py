@@ -35,8 +35,8 @@ from ur5lib.robots.description import (
     robot_path,
     robot_yaml,
 )
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 from ur5lib.timeseries.arrays import Array
 
 torch.set_num_threads(1)

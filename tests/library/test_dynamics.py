@@ -26,8 +26,8 @@ from ur5lib.dynamics.rigid_body import (
     wrench_torque,
 )
 from ur5lib.robots.description import Payload, load_robot, robot_path
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 
 torch.set_num_threads(1)  # on a busy machine, threads mostly wait for one another
 

@@ -16,12 +16,9 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
+from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.isaac import isaac
-from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
-from ur5lib.robots.sdf import sdf
-from ur5lib.robots.urdf import urdf
 from ur5lib.timeseries.arrays import Array
 
 JOINTS = [f"joint_{k}" for k in range(1, 7)]

@@ -17,9 +17,9 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path, robot_yaml
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.individual import calibrated, chain, individual_robot, link_matrix, overridden
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 from ur5lib.study.arms import Tilt, base_gravity
 from ur5lib.study.reading import parse_study
 from ur5lib.timeseries.arrays import Array

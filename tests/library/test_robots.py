@@ -16,8 +16,8 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import mount, rigid_bodies
-from ur5lib.robots.urdf import urdf
 
 
 def test_every_described_arm_loads() -> None:

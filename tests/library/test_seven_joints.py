@@ -23,9 +23,9 @@ from ur5lib.identification.base_parameters import (
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.identified_model import identified_model
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.statics import gravity_torque
-from ur5lib.robots.urdf import urdf
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass

@@ -16,12 +16,9 @@ from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.finding_sentences import in_words
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.isaac import isaac
-from ur5lib.robots.joint_friction import JointFriction
 from ur5lib.robots.mjcf import mjcf
-from ur5lib.robots.sdf import sdf
-from ur5lib.robots.urdf import urdf
 from ur5lib.tables import as_record, json_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95

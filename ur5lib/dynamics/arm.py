@@ -8,8 +8,8 @@ from torch import Tensor
 
 from ur5lib.dynamics.tracing import Geometry, Tail
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import RigidBodies, rigid_bodies, shift_inertia
-from ur5lib.robots.urdf import link_tail, urdf
+from ur5lib.robots.exports import urdf
+from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, shift_inertia
 from ur5lib.timeseries.arrays import Array
 
 

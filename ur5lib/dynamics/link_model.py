@@ -10,7 +10,7 @@ from torch import Tensor
 from ur5lib.dynamics import rigid_body
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.robots.description import Robot
-from ur5lib.robots.urdf import link_tail
+from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from ur5lib.robots.description import Model, Robot
-from ur5lib.robots.inertia import shift_inertia, tensor
-from ur5lib.robots.urdf import link_tail
+from ur5lib.robots.inertia import link_tail, shift_inertia, tensor
 from ur5lib.timeseries.arrays import Array
 
 

@@ -18,7 +18,7 @@ from pydantic import ValidationError
 
 from ur5lib.errors import InputError
 from ur5lib.robots.description import DenavitHartenberg, Pose, Robot, read_description, robot_of
-from ur5lib.robots.urdf import link_tail
+from ur5lib.robots.inertia import link_tail
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 

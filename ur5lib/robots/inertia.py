@@ -1,11 +1,12 @@
-"""Mass, centre of mass and inertia tensor of each link, from cylinders or tensors."""
+"""Mass, centre of mass and inertia tensor of each link, and the transform along it."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.robots.description import Cylinder, Payload, Robot
+from ur5lib.robots.description import Cylinder, Payload, Pose, Robot
 from ur5lib.timeseries.arrays import Array
 
 
@@ -78,6 +79,31 @@ def tensor(entries: Sequence[float]) -> Array:
     """Return the inertia tensor (3, 3) of the entries xx yy zz xy xz yz."""
     xx, yy, zz, xy, xz, yz = entries
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def link_tail(pose: Pose) -> tuple[Array, Array]:
+    """Return rotation (3, 3) and translation (3,) [m] of a link's constant transform.
+
+    It leads from a URDF joint's frame, at the near end of link k, to frame k at its far end:
+    Trans_z(d) Trans_x(a) Rot_x(alpha) of Equation 2.19, unless the arm was calibrated.
+    """
+    (cr, cp, cy), (sr, sp, sy) = ([f(angle) for angle in pose.rpy] for f in (math.cos, math.sin))
+    roll = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])
+    pitch = np.array([[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]])
+    yaw = np.array([[cy, -sy, 0], [sy, cy, 0], [0, 0, 1]])
+    return yaw @ pitch @ roll + 0.0, np.array(pose.position)
+
+
+def thick(inertia: Array, share: float = 1e-12) -> Array:
+    """Return an inertia tensor that obeys the triangle inequality of a rigid body.
+
+    Principal moments obey A + B >= C. For a flat plate A + B = C, which rounding can violate, and
+    MuJoCo rejects the link. In that case all moments are raised by `share` of their sum, or, for a
+    point mass, by `share` kg m².
+    """
+    slack = np.trace(inertia) - 2 * np.linalg.eigvalsh(inertia)[-1]
+    margin = share * (np.trace(inertia) or 1.0)
+    return inertia if slack > margin else inertia + margin * np.eye(3)
 
 
 def rigid_bodies(robot: Robot, model: str) -> RigidBodies:

@@ -5,9 +5,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Pose, Robot
-from ur5lib.robots.inertia import rigid_bodies, tensor
-from ur5lib.robots.joint_friction import JointFriction
-from ur5lib.robots.urdf import link_tail, thick
+from ur5lib.robots.exports import JointFriction
+from ur5lib.robots.inertia import link_tail, rigid_bodies, tensor, thick
 from ur5lib.timeseries.arrays import Array
 
 TOOL = "tool"

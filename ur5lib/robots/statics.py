@@ -6,8 +6,7 @@
 import numpy as np
 
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import link_tail
+from ur5lib.robots.inertia import link_tail, rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 

@@ -8,8 +8,8 @@ from ur5lib.pipeline.identification import with_identified, with_rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_yaml
+from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.robots.urdf import urdf
 from ur5lib.tables import read_json, write_json, write_text
 from ur5lib.timeseries.lowpass import Butterworth
 
