@@ -1,7 +1,7 @@
 """Made-up external torques of a UR5: a motion, what is left without contact, and pushes."""
 
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import torch
@@ -10,12 +10,18 @@ from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import States, joint_states
-from ur5lib.force.force_input import Gears
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import Noise
 from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.missed_contacts import hiding
 from ur5lib.force.residual_model import ResidualModel
-from ur5lib.force.wrench_estimate import WrenchEstimate, estimate_wrench, used_rows
+from ur5lib.force.wrench_estimate import (
+    NOTHING_LEFT_OUT,
+    Ablation,
+    WrenchEstimate,
+    estimate_wrench,
+    used_rows,
+)
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
@@ -83,16 +89,22 @@ class Free:
         """With a wrench (N, 6), all of which the gears pass on."""
         return replace(self, torque=self.torque + torque_of(self.jacobian, wrench))
 
+    def input(self, **others: Any) -> ForceInput:
+        segment, step = np.zeros(len(self.time), int), self.time[1] - self.time[0]
+        run = ForceInput(self.q, self.qd, self.torque, self.states, segment, step)
+        return replace(run, **others)
+
     def estimate(
         self,
         prior: ContactPrior = PRIOR,
         model: ResidualModel = MODEL,
-        gears: Gears | None = None,
+        ablation: Ablation = NOTHING_LEFT_OUT,
+        **others: Any,
     ) -> WrenchEstimate:
-        segment, step = np.zeros(len(self.time), int), self.time[1] - self.time[0]
-        jacobian = self.jacobian[used_rows(segment, step)]
-        given = self.torque, jacobian, self.states, segment, step, model, prior
-        return estimate_wrench(*given, gears=gears)
+        """others: fields of the `ForceInput`."""
+        run = self.input(**others)
+        jacobian = self.jacobian[used_rows(run.segment, run.period)]
+        return estimate_wrench(run, jacobian, model, prior, ablation)
 
 
 def free_run(

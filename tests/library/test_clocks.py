@@ -122,17 +122,16 @@ def test_a_wrong_stamp_is_mended_or_reported(offset: float) -> None:
         assert asdict(reason)["values"]["apart_s"] == pytest.approx(-0.87, abs=0.005)
 
 
-@pytest.mark.parametrize("period", [0.5, 0.6, 0.7, 1.0, 2.0])
-def test_a_periodic_motion_does_not_jump_a_period(period: float) -> None:
-    clock, reason = record(swinging(period)).clock()
-    assert reason is None
-    assert clock.offset == pytest.approx(OFFSET, abs=0.01)
-
-
-@pytest.mark.parametrize("offset", [-0.1, -0.08, -0.06, -0.04])
-def test_nor_does_one_as_fast_as_the_band_lets_pass(offset: float) -> None:
-    """Nearly four times a second, wherever the clock lies between the search's steps."""
-    clock, reason = record(swinging(0.27), offset=offset).clock()
+@pytest.mark.parametrize(
+    ("period", "offset"),
+    [
+        *((period, OFFSET) for period in (0.5, 0.6, 0.7, 1.0, 2.0)),
+        # as fast as the band lets pass, wherever the clock lies between the search's steps
+        *((0.27, offset) for offset in (-0.1, -0.08, -0.06, -0.04)),
+    ],
+)
+def test_a_periodic_motion_does_not_jump_a_period(period: float, offset: float) -> None:
+    clock, reason = record(swinging(period), offset=offset).clock()
     assert reason is None
     assert clock.offset == pytest.approx(offset, abs=0.01)
 
@@ -149,55 +148,45 @@ def test_nothing_is_used_across_a_gap() -> None:
     assert clock.offset == pytest.approx(OFFSET, abs=3 * clock.offset_std)
 
 
-def test_at_a_standstill_the_stamps_stand() -> None:
-    clock, reason = record(lambda time: np.zeros((len(time), 3))).clock()
+def device_rows(rows: slice) -> Record:
+    whole = record(trajectory)
+    return replace(whole, device_time=whole.device_time[rows], gyroscope=whole.gyroscope[rows])
+
+
+SHORT = {"short record", "little overlap"}
+UNDETERMINED = {  # what was recorded, and why the motion does not determine the clock
+    "standstill": (lambda: record(lambda time: np.zeros((len(time), 3))), {"unexplained rotation"}),
+    "dead gyroscope": (
+        lambda: replace(record(trajectory), gyroscope=0 * record(trajectory).gyroscope),
+        {"unexplained rotation"},
+    ),
+    "another run's copy": (
+        lambda: replace(record(trajectory), rate=swinging(1.7)(TIME)),
+        {"unexplained rotation", "implausible clock"},
+    ),
+    **{
+        f"one of {k}": (lambda k=k: device_rows(slice(None, None, k)), SHORT | {"slow record"})
+        for k in (50, 100)
+    },
+    **{f"{n} samples": (lambda n=n: device_rows(slice(n)), SHORT) for n in (0, 1, 2, 300)},
+}
+
+
+@pytest.mark.parametrize("case", UNDETERMINED)
+def test_where_motion_does_not_determine_a_clock_the_stamps_stand(case: str) -> None:
+    recorded, codes = UNDETERMINED[case]
+    clock, reason = recorded().clock()
     assert clock == STAMPS
     assert reason is not None
-    assert reason.code == "unexplained rotation"
-
-
-def test_a_dead_gyroscope_is_no_failure() -> None:
-    dead = record(trajectory)
-    dead.gyroscope = np.zeros_like(dead.gyroscope)
-    clock, reason = dead.clock()
-    assert clock == STAMPS
-    assert reason is not None
-
-
-@pytest.mark.parametrize("every", [50, 100])
-def test_sparse_samples_are_no_failure(every: int) -> None:
-    sparse = record(trajectory)
-    sparse.device_time, sparse.gyroscope = sparse.device_time[::every], sparse.gyroscope[::every]
-    clock, reason = sparse.clock()
-    assert clock == STAMPS
-    assert reason is not None
-
-
-def test_another_runs_copy_is_not_believed() -> None:
-    stale = record(trajectory)
-    stale.rate = swinging(1.7)(TIME)
-    clock, reason = stale.clock()
-    assert clock == STAMPS
-    assert reason is not None
-    assert reason.code in ("unexplained rotation", "implausible clock")
+    assert reason.code in codes
 
 
 def test_a_better_stamp_is_not_given_up() -> None:
-    """What the gyroscope tells to some 0.3 ms is worth less than a stamp good to 0.1 ms."""
+    """What the gyroscope determines to some 0.3 ms is worth less than a stamp good to 0.1 ms."""
     stamps = clock_from_stamps(OFFSET, 1e-4)
     clock, reason = record(trajectory).clock(stamps)
     assert clock == stamps
     assert reason is not None
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 300])
-def test_a_record_that_is_too_short_is_no_failure(count: int) -> None:
-    short = record(trajectory)
-    short.device_time, short.gyroscope = short.device_time[:count], short.gyroscope[:count]
-    clock, reason = short.clock()
-    assert clock == STAMPS
-    assert reason is not None
-    assert reason.code in ("short record", "little overlap")
 
 
 @pytest.mark.parametrize(("count", "told"), [(159, True), (160, False)])

@@ -66,7 +66,7 @@ from ur5lib.identification.validation import (
 from ur5lib.robots import friction
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
 from ur5lib.tables import read_json, write_json
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE
 
 RUNS = 200
@@ -83,6 +83,12 @@ def study() -> list[Record]:
 @pytest.fixture(scope="module")
 def fitted(study: list[Record]) -> CurrentFit:
     return fit_currents(study, smooth, prior())
+
+
+def cut(record: Record, rows: slice | Mask, **changes: str) -> Record:
+    """Some samples of a recording."""
+    names = ("segment", "q", "qd", "torque", "current")
+    return replace(record, **{name: getattr(record, name)[rows] for name in names}, **changes)
 
 
 def constants_of(fit: CurrentFit) -> dict[tuple[int, str], float]:
@@ -190,14 +196,10 @@ def test_intervals_hold_what_they_promise() -> None:
             residual = np.stack(noise)[own.record, place, joint]
             drawn.append(replace(own, current=own.design(TERMS[joint]) @ truth[joint] + residual))
         estimates, units = estimate_together(drawn, TERMS, known, seed=run)
-        off = np.concatenate(
-            [
-                np.abs(physical(estimate.coefficients) - physical(true))
-                < half_width(estimate.std_error, units)
-                for estimate, true in zip(estimates, truth, strict=True)
-            ]
-        )
-        inside.append(off)
+        pairs = zip(estimates, truth, strict=True)
+        off = [np.abs(physical(own.coefficients) - physical(true)) for own, true in pairs]
+        half = [half_width(own.std_error, units) for own in estimates]
+        inside.append(np.concatenate(off) < np.concatenate(half))
         determined.append(np.concatenate([e.prior_share < 0.5 for e in estimates]))
     always = np.all(determined, axis=0)
     assert not np.any(determined, axis=0)[-4]  # the constant of joint 6
@@ -233,8 +235,8 @@ def test_nonsense_does_not_change_the_choice(
     def wave(motion: JointMotion, frequency: float) -> list[Array]:
         return [np.sin(frequency * motion.q + motion.torque)]
 
-    monkeypatch.setitem(friction.KINDS, "noise", noise)
-    monkeypatch.setitem(friction.KINDS, "wave", wave)
+    monkeypatch.setitem(friction.KINDS, "noise", friction.Kind(noise))
+    monkeypatch.setitem(friction.KINDS, "wave", friction.Kind(wave))
     more = (*SMALL, *(Term("noise", seed) for seed in range(5)), Term("wave", 17), Term("wave", 3))
     samples = joint_samples(study, smooth, more, WAYS)
     for joint, own in enumerate(samples):
@@ -271,19 +273,10 @@ def test_a_push_does_not_decide(study: list[Record]) -> None:
 
 
 def test_nothing_runs_across_a_gap(study: list[Record]) -> None:
-    record = study[0]
-    segment = np.where(np.arange(len(record.q)) < 600, 0, 1)
-    halves = [
-        replace(
-            record,
-            segment=segment[rows],
-            **{name: getattr(record, name)[rows] for name in ("q", "qd", "torque", "current")},
-        )
-        for rows in (segment == 0, segment == 1)
-    ]
+    record = replace(study[0], segment=np.where(np.arange(len(study[0].q)) < 600, 0, 1))
+    halves = [cut(record, record.segment == half) for half in (0, 1)]
     (split, *_), (whole, *_) = (
-        joint_samples(records, smooth, SMALL, WAYS)
-        for records in (halves, [replace(record, segment=segment)])
+        joint_samples(records, smooth, SMALL, WAYS) for records in (halves, [record])
     )
     np.testing.assert_allclose(split.columns, whole.columns)
     assert len(np.unique(split.block)) == len(np.unique(whole.block))
@@ -367,9 +360,7 @@ def test_one_path_has_no_fit_that_has_not_seen_it(twice: list[Record]) -> None:
 
 def test_of_many_paths_several_are_left_out_together(study: list[Record]) -> None:
     more = [*study, *(replace(make_record(seed), name=f"more_{seed}") for seed in (20, 21))]
-    names = ("segment", "q", "qd", "torque", "current")
-    short = [replace(own, **{name: getattr(own, name)[:200] for name in names}) for own in more]
-    fits = fit_without_each_path(short, smooth, prior(), ())
+    fits = fit_without_each_path([cut(own, slice(200)) for own in more], smooth, prior(), ())
     assert len(fits) == FOLDS
     left_out = [name for names, _ in fits for name in names]
     assert sorted(left_out) == sorted(record.name for record in more)
@@ -377,9 +368,7 @@ def test_of_many_paths_several_are_left_out_together(study: list[Record]) -> Non
 
 def dated(records: list[Record], days: str) -> list[Record]:
     """Their first 10 s, each with a letter for its day."""
-    names = ("segment", "q", "qd", "torque", "current")
-    short = [replace(own, **{name: getattr(own, name)[:1250] for name in names}) for own in records]
-    return [replace(own, day=day) for own, day in zip(short, days, strict=True)]
+    return [cut(own, slice(1250), day=day) for own, day in zip(records, days, strict=True)]
 
 
 @pytest.mark.parametrize(
@@ -409,14 +398,20 @@ def test_a_fit_has_not_seen_the_day_that_it_is_judged_on(study: list[Record]) ->
     assert same == [True, False, False]
 
 
+def residuals_with_another(records: list[Record], index: int) -> tuple[Array, Array, Array]:
+    """The recording of each sample, and joint 2's left-out residuals before and after another
+    current in one of them.
+    """
+    mutated = [*records[:index], changed(records[index]), *records[index + 1 :]]
+    before, after = (joint_samples(own, smooth, (), WAYS)[1] for own in (records, mutated))
+    known = BASE, prior().of_joint(1)
+    return before.record, left_out_residuals(before, *known), left_out_residuals(after, *known)
+
+
 def test_a_left_out_residual_has_not_seen_its_day(study: list[Record]) -> None:
     """Bands are stated, and terms chosen, on other days."""
     records = dated(study[:6], "aabbbc")
-    before, after = (
-        left_out_residuals(joint_samples(some, smooth, (), WAYS)[1], BASE, prior().of_joint(1))
-        for some in (records, [records[0], changed(records[1]), *records[2:]])
-    )
-    place = joint_samples(records, smooth, (), WAYS)[1].record
+    place, before, after = residuals_with_another(records, 1)
     np.testing.assert_array_equal(after[place == 0], before[place == 0])
     assert not np.isclose(after[place > 1], before[place > 1]).all()
 
@@ -439,16 +434,10 @@ def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
 
 def test_a_left_out_residual_has_not_seen_its_path(twice: list[Record]) -> None:
     """Nor the other run along it: a term is chosen, a band stated on paths, not on recordings."""
-    plain, mutated = (
-        joint_samples(records, smooth, (), WAYS)[1]
-        for records in (twice, [*twice[:3], changed(twice[3])])
-    )
-    before, after = (left_out_residuals(own, BASE, prior().of_joint(1)) for own in (plain, mutated))
-    same = plain.path == 0
-    first = plain.record == 0
-    np.testing.assert_array_equal(after[first], before[first])
-    assert not np.isclose(after[~same], before[~same]).all()
-    np.testing.assert_array_equal(plain.path == 0, np.isin(plain.record, [0, 3]))
+    place, before, after = residuals_with_another(twice, 3)
+    np.testing.assert_array_equal(after[place == 0], before[place == 0])
+    other = np.isin(place, [1, 2])
+    assert not np.isclose(after[other], before[other]).all()
 
 
 def test_breakaway_is_the_friction_that_turns_with_direction(fitted: CurrentFit) -> None:

@@ -21,7 +21,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import spans
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.force_input import Gears
-from ur5lib.force.gate import Noise, find_contacts
+from ur5lib.force.gate import Noise, Observations, find_contacts
 from ur5lib.force.missed_contacts import hiding, missed_contacts, probability_while_shut
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (
@@ -30,7 +30,6 @@ from ur5lib.force.wrench_estimate import (
     StretchEstimate,
     WrenchEstimate,
     contact_spans,
-    estimate_wrench,
 )
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import coverage, slope
@@ -167,10 +166,9 @@ def test_what_was_there_all_along_is_taken_off(ur5: Robot) -> None:
     wrench = push(run, 2, 30.0, 12.0, 14.0)
     touched = run.pushed(wrench)
     offset = np.array([0.0, 5.0, -5.0, 0.5, 0.0, 0.0])
-    given = touched.torque + offset, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
     during = between(run.time, 12.0, 14.0) > 0
     without, with_it = (
-        estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(during, background))
+        touched.estimate(ablation=Ablation(during, background), torque=touched.torque + offset)
         for background in (True, False)
     )
     for name in ("wrench", "least_squares"):
@@ -185,27 +183,22 @@ def test_the_margins_of_a_contact_have_its_force(ur5: Robot) -> None:
     run = free_run(ur5, seed=22, seconds=10.0, scale=0.1)
     wrench = push(run, 2, 40.0, 5.0, 7.0)
     touched = run.pushed(wrench)
-    told, during = (between(run.time, *part) > 0 for part in ((5.15, 6.85), (5.05, 6.95)))
-    given = touched.torque, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
-    estimate = estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(told))
-    np.testing.assert_allclose(estimate.wrench[during & ~told, 2], 40.0, rtol=0.25)
+    sensed, during = (between(run.time, *part) > 0 for part in ((5.15, 6.85), (5.05, 6.95)))
+    estimate = touched.estimate(ablation=Ablation(sensed))
+    np.testing.assert_allclose(estimate.wrench[during & ~sensed, 2], 40.0, rtol=0.25)
 
 
 def test_a_contact_that_learns_nothing_is_a_typical_one(ur5: Robot) -> None:
     """Of a push of 80 N, the prior of 15 N then takes its share."""
     run = free_run(ur5, seed=24, scale=0.3)
     touched = run.pushed(push(run, 2, 80.0, 12.0, 14.0))
-    given = touched.torque, run.jacobian, run.states, np.zeros(len(run.time), int), PERIOD
     during = between(run.time, 12.2, 13.8) > 0
-    told = {
-        learning: estimate_wrench(*given, MODEL, PRIOR, ablation=Ablation(None, True, learning))
-        for learning in (True, False)
-    }
-    forces = {learning: one.wrench[during, 2].mean() for learning, one in told.items()}
-    assert forces[True] == pytest.approx(80, rel=0.1)
-    assert forces[False] < 0.95 * forces[True]
-    plain = touched.estimate().wrench
-    np.testing.assert_array_equal(told[True].wrench, plain)
+    learnt, typical = (
+        touched.estimate(ablation=Ablation(learning=learning)).wrench for learning in (True, False)
+    )
+    assert learnt[during, 2].mean() == pytest.approx(80, rel=0.1)
+    assert typical[during, 2].mean() < 0.95 * learnt[during, 2].mean()
+    np.testing.assert_array_equal(learnt, touched.estimate().wrench)
 
 
 # Noise
@@ -229,12 +222,11 @@ def test_noise_is_the_sum_of_what_makes_it() -> None:
     np.testing.assert_array_equal(noise.still, np.repeat(still > 0, 6, axis=1))
 
 
-def backgrounds(run: Free, told: np.ndarray, prior: ContactPrior = PRIOR) -> np.ndarray:
-    """Variance (N, 6) of the background where a sensor tells contacts."""
-    noise = Noise.of(run.states, MODEL, prior, np.zeros(run.torque.shape))
-    gears = Gears.without_friction(run.torque)
-    given = run.torque, run.jacobian, run.states, PERIOD, noise, MODEL, prior, gears, told
-    return np.diagonal(find_contacts(*given).background.covariance, axis1=1, axis2=2)
+def backgrounds(run: Free, sensed: np.ndarray, prior: ContactPrior = PRIOR) -> np.ndarray:
+    """Variance (N, 6) of the background where contacts are known by a sensor."""
+    seen = Observations.of(run.input(), run.jacobian, MODEL, prior)
+    covariance = find_contacts(seen, sensed).background.covariance
+    return np.diagonal(covariance, axis1=1, axis2=2)
 
 
 def test_a_push_draws_anew_what_friction_holds_at_rest(ur5: Robot) -> None:
@@ -385,10 +377,8 @@ def test_a_gap_is_a_new_recording(ur5: Robot) -> None:
     touched = run.pushed(push(run, 2, 40.0, 8.0, 10.0))
     count = len(run.time)
     segment = np.repeat([0, 1], [count // 2, count - count // 2])
-    given = touched.torque, touched.jacobian, touched.states, segment
-    both = estimate_wrench(*given, PERIOD, MODEL, PRIOR)
-    half = slice(count // 2, None)
-    alone = estimate_wrench(*(values[half] for values in given), PERIOD, MODEL, PRIOR)
+    both, half = touched.estimate(segment=segment), slice(count // 2, None)
+    alone = Free(*(values[half] for values in vars(touched).values())).estimate()
     for name in StretchEstimate._fields:
         own, expected = getattr(both, name)[half], getattr(alone, name)
         np.testing.assert_allclose(own, expected, err_msg=name)
@@ -453,9 +443,9 @@ def test_what_is_left_of_a_load_may_be_no_contact(ur5: Robot) -> None:
     """20 Nm of load, misjudged by a tenth from 8 s on: with that doubt, nothing touches the arm."""
     run = free_run(ur5, seed=82, scale=0.3)
     load = np.array([0.0, 40.0, 30.0, 5.0, 0.0, 0.0]) * between(run.time, 8.0, 24.0)[:, None]
-    given = run.torque + 0.1 * load, run.jacobian, run.states, np.zeros(len(load), int), PERIOD
+    misjudged = run.torque + 0.1 * load
     sure, doubted = (
-        estimate_wrench(*given, MODEL, PRIOR, doubt) for doubt in (None, 0.1 * np.abs(load))
+        run.estimate(torque=misjudged, doubt=doubt) for doubt in (None, 0.1 * np.abs(load))
     )
     assert probability(doubted).max() < 0.5
     assert (doubted.std[:, :3].mean(axis=0) > sure.std[:, :3].mean(axis=0)).all()

@@ -12,6 +12,7 @@ from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import MOVING, STATES
+from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
 from ur5lib.identification.base_parameters import (
@@ -165,7 +166,8 @@ def test_a_wrench_is_estimated() -> None:
     segment = np.zeros(len(q), np.int64)
     used = jacobian[used_rows(segment, PERIOD)]
     states = np.full(q.shape, MOVING, np.int8)
-    found = estimate_wrench(torque, used, states, segment, PERIOD, model, ContactPrior())
+    run = ForceInput(q, 0 * q, torque, states, segment, PERIOD)
+    found = estimate_wrench(run, used, model, ContactPrior())
     inner = slice(pushed.start + 50, pushed.stop - 50)
     error = np.abs(found.wrench - wrench)
     assert found.background.shape == q.shape

@@ -19,7 +19,6 @@ from ur5lib.excitation.design import USUAL, Design, Effort, design
 from ur5lib.excitation.files import summary_of, write_files
 from ur5lib.excitation.objective import Task, Worth
 from ur5lib.excitation.problem import (
-    INDEPENDENT,
     Maps,
     Noise,
     Problem,
@@ -30,6 +29,7 @@ from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit
+from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.report.excitation_figure import excitation_figure
 from ur5lib.report.excitation_page import LOAD, excitation_page

@@ -27,7 +27,10 @@ def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]
     rate: [Hz], at which states are checked. Raises InputError if even the posture itself breaks a
     limit.
     """
-    path = path.shrunk(_within_rates(cell, path))
+    # velocity, acceleration and jerk scale with the path
+    states, limits = path.sampled(COARSE)[1], cell.limits.of_states()
+    used = [np.abs(part).max(axis=0) / limit for part, limit in zip(states, limits, strict=True)]
+    path = path.shrunk(1 / np.maximum(np.max(used[1:], axis=0), 1))
     path = path.shrunk(_largest_share(cell, path))
     margins = cell.margins(path.sampled(rate if path.coefficients.any() else COARSE)[1])
     for _ in range(ATTEMPTS):
@@ -41,13 +44,6 @@ def feasible(cell: Cell, path: Path, rate: float = RATE) -> tuple[Path, Margins]
             "more room"
         )
     return path, margins
-
-
-def _within_rates(cell: Cell, path: Path) -> Array:
-    """Return factors (6,) with which joints keep the limits of velocity, acceleration and jerk."""
-    states, limits = path.sampled(COARSE)[1], cell.limits.of_states()
-    used = [np.abs(part).max(axis=0) / limit for part, limit in zip(states, limits, strict=True)]
-    return 1 / np.maximum(np.max(used[1:], axis=0), 1)
 
 
 def _largest_share(cell: Cell, path: Path) -> float:

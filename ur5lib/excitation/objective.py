@@ -6,9 +6,10 @@ from typing import Self
 import numpy as np
 
 from ur5lib.dynamics.flange import differentiable_singular_value
-from ur5lib.excitation.problem import INDEPENDENT, Problem
+from ur5lib.excitation.problem import Problem
 from ur5lib.excitation.questions import Criterion
 from ur5lib.excitation.trajectory import REACH, Cell, Path, States
+from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.profiles import fourier_terms, resting_series
 

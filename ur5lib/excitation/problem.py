@@ -20,11 +20,11 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.excitation import candidate_motions
 from ur5lib.identification.prior import JointPrior
+from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE
 from ur5lib.timeseries.arrays import Array
 
-INDEPENDENT = 0.1  # s between samples whose errors count as independent, as `samples.py` does
 CORRELATED = 1.0  # s between errors of real arms that are independent, the longest of 0.3 to 1 s
 DIRECTION = 0.05  # rad/s, ε, over which dry friction reaches its full size
 TORQUE_NOISE = 0.02  # Nm, of target torques, unless a study has estimated it

@@ -98,15 +98,10 @@ def _undetermined(problem: Problem, _: LinkModel) -> Criterion:
     return i_optimality(problem.to_physical() / problem.standard_errors(problem.prior)[:, None])
 
 
-def _friction(problem: Problem, _: LinkModel) -> Criterion:
+def _d_optimality_of(problem: Problem, place: slice) -> Criterion:
+    """Return D-optimality of the parameters at a place in θ."""
     wanted = np.zeros(len(problem.theta), dtype=bool)
-    wanted[problem.of_currents] = True
-    return d_optimality(wanted)
-
-
-def _payload(problem: Problem, _: LinkModel) -> Criterion:
-    wanted = np.zeros(len(problem.theta), dtype=bool)
-    wanted[problem.of_payload] = True
+    wanted[place] = True
     return d_optimality(wanted)
 
 
@@ -123,7 +118,7 @@ def _force_bands(problem: Problem, model: LinkModel) -> Criterion:
 QUESTIONS: dict[str, Callable[[Problem, LinkModel], Criterion]] = {
     "model": _model,
     "undetermined": _undetermined,
-    "friction": _friction,
-    "payload": _payload,
+    "friction": lambda problem, _: _d_optimality_of(problem, problem.of_currents),
+    "payload": lambda problem, _: _d_optimality_of(problem, problem.of_payload),
     "force-bands": _force_bands,
 }

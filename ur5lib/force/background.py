@@ -15,7 +15,7 @@ from ur5lib.timeseries.kalman import Gaussians, rts_pass
 
 
 class Passed(NamedTuple):
-    """States of a filter before and after each measurement, and what its innovations say of s.
+    """States of a filter before and after each measurement, and the normal equations of s.
 
     Means are (N, n + 1, n): of the measured torque, and of each joint's friction f in its place.
     squares: Σ E V⁻¹ Eᵀ (n + 1, n + 1) over the innovations E (n + 1, n), with V their covariance.

@@ -7,13 +7,12 @@ one pass filters them: the background is corrected by what each sample is worth 
 import numpy as np
 
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import States, finite_rows
+from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import (
     LEAST,
     Chain,
-    Noise,
-    free_covariances,
+    Observations,
     log_density,
     log_odds,
     measurement_noise,
@@ -33,39 +32,21 @@ def causal_log_odds(
     (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; model: of such torques.
     """
     rows = used_rows(run.segment, run.period)
-    posed, states = finite_rows(jacobian.reshape(len(rows), -1)), run.states[rows]
-    doubt = np.zeros(states.shape) if run.doubt is None else np.nan_to_num(run.doubt[rows])
-    probability = _filtered(
-        np.where(posed[:, None], run.torque[rows], np.nan),
-        np.where(posed[:, None, None], jacobian, 0.0),
-        states,
-        starts(run.segment[rows]),
-        thinning(run.period) * run.period,
-        Noise.of(states, model, prior, doubt),
-        model,
-        prior,
-    )
+    seen = Observations.of(run.thinned(thinning(run.period), rows), jacobian, model, prior)
+    probability = _filtered(seen, starts(run.segment[rows]))
     # between two samples that are used, the odds stay
     latest = np.searchsorted(rows, np.arange(len(run.segment)), side="right") - 1
     return log_odds(probability)[latest]
 
 
-def _filtered(
-    torque: Array,
-    jacobian: Array,
-    states: States,
-    fresh: Mask,
-    period: float,
-    noise: Noise,
-    model: ResidualModel,
-    prior: ContactPrior,
-) -> Array:
+def _filtered(seen: Observations, fresh: Mask) -> Array:
     """Return the probability (n,) of contact; fresh: (n,), where a stretch starts."""
-    known, worth = finite_rows(torque), min(1.0, period / model.independent)
-    free, bank = np.stack(free_covariances(jacobian, noise, model, prior)), np.stack(prior.bank())
+    torque, jacobian, noise, worth = seen.torque, seen.jacobian, seen.noise, seen.worth
+    known = finite_rows(torque)
+    free, bank = np.stack(seen.free_covariances()), np.stack(seen.prior.bank())
     touched = noise.quick + noise.hidden  # of the torque in contact, beside the contact's own
-    chain = Chain.of(len(free), len(bank), period, prior)
-    decay = np.exp(-period * model.rate[states])
+    chain = Chain.of(len(free), len(bank), seen.period, seen.prior)
+    decay = np.exp(-seen.period * seen.model.rate[seen.states])
     renewal = np.sqrt(1 - decay**2)
     contact = np.empty(len(torque))
     for t in range(len(torque)):

@@ -1,4 +1,4 @@
-"""Which link of the arm a force acts on, by the torques alone; or that they cannot tell.
+"""Which link of the arm a force acts on, by the torques alone, if they determine it.
 
 A force F at a place p of link k loads joints 1 to k: τ = J_pᵀ F + e, with no torque beyond. Links
 are compared by p(τ | link), the mean over places along the link and over sizes s of F ~ N(0, s² I),
@@ -20,7 +20,7 @@ STEP = 0.1  # m, largest distance of neighbouring places along a link
 TOOL = 0.2  # m, beyond the flange, of which link 6 may be touched
 SURFACE = 0.05  # m, of a link's surface from the line between its frames
 LOSS = 0.15  # of the contact's torque on a joint, lost or gained in its gears, standard deviation
-SAMPLES = 20  # of a contact that are used: more tell nothing new
+SAMPLES = 20  # of a contact that are used; more add no information
 
 
 def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
@@ -66,24 +66,15 @@ def link_probabilities(
     samples together count as one: the arm hardly moves on, and friction errs alike in all of them.
     """
     loaded = noise + diagonal((loss * torque) ** 2)
-    evidence = [_log_evidence(torque, loaded, own, sizes) for own in levers.values()]
+    # a surface beside the place adds a moment
+    wrenches = [wrench_covariance(size, SURFACE) for size in sizes]
+    # log p(τ | link), up to a constant: the mean over its places and the sizes
+    evidence = []
+    for places in levers.values():
+        covariances = [loaded + J.mT @ wrench @ J for J in places for wrench in wrenches]
+        each = [log_density(torque, covariance).mean() for covariance in covariances]
+        evidence.append(logsumexp(each) - np.log(len(places)))
     return dict(zip(levers, np.asarray(softmax(evidence)).tolist(), strict=True))
-
-
-def _log_evidence(
-    torque: Array, noise: Array, levers: Sequence[Array], sizes: Sequence[float]
-) -> float:
-    """Return log p(τ | link), up to a constant: the mean over its places and the sizes."""
-    each = [_log_density(torque, noise, J, size) for J in levers for size in sizes]
-    return float(logsumexp(each) - np.log(len(levers)))
-
-
-def _log_density(torque: Array, noise: Array, J: Array, size: float) -> float:
-    """Return log p(τ | place, size), the mean over the samples; a surface beside the place adds a
-    moment.
-    """
-    wrench = wrench_covariance(size, SURFACE)
-    return float(log_density(torque, noise + J.mT @ wrench @ J).mean())
 
 
 def likely_links(probability: Mapping[int, float]) -> list[int]:
@@ -97,6 +88,6 @@ def likely_links(probability: Mapping[int, float]) -> list[int]:
 
 
 def touched_link(probability: Mapping[int, float]) -> int | None:
-    """Return the link of a contact, None where the torques cannot tell."""
+    """Return the link of a contact, None where the torques do not determine it."""
     links = likely_links(probability)
     return links[0] if len(links) == 1 else None

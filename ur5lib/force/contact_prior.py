@@ -18,9 +18,9 @@ class ContactPrior:
     pauses between them [s].
 
     Gears: load_friction: relative deviation of each joint's torque, or of joints 1 to 6 (6,), from
-    what the fit says that the gears pass on of a contact; friction_std: relative deviation of each
-    joint's friction in one run from that of the fit; stiction, rubbing: part of a contact that dry
-    friction may absorb at rest and in motion, as shares of the breakaway torque.
+    the part of a contact that gears transmit according to the fit; friction_std: relative deviation
+    of each joint's friction in one run from that of the fit; stiction, rubbing: part of a contact
+    that dry friction may absorb at rest and in motion, as shares of the breakaway torque.
 
     Rest: hunting: amplitudes of a joint's wandering after it was touched, as shares of the
     breakaway torque; settling: its time constant [s]; unprovoked: rate [1/s] of hunting that

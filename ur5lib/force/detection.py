@@ -48,14 +48,11 @@ def alarm_threshold(contact_free: list[Array], periods: list[float], per_minute:
     pairs = zip(contact_free, periods, strict=True)
     minutes = sum(len(odds) * period for odds, period in pairs) / 60
     allowed = int(per_minute * minutes)
-    peaks = sorted(peak for odds in contact_free for peak in _peaks(odds))
+    peaks = sorted(
+        float(odds[slice(*alarm)].max()) for odds in contact_free for alarm in alarms(odds, 0.0)
+    )
     above = peaks[-allowed - 1] if allowed < len(peaks) else -np.inf
     return max(0.0, float(np.nextafter(above, np.inf)))
-
-
-def _peaks(log_odds: Array) -> list[float]:
-    """Return the largest value of each alarm at a threshold of 0."""
-    return [float(log_odds[first:last].max()) for first, last in alarms(log_odds, 0.0)]
 
 
 @dataclass(frozen=True)

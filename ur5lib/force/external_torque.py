@@ -6,12 +6,12 @@ from scipy.ndimage import binary_opening, maximum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
+from ur5lib.timeseries.trajectories import SLOW
 
 States = NDArray[np.int8]
 
 MOVING, REVERSING, SETTLING, RESTING, STILL = range(5)
 STATES = 5
-SLOW = 0.03  # rad/s, below which Coulomb friction changes its sign
 STOP = 0.4  # s; a joint that is slow for a shorter time reverses
 RELAXING = 1.0  # s, for which friction relaxes after a stop
 REACH = 0.25  # s, over which a low-pass at 2 Hz spreads the friction of a reversal

@@ -14,7 +14,7 @@ MEAN = 0.5  # of what dry friction may take of a contact at rest: anything from 
 
 @dataclass(frozen=True)
 class Gears:
-    """What a fit says of the gears in a motion without contact, (N, 6) each, low-passed.
+    """The gears according to a fit, in a motion without contact, (N, 6) each, low-passed.
 
     load: torque that they transmit [Nm]; loss: load-dependent friction per Nm of load, c z, with z
     the direction of the friction, -1 to 1; friction: all of the friction [Nm].
@@ -98,9 +98,20 @@ class ForceInput:
         """Return the samples (N,) that may serve as template: those in motion, of known torque."""
         return self.moves() & finite_rows(self.torque)
 
-    def with_torque(self, torque: Array, states: States) -> Self:
-        """Return the same motion with another torque and the states of another model."""
-        return replace(self, torque=torque, states=states)
+    def load_std(self) -> Array:
+        """Return the standard deviation (N, 6) [Nm] of an estimated load's torque, 0 without."""
+        return np.zeros(self.states.shape) if self.doubt is None else np.nan_to_num(self.doubt)
+
+    def thinned(self, every: int, rows: Labels | slice) -> Self:
+        """Return the run at some rows, of which every so many-th was taken."""
+        return replace(
+            self,
+            **{name: getattr(self, name)[rows] for name in ("q", "qd", "torque", "states")},
+            segment=self.segment[rows],
+            period=every * self.period,
+            doubt=None if self.doubt is None else self.doubt[rows],
+            gears=None if self.gears is None else self.gears.at(rows),
+        )
 
 
 def extent(run: ForceInput) -> Array | None:

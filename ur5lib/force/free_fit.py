@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import minimum_filter1d
 
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import MAD
 
 STRETCH = 0.1  # s
 DRAWS, TOGETHER = 600, 3  # candidates; stretches for each where one does not determine it
@@ -114,8 +115,7 @@ def settle(record: Record, free: Mask, weight: Array) -> Fit:
     """
     for _ in range(ROUNDS):
         parameters, residual = fit(record, free, weight)
-        # standard deviation by the median absolute deviation
-        noise = np.maximum(1.4826 * np.median(np.abs(residual[free]), axis=0), REPEATS)
+        noise = np.maximum(MAD * np.median(np.abs(residual[free]), axis=0), REPEATS)
         quiet = free_samples(residual, noise, record.measured, record.period)
         if (quiet == free).all() or not quiet.any():
             break

@@ -15,7 +15,7 @@ import numpy as np
 from ur5lib.force.background import smooth
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
-from ur5lib.force.force_input import Gears
+from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
@@ -106,78 +106,100 @@ class Noise:
         )
 
 
-def find_contacts(
-    torque: Array,
-    jacobian: Array,
-    states: States,
-    period: float,
-    noise: Noise,
-    model: ResidualModel,
-    prior: ContactPrior,
-    gears: Gears,
-    told: Mask | None = None,
-) -> Gate:
-    """Estimate when a stretch without a gap is in contact; arguments as of `estimate_wrench`.
+@dataclass(frozen=True)
+class Observations:
+    """The samples that are used, and what is assumed of them.
 
-    gears: without friction where joints rest; told: (N,), contacts according to a sensor: then only
-    the background is estimated.
+    torque: external (N, n) [Nm], NaN where it or the arm's pose is unknown; jacobian: (N, 6, n), 0
+    where the pose is unknown; posed: (N,), where it is known; states: (N, n), of `model`; period:
+    [s]; gears: without friction where joints rest.
     """
-    known, worth = finite_rows(torque), min(1.0, period / model.independent)
-    filled = np.where(known[:, None], torque, 0.0)
-    free = free_covariances(jacobian, noise, model, prior)
+
+    torque: Array
+    jacobian: Array
+    posed: Mask
+    states: States
+    period: float
+    noise: Noise
+    model: ResidualModel
+    prior: ContactPrior
+    gears: Gears
+
+    @classmethod
+    def of(
+        cls, run: ForceInput, jacobian: Array, model: ResidualModel, prior: ContactPrior
+    ) -> "Observations":
+        """Return the samples of a run with their Jacobians (N, 6, n), NaN where unknown."""
+        posed = finite_rows(jacobian.reshape(len(jacobian), -1))
+        gears = Gears.without_friction(run.torque) if run.gears is None else run.gears
+        return cls(
+            torque=np.where(posed[:, None], run.torque, np.nan),
+            jacobian=np.where(posed[:, None, None], jacobian, 0.0),
+            posed=posed,
+            states=run.states,
+            period=run.period,
+            noise=Noise.of(run.states, model, prior, run.load_std()),
+            model=model,
+            prior=prior,
+            gears=gears.where_moving(run.states),
+        )
+
+    @property
+    def worth(self) -> float:
+        """Return the number of independent values per sample, at most 1."""
+        return min(1.0, self.period / self.model.independent)
+
+    def free_covariances(self) -> list[Array]:
+        """Return the covariances (N, n, n) of a free arm's torque: undisturbed, then hunting."""
+        quiet = self.jacobian.mT @ self.prior.when_free() @ self.jacobian
+        return [
+            self.noise.quick
+            + quiet
+            + diagonal(np.where(self.noise.still, share * self.model.breakaway, 0.0) ** 2)
+            for share in (0.0, *self.prior.hunting)
+        ]
+
+
+def find_contacts(seen: Observations, sensed: Mask | None = None) -> Gate:
+    """Estimate when a stretch without a gap is in contact.
+
+    sensed: (N,), contacts according to a sensor: then only the background is estimated.
+    """
+    period, noise, prior = seen.period, seen.noise, seen.prior
+    known = finite_rows(seen.torque)
+    filled = np.where(known[:, None], seen.torque, 0.0)
+    free = seen.free_covariances()
     chain = Chain.of(len(free), len(prior.bank()), period, prior)
     slow = held = Gaussians(np.zeros_like(filled), noise.spread)
     for share in ROUNDS:
         # log p(τ | state), and 0 where τ is unknown
         without = [log_density(filled - held.mean, c + share * held.covariance) for c in free]
-        during = _contact_densities(filled, jacobian, noise, slow, share, prior)
+        # and in contact, N(b, S + S_hidden + P_b + Jᵀ P J) of each kind
+        residual = filled - slow.mean
+        besides = noise.quick + noise.hidden + share * slow.covariance
+        during = [
+            log_density(residual, besides + seen.jacobian.mT @ contact @ seen.jacobian)
+            for contact in prior.bank()
+        ]
         evidence = np.stack([*without, *during], axis=1)  # (N, S)
-        evidence *= worth * known[:, None]
+        evidence *= seen.worth * known[:, None]
         # p(contact) = Σ p(state | all τ) over the states in contact
         weight = posterior(evidence, chain.transitions, chain.start)  # (N, S)
         contact = weight[:, len(free) :].sum(axis=1)  # (N,)
-        contact = contact if told is None else told.astype(float)
+        contact = contact if sensed is None else sensed.astype(float)
         # background given all τ, each weighted by the probability of a free arm
-        measured = measurement_noise(free, weight, contact) / worth
+        measured = measurement_noise(free, weight, contact) / seen.worth
         # a push at rest may renew the background: it changes what stiction holds
         renewed = noise.still * contact[:, None] / prior.duration
-        rate = model.rate[states]
-        given = torque, measured, noise.spread
-        scaled = -gears.friction, prior.friction_std
+        rate = seen.model.rate[seen.states]
+        given = seen.torque, measured, noise.spread
+        scaled = -seen.gears.friction, prior.friction_std
         slow = smooth(*given, np.exp(-period * (rate + renewed)), *scaled)
         # without a push it stays: the background of the free states
         held = slow
         if noise.still.any():
             held = smooth(*given, np.exp(-period * rate), *scaled)
     return Gate(contact, slow)
-
-
-def _contact_densities(
-    torque: Array,
-    jacobian: Array,
-    noise: Noise,
-    background: Gaussians,
-    share: float,
-    prior: ContactPrior,
-) -> list[Array]:
-    """Return log p(τ | contact) (N,) of each kind of contact: N(b, S + S_hidden + P_b + Jᵀ P J)."""
-    residual = torque - background.mean
-    besides = noise.quick + noise.hidden + share * background.covariance  # (N, n, n)
-    return [
-        log_density(residual, besides + jacobian.mT @ contact @ jacobian)
-        for contact in prior.bank()
-    ]
-
-
-def free_covariances(
-    jacobian: Array, noise: Noise, model: ResidualModel, prior: ContactPrior
-) -> list[Array]:
-    """Return the covariances (N, n, n) of a free arm's torque: undisturbed, then hunting."""
-    undisturbed = noise.quick + jacobian.mT @ prior.when_free() @ jacobian
-    return [
-        undisturbed + diagonal(np.where(noise.still, share * model.breakaway, 0.0) ** 2)
-        for share in (0.0, *prior.hunting)
-    ]
 
 
 def measurement_noise(free: Array | Sequence[Array], weight: Array, contact: Array) -> Array:

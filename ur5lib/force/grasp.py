@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.force.external_torque import finite_rows
+from ur5lib.robots.friction import GEARS
 from ur5lib.timeseries.arrays import Array
 
 SHORTEST = 2.0  # s; in a shorter contact, a load and a push cannot be distinguished
 EDGE = 0.5  # s at both ends, while it is taken up or put down
 EXPLAINED = 0.95  # share of the contact's squared torque that a weight must explain
-GEARS = 0.03  # relative error of the mass by the gears' load friction
 LEVER = 0.15  # m, how far from the flange a load's centre of mass usually is
 
 

@@ -56,14 +56,12 @@ def torque_std(motor_torque: Array, constant_error: Array, torque_max: Array) ->
 def static_wrench(torque: Array, std: Array, jacobian: Array) -> tuple[Array, Array]:
     """Return the most probable wrench [F, n] and its standard deviation, (N, 6) [N, Nm].
 
-    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). With a
-    prior of 0 ± P: C = (J Σ^-1 J^T + P^-1)^-1, F = C J Σ^-1 τ.
+    torque: external (N, 6) [Nm], J^T F, NaN where unknown; std: of it; jacobian: (N, 6, 6). The
+    prior is 0 ± FORCE, with a moment over LEVER.
     """
-    prior = np.diag(np.array([FORCE] * 3 + [FORCE * LEVER] * 3) ** -2.0)
-    weighted = jacobian / std[:, None, :] ** 2  # J Σ^-1, (N, 6, 6)
-    known = np.isfinite(torque).all(axis=1) & np.isfinite(weighted).all(axis=(1, 2))
-    wrench, error = np.full_like(torque, np.nan), np.full_like(torque, np.nan)
-    covariance = np.linalg.inv(weighted[known] @ jacobian[known].mT + prior)
-    wrench[known] = (covariance @ (weighted[known] @ torque[known, :, None]))[..., 0]
-    error[known] = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-    return wrench, error
+    prior = np.diag(np.array([FORCE] * 3 + [FORCE * LEVER] * 3) ** 2.0)
+    noise = std[:, :, None] ** 2 * np.eye(std.shape[1])
+    found = regularised_wrench(torque, jacobian, noise, prior)
+    error = np.sqrt(np.diagonal(found.covariance, axis1=1, axis2=2))
+    known = finite_rows(torque + error)[:, None]
+    return np.where(known, found.mean, np.nan), np.where(known, error, np.nan)

@@ -19,7 +19,7 @@ from ur5lib.force.external_torque import (
     States,
     finite_rows,
 )
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array
 
 SHORT, LONG = 0.5, 2.0  # s: half the duration of a push by hand, and twice its duration
 SLOWEST, FASTEST = 1 / 30, 2.0  # 1/s, limits of the background's rate of renewal
@@ -159,15 +159,11 @@ def _differences(stretch: Stretch, seconds: float) -> Stretch:
     lag = round(seconds / stretch.period)
     torque, states = stretch.torque, stretch.states
     middle = slice(lag // 2, lag // 2 + max(0, len(torque) - lag))
-    for state in (REVERSING, SETTLING):
-        states = np.where(_passed(stretch.states == state, lag), state, states)
+    for state in (REVERSING, SETTLING):  # passed within the lag
+        inside = (stretch.states == state).astype(np.uint8)
+        states = np.where(maximum_filter1d(inside, lag + 1, axis=0) > 0, state, states)
     change = (torque[lag:] - torque[: max(0, len(torque) - lag)]) / np.sqrt(2)
     return Stretch(change, states[middle], stretch.period)
-
-
-def _passed(where: Mask, lag: int) -> Mask:
-    """Return samples whose window of one lag contains one of the mask."""
-    return np.asarray(maximum_filter1d(where.astype(np.uint8), lag + 1, axis=0) > 0)
 
 
 def _moments(stretches: Sequence[Stretch], joints: int) -> Array:

@@ -91,7 +91,8 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
         settle(record, record.measured, least_deviations(record)),
         *_settled_agreement(record, tried, tolerance),
     ]
-    parameters, free, noise = _most_agreed(record, fits, tolerance)
+    agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
+    parameters, free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, OUTSIDE * noise)
     offset = _offset(record, parameters, free) | _shares(record, parameters, tried, tolerance)
     if every > 1:  # free samples of the whole record
@@ -119,12 +120,6 @@ def _settled_agreement(record: Record, tried: Array, tolerance: Array) -> Iterat
             yield settle(record, free, np.ones(len(free)))
 
 
-def _most_agreed(record: Record, fits: list[Fit], tolerance: Array) -> Fit:
-    """Return the fit with which most samples agree."""
-    agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
-    return fits[agree.sum(axis=1).argmax()]
-
-
 def _shares(record: Record, parameters: Array, tried: Array, tolerance: Array) -> dict[str, float]:
     """Return the share of samples that agree with parameters (10,), and the largest share of the
     others that agree with one of the candidates (K, 10).
@@ -149,16 +144,9 @@ def _terms(pull: Array, weighed: bool) -> Array:
     """
     terms = np.zeros((len(pull), 6, 10))
     terms[:, :, 4:] = np.eye(6)
-    if weighed:
-        terms[:, :, :4] = _weight_terms(pull)
-    return terms
-
-
-def _weight_terms(pull: Array) -> Array:
-    """Return the regressor (N, 6, 4) of mass and mass times arm: f = m p, n = m c × p."""
-    terms = np.zeros((len(pull), 6, 4))
-    terms[:, :3, 0] = pull
-    terms[:, 3:, 1:] = np.cross(np.eye(3), pull[:, None]).mT
+    if weighed:  # f = m p, n = m c × p
+        terms[:, :3, 0] = pull
+        terms[:, 3:, 1:4] = np.cross(np.eye(3), pull[:, None]).mT
     return terms
 
 

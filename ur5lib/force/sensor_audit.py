@@ -22,10 +22,12 @@ from ur5lib.force.free_fit import REPEATS, Record, least_deviations, settle
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
-BLOCKS = 100  # many more than terms, however short the recording: else nothing tells the error
+BLOCKS = (
+    100  # many more than terms, however short the recording; otherwise the error is undetermined
+)
 SLOW = np.exp(-1 / np.geomspace(1, 2 * BLOCKS, 7))  # ρ, all equally likely a priori
 SHARES = np.array([0.0, 0.25, 0.5, 0.75, 0.9, 0.97, 1.0])  # g, likewise
-DEPENDENT = 1e-6  # singular value, relative to the largest, below which terms are no others
+DEPENDENT = 1e-6  # singular value, relative to the largest, of linearly dependent terms
 
 
 def slow_covariance(
@@ -132,7 +134,7 @@ def read_free(
 
     reading: (N, 6) [N, Nm], NaN rows allowed; pull: p (N, 3) [m/s²], at the tool's centre of mass,
     and spin: α (N, 3) [rad/s²], axes of frame 6; time: (N,) [s]; period: [s]; tool: as declared.
-    Least squares under a prior that leaves undetermined what the motion does not tell.
+    Least squares under a wide prior: what the motion does not determine stays undetermined.
     """
     every = slice(None, None, max(1, -(-len(reading) // MOST)))
     measured = finite_rows(reading) & finite_rows(pull)

@@ -10,10 +10,10 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import PAUSE, PUSH, Span, alarms, overlap, pushes
 from ur5lib.force.external_torque import STATES, STILL, States, finite_rows
 from ur5lib.force.force_input import ForceInput, Gears
-from ur5lib.force.gate import Noise
+from ur5lib.force.gate import Observations
 from ur5lib.force.missed_contacts import hiding, largest_missed
 from ur5lib.force.residual_model import MISSED_TO, ResidualModel
-from ur5lib.force.wrench_estimate import STEP, used_rows
+from ur5lib.force.wrench_estimate import STEP, thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 LEAST, MOST = 5.0, 100.0  # N, of trial pushes
@@ -124,17 +124,18 @@ def try_contacts(
     contact and joint; in motion, gears take their part.
     """
     rows = used_rows(run.segment, run.period)
-    states, posed = run.states[rows], finite_rows(jacobian.reshape(-1, 36))
+    seen = Observations.of(run.thinned(thinning(run.period), rows), jacobian, model, prior)
     time = np.asarray(rows * run.period + random.uniform(0, PUSH + PAUSE), np.float64)
     # torque x of the contact, and what motors feel of it
     wrench = _drawn(time, prior, random)
-    torque = np.matvec(np.where(posed[:, None, None], jacobian, 0.0).mT, wrench)
+    torque = np.matvec(seen.jacobian.mT, wrench)
     gears = None if run.gears is None else run.gears.at(rows)
     felt = np.zeros_like(run.torque)
-    felt[rows] = felt_push(torque, time, states, gears, prior.stiction * model.breakaway, random)
+    felt[rows] = felt_push(
+        torque, time, seen.states, gears, prior.stiction * model.breakaway, random
+    )
     # z² = xᵀ S⁻¹ x, and where the gate is shut
-    load_std = np.zeros(states.shape) if run.doubt is None else np.nan_to_num(run.doubt[rows])
-    hidden = hiding(states, Noise.of(states, model, prior, load_std))
+    hidden = hiding(seen.states, seen.noise)
     size = np.sqrt(np.vecdot(torque, np.linalg.solve(hidden, torque[..., None])[..., 0]))
     missed: Mask = ~np.asarray(wrench_under(felt)[rows].any(axis=1))
     touched: Mask = np.asarray(size > 0) & finite_rows(run.torque[rows])

@@ -14,9 +14,8 @@ from scipy.ndimage import binary_dilation
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.contact_wrench import Wrench, contact_wrench, least_squares_wrench
 from ur5lib.force.detection import Span, spans
-from ur5lib.force.external_torque import States, finite_rows
-from ur5lib.force.force_input import MEAN, Gears, held
-from ur5lib.force.gate import Noise, find_contacts, log_odds
+from ur5lib.force.force_input import MEAN, ForceInput, held
+from ur5lib.force.gate import Observations, find_contacts, log_odds
 from ur5lib.force.missed_contacts import (
     hiding,
     missed_contacts,
@@ -121,44 +120,29 @@ def used_rows(segment: Labels, period: float) -> Labels:
 
 
 def estimate_wrench(
-    torque: Array,
+    run: ForceInput,
     jacobian: Array,
-    states: States,
-    segment: Labels,
-    period: float,
     model: ResidualModel,
     prior: ContactPrior,
-    doubt: Array | None = None,
     ablation: Ablation = NOTHING_LEFT_OUT,
-    gears: Gears | None = None,
 ) -> WrenchEstimate:
     """Estimate the wrench of each unbroken stretch from all of its samples (offline).
 
-    torque: external, low-passed, (N, n) [Nm], rows of NaN where unknown; jacobian: (M, 6, n), at
-    `used_rows`, NaN where the arm's pose is unknown; states: (N, n), of `model`; segment: (N,);
-    period: [s]; doubt: (N, n) [Nm], standard deviation of an estimated load's torque; gears: None
-    if their friction is unknown, which then counts as none.
+    run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
+    none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown.
     """
     # every stretch on its own, thinned to STEP
-    every, found, start = thinning(period), [], 0
-    gears = Gears.without_friction(torque) if gears is None else gears
-    for rows in unbroken(segment):
+    every, found, start = thinning(run.period), [], 0
+    for rows in unbroken(run.segment):
         thin = slice(rows.start, rows.stop, every)
-        own_states = states[thin]
-        own_jacobian = jacobian[start : start + len(own_states)]
-        start += len(own_states)
-        load_std = np.zeros(own_states.shape) if doubt is None else np.nan_to_num(doubt[thin])
-        noise = Noise.of(own_states, model, prior, load_std)
-        # without a Jacobian, the torque is unknown too
-        posed = finite_rows(own_jacobian.reshape(len(own_states), -1))
-        known = np.where(posed[:, None], torque[thin], np.nan)
-        lever = np.where(posed[:, None, None], own_jacobian, 0.0)
+        part = run.thinned(every, thin)
+        end = start + len(part.states)
+        seen = Observations.of(part, jacobian[start:end], model, prior)
+        start = end
         sensed = None if ablation.contacts is None else ablation.contacts[thin]
-        rubbing = gears.at(thin).where_moving(own_states)
-        problem = known, lever, own_states, every * period, noise
-        own = _estimate(*problem, model, prior, rubbing, replace(ablation, contacts=sensed))
+        own = _estimate(seen, replace(ablation, contacts=sensed))
         for quantity in own:
-            quantity[~posed] = np.nan
+            quantity[~seen.posed] = np.nan
         found.append((rows, own))
     return WrenchEstimate(found, every)
 
@@ -176,44 +160,35 @@ def _at_every_sample(thinned: Array, every: int, count: int) -> Array:
     return interpolated(at, known, thinned)
 
 
-def _estimate(
-    torque: Array,
-    jacobian: Array,
-    states: States,
-    period: float,
-    noise: Noise,
-    model: ResidualModel,
-    prior: ContactPrior,
-    gears: Gears,
-    ablation: Ablation,
-) -> StretchEstimate:
+def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:
     """Estimate the wrench of one stretch, at the thinned samples."""
+    torque, period, noise = seen.torque, seen.period, seen.noise
+    model, prior = seen.model, seen.prior
     # p(contact), the background b, and the spans of contacts
-    given = torque, jacobian, states, period, noise, model, prior
-    gate = find_contacts(*given, gears, ablation.contacts)
+    gate = find_contacts(seen, ablation.contacts)
     contacts = contact_spans(gate.probability, period)
     inside = marked(contacts, len(torque))
     likely = np.where(inside, np.maximum(gate.probability, INSIDE), gate.probability)  # (n,)
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its covariance S; joints
     # count as independent, because correlations that were learnt without contact mislead in contact
     left = torque - ablation.background * gate.background.mean
-    carried, share = gears.contact_torque(left)
+    carried, share = seen.gears.contact_torque(left)
     carried += noise.still * held(carried, model.breakaway, prior.stiction)
     hidden = np.where(noise.still[:, :, None], 1 - MEAN**2, 1.0) * noise.hidden
     covariance = (noise.quick + gate.background.covariance + hidden) * np.eye(torque.shape[1])
     covariance = share[:, :, None] * covariance * share[:, None, :]
     # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
-    worth = min(1.0, period / model.independent)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
-    chosen, plain = _nothing(len(torque)), _nothing(len(torque))
+    chosen, plain = (Wrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
     for span in contacts:
         part = slice(*span)
-        own = carried[part], jacobian[part], covariance[part]
+        own = carried[part], seen.jacobian[part], covariance[part]
         typical = None if ablation.learning else prior.usual()
-        _put(chosen, part, contact_wrench(*own, worth, period, lossy, typical))
-        _put(plain, part, least_squares_wrench(*own))
+        found = contact_wrench(*own, seen.worth, period, lossy, typical)
+        chosen.mean[part], chosen.variance[part] = found
+        plain.mean[part], plain.variance[part] = least_squares_wrench(*own)
     # mixture of contact (p) and free (1 - p): E[F] = p F̂, E[F²] = p (var + F̂²) + (1 - p) var_free
-    shut = _std_while_shut(jacobian, states, noise, model, prior, gate.probability, inside, period)
+    shut = _std_while_shut(seen, gate.probability, inside)
     wrench = likely[:, None] * chosen.mean
     second = model.doubt**2 * chosen.variance + chosen.mean**2
     second = likely[:, None] * second + (1 - likely[:, None]) * shut**2
@@ -235,33 +210,15 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
     return spans(binary_dilation(found, reach).astype(float), 0.5, 0.5)
 
 
-def _std_while_shut(
-    jacobian: Array,
-    states: States,
-    noise: Noise,
-    model: ResidualModel,
-    prior: ContactPrior,
-    likely: Array,
-    inside: Mask,
-    period: float,
-) -> Array:
+def _std_while_shut(seen: Observations, likely: Array, inside: Mask) -> Array:
     """Return the standard deviation (n, 6) whose ± 1.96 is the 95 % band where the gate is shut.
 
     The band is that of a mixture of a free arm, with a force that does not count as contact, and a
     missed contact. likely: probability of contact by the gate (n,); inside: the contacts (n,).
     """
-    hidden = (model.doubt * model.missed_to) ** 2 * hiding(states, noise)
-    share, variance = missed_contacts(jacobian, hidden, prior)
-    probability = probability_while_shut(share, inside, period, prior)
+    model, prior = seen.model, seen.prior
+    hidden = (model.doubt * model.missed_to) ** 2 * hiding(seen.states, seen.noise)
+    share, variance = missed_contacts(seen.jacobian, hidden, prior)
+    probability = probability_while_shut(share, inside, seen.period, prior)
     free = np.diagonal(prior.when_free())
     return mixture_std(np.maximum(probability, likely[:, None]), variance, free)
-
-
-def _nothing(count: int) -> Wrench:
-    """Return wrenches of zero with variance zero."""
-    return Wrench(*np.zeros((2, count, 6)))
-
-
-def _put(whole: Wrench, part: slice, own: Wrench) -> None:
-    """Write the wrench of one contact into that of the stretch."""
-    whole.mean[part], whole.variance[part] = own

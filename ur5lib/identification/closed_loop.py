@@ -68,7 +68,7 @@ class Gain:
 class JointGains:
     """The gains of one joint, and costs as in `tracking_cost`.
 
-    excited: whether the target moves; if not, the recording says nothing about the gains. noise:
+    excited: whether the target moves; if not, the recording does not determine the gains. noise:
     (2,) [rad, rad/s], of one independent sample of position and velocity; cost: the minimum; limit:
     cost at the ends of the 95 % range; stiff: cost of a joint that follows its target exactly.
     """
@@ -202,21 +202,13 @@ class _Joint:
             errors.append(stretch[3:] - _run(step, drive, stretch[:2, 0]))
         return np.concatenate(errors, axis=1)
 
-    def squares(self, gains: Array) -> Array:
-        """Return the sums (2,) of the squared errors of q̂ and q̂̇; gains: as of `errors`."""
-        return _sums_of_squares(self.errors(gains))
-
     def cost(self, gains: Array, noise: Array) -> float:
         """Return J = Σ r²/(σ² t) of log gains (2,); noise: (2,), σ √t."""
-        return _cost(self.squares(gains), noise)
+        return _cost(self.errors(gains), noise)
 
     def stiff_errors(self) -> Array:
         """Return the errors (2, N) of a joint that follows its target exactly."""
         return np.concatenate([stretch[3:] - stretch[:2] for stretch in self.stretches], axis=1)
-
-    def is_excited(self) -> bool:
-        """Return whether the target ever moves."""
-        return any(stretch[1:3].any() for stretch in self.stretches)
 
     def search_bounds(self) -> Array:
         """Return the logarithms of least and greatest gains (2, 2), by natural frequencies."""
@@ -231,7 +223,10 @@ class _Joint:
 
 
 def _joints(tracking: Tracking) -> list[_Joint]:
-    """Split the recording by joint and into its complete stretches, those that tell most."""
+    """Split the recording by joint and into its complete stretches.
+
+    Of a long one, only the parts in which a joint's target accelerates most are kept.
+    """
     t = tracking
     kinds = t.target_q, t.target_qd, t.target_qdd, t.actual_q, t.actual_qd
     finite = np.all([np.isfinite(kind).all(axis=1) for kind in kinds], axis=0)
@@ -245,11 +240,13 @@ def _joints(tracking: Tracking) -> list[_Joint]:
     return [
         _Joint([np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen], t.period)
         for joint in range(6)
-        for chosen in [_telling(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))]
+        for chosen in [
+            _accelerated_most(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))
+        ]
     ]
 
 
-def _telling(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
+def _accelerated_most(stretches: list[slice], acceleration: Array, enough: int) -> list[slice]:
     """Return all stretches, or if they are more than enough, parts with the most acceleration.
 
     acceleration: (N,), of the target; enough: number of samples, also the longest part.
@@ -268,9 +265,9 @@ def _telling(stretches: list[slice], acceleration: Array, enough: int) -> list[s
     return [parts[k] for k in sorted(order[:needed])]
 
 
-def _cost(squares: Array, noise: Array) -> float:
-    """Return J = Σ r²/(σ² t) of sums of squares r² (2,); noise: (2,), σ √t."""
-    return float(squares @ noise**-2.0)
+def _cost(errors: Array, noise: Array) -> float:
+    """Return J = Σ r²/(σ² t) of errors r (2, N); noise: (2,), σ √t."""
+    return float(_sums_of_squares(errors) @ noise**-2.0)
 
 
 def _sums_of_squares(errors: Array) -> Array:
@@ -296,18 +293,18 @@ def _estimate(joint: _Joint) -> JointGains:
     """Estimate both gains of one joint and their 95 % ranges."""
     bounds = joint.search_bounds()
     grid = np.linspace(bounds[0], bounds[1], NODES)  # (NODES, 2)
-    if not joint.is_excited():
+    if not any(stretch[1:3].any() for stretch in joint.stretches):  # the target never moves
         return _undetermined(joint, grid)
     # squared errors on a grid of log gains
-    squares = np.array([joint.squares(np.array(pair)) for pair in product(*grid.T)])
-    squares = squares.reshape(NODES, NODES, 2)
+    tried = (joint.errors(np.array(pair)) for pair in product(*grid.T))
+    squares = np.array([_sums_of_squares(errors) for errors in tried]).reshape(NODES, NODES, 2)
     # minimum, first with the noise of a stiff joint, then with that of the gains found
     stiff = joint.stiff_errors()
     first = _descend(joint, grid, squares, joint.noise(stiff))
     noise = joint.noise(joint.errors(first.x))
     best = _descend(joint, grid, squares, noise)
     free = max(joint.cost(first.x, noise) - 2, 1.0)  # n - 2
-    least, stiff_cost = 2 * best.cost, _cost(_sums_of_squares(stiff), noise)
+    least, stiff_cost = 2 * best.cost, _cost(stiff, noise)
     # the best of so many gains fits noise: better by chance than a joint that follows exactly
     by_chance = least * _rise(1 - (1 - LEVEL) / NODES**2, free)
     reference = max(least, stiff_cost) if stiff_cost <= by_chance else least
@@ -331,7 +328,7 @@ def _undetermined(joint: _Joint, grid: Array) -> JointGains:
     """Return any gains, of which none fits better than those of a joint that follows exactly."""
     stiff = joint.stiff_errors()
     noise = joint.noise(stiff)
-    cost = _cost(_sums_of_squares(stiff), noise)
+    cost = _cost(stiff, noise)
     position, velocity = (
         Gain(values[-1], np.nan, values[0], values[-1], False, values, np.full(NODES, cost))
         for values in np.exp(grid).T
@@ -345,17 +342,12 @@ def _descend(joint: _Joint, grid: Array, squares: Array, noise: Array) -> Optimi
     def residuals(gains: Array) -> Array:
         return (joint.errors(gains) / noise[:, None]).ravel()
 
-    starts = _valleys(grid, squares @ noise**-2.0)
-    bounds = grid[0], grid[-1]
-    fits = [least_squares(residuals, start, bounds=bounds) for start in starts]
-    return min(fits, key=lambda fit: fit.cost)
-
-
-def _valleys(grid: Array, costs: Array) -> Array:
-    """Return the deepest local minima of the grid, (S, 2)."""
+    costs = squares @ noise**-2.0
     lowest = np.argwhere(costs == minimum_filter(costs, 3, mode="nearest"))
-    order = np.argsort(costs[tuple(lowest.T)])[:STARTS]
-    return np.stack([grid[lowest[order, axis], axis] for axis in (0, 1)], axis=1)
+    deepest = lowest[np.argsort(costs[tuple(lowest.T)])[:STARTS]]
+    starts = np.take_along_axis(grid, deepest, axis=0)
+    fits = [least_squares(residuals, start, bounds=(grid[0], grid[-1])) for start in starts]
+    return min(fits, key=lambda fit: fit.cost)
 
 
 def _profiles(joint: _Joint, grid: Array, squares: Array, noise: Array) -> list[Array]:

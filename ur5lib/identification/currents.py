@@ -42,14 +42,13 @@ from ur5lib.identification.selection import (
 from ur5lib.robots.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array, Float, Labels, Mask
-from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.metrics import COVERED, NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
 # A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DEVIATIONS, RATIO = 5.0, 1.75
-COVERED = 0.95
 # Standard deviation of a joint's friction from day to day, relative. On the seven dates of a UR10e,
 # it is 0.06 on the most different date and 0.035 on all.
 BETWEEN_DAYS = 0.07
@@ -123,17 +122,13 @@ def fit_currents(
     if not lost:
         return fit
     alone, known = torque_constants(fit), 1 / prior.inverse_constant.mean
-    fit = _fit_with(records, smooth, prior.pinning(lost), family, seed)
+    fit = _fit_with(records, smooth, replace(prior, pinned=tuple(lost)), family, seed)
     joints = list(fit.joints)
     for joint in lost:
-        joints[joint] = _with_known_constant(joints[joint], float(alone[joint]), known[joint])
+        found = {"alone": float(alone[joint]), "known": float(known[joint])}
+        remarks = *joints[joint].remarks, remark("current against constant", **found)
+        joints[joint] = replace(joints[joint], contradicted=found["alone"], remarks=remarks)
     return replace(fit, joints=tuple(joints))
-
-
-def _with_known_constant(joint: JointFit, alone: float, known: float) -> JointFit:
-    """Return a joint's fit with what its currents alone would give [Nm/A], and a remark."""
-    doubt = remark("current against constant", alone=alone, known=float(known))
-    return replace(joint, contradicted=alone, remarks=(*joint.remarks, doubt))
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
@@ -301,18 +296,11 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
         values = physical(estimate.coefficients)
         half = half_width(estimate.std_error, fit.units)
         columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
-        rows += [
-            Parameter(
-                joint, name, value, error, (low, high), share, _is_determined(name, low, share)
-            )
-            for name, value, error, low, high, share in zip(model.names(), *columns, strict=True)
-        ]
+        for name, value, error, low, high, share in zip(model.names(), *columns, strict=True):
+            # of a torque constant, the sign must be determined, too
+            known = bool(share < UNDETERMINED and (name != "torque_constant" or low > 0))
+            rows.append(Parameter(joint, name, value, error, (low, high), share, known))
     return rows
-
-
-def _is_determined(name: str, low: float, share: float) -> bool:
-    """Return whether data determine a parameter: a torque constant's sign, too."""
-    return bool(share < UNDETERMINED and (name != "torque_constant" or low > 0))
 
 
 def _joint_fit(

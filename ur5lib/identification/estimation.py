@@ -21,7 +21,7 @@ from ur5lib.identification.regression import (
 from ur5lib.identification.samples import Samples
 from ur5lib.identification.selection import regress_samples
 from ur5lib.robots.friction import Term
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -50,13 +50,17 @@ def estimate_together(
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
     sums = [_normal_equations(samples[j], terms[j], prior.of_joint(j), count) for j in range(6)]
     whole, generator = prior.over(terms), np.random.default_rng(seed)
-    unit = _unit_of_block(samples, count)
+    unit = np.full(count, -1)  # of each block, -1 for one without samples
+    for joint in samples:
+        unit[joint.block] = joint.unit
     units = len(np.unique(unit[unit >= 0]))
     # the estimate from all blocks, and the prior's share of its variance
     solution, share = _solve(sums, np.ones((1, count)), whole)
     # replicates: the prior's mean is drawn, too
-    known = prior.unpinned().over(terms)
-    drawn_prior = Normal(_draw_means(known, generator), whole.precision)
+    known = replace(prior, pinned=()).over(terms)
+    root = np.linalg.cholesky(np.linalg.inv(known.precision))
+    means = known.mean + generator.standard_normal((DRAWS, len(known.mean))) @ root.T  # (B, P)
+    drawn_prior = Normal(means, whole.precision)
     by_unit, _ = _solve(sums, draw_units(unit, generator), drawn_prior)  # (B, P)
     by_block, _ = _solve(sums, draw_blocks(unit, generator), drawn_prior)  # (B, P)
     # each joint's part, with standard errors in physical units
@@ -120,18 +124,3 @@ def _solve(sums: Sequence[Array], counts: Array, prior: Normal) -> tuple[Array, 
         start = here.stop
     share = np.diag(np.linalg.solve(information[0] + prior.precision, prior.precision))
     return posterior_mean(information, right, prior), share
-
-
-def _draw_means(prior: Normal, generator: np.random.Generator) -> Array:
-    """Draw means (B, P) from the prior."""
-    root = np.linalg.cholesky(np.linalg.inv(prior.precision))
-    normal = generator.standard_normal((DRAWS, len(prior.mean)))
-    return prior.mean + normal @ root.T
-
-
-def _unit_of_block(samples: Sequence[Samples], count: int) -> Labels:
-    """Return the unit (count,) of each block, -1 for a block without samples."""
-    unit = np.full(count, -1)
-    for joint in samples:
-        unit[joint.block] = joint.unit
-    return unit

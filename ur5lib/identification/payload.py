@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from scipy import stats
 
-from ur5lib.identification.currents import CurrentFit, predict
+from ur5lib.identification.currents import CurrentFit, predict, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
 from ur5lib.identification.samples import STEP, Record, Smooth, blocks, smoothed_moving
+from ur5lib.robots.friction import GEARS
 from ur5lib.timeseries.arrays import Array, Labels
 
 ROUNDS = 5
 DRAWS = 50
-GEARS = 0.03  # relative variation of the gears' efficiency between runs and poses
 JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
 LEFT = 0.1  # and after
 PARTS = 3  # of a run, each of which must show the load
@@ -131,7 +131,7 @@ def estimate_payload(
     """
     # regressor in units of each joint's band, low-passed and thinned, samples in motion only
     every = max(1, round(STEP / record.period))
-    scale = np.array([joint.band_moving / joint.estimate.coefficients[0] for joint in fit.joints])
+    scale = torque_constants(fit) * [joint.band_moving for joint in fit.joints]
     parts = [smooth(column, record)[::every] for column in np.moveaxis(regressor, 2, 0)]
     explained = np.stack(parts, axis=2)
     moving = smoothed_moving(record, smooth)[::every]
@@ -142,8 +142,7 @@ def estimate_payload(
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:
         carried = replace(record, torque=record.torque + regressor @ start)
         unexplained = smooth(record.current - predict(drawn, carried), record)[::every]
-        constant = 1 / np.array([joint.estimate.coefficients[0] for joint in drawn.joints])
-        torque = (unexplained * constant / scale)[rows] + columns @ start
+        torque = (unexplained * torque_constants(drawn) / scale)[rows] + columns @ start
         return _solution(columns, torque, block, count, known)
 
     once = np.ones(1 + block.max(initial=0), dtype=np.int64)

@@ -1,7 +1,7 @@
 """Prior of the maps from torque to current, and of the torque constants."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -41,20 +41,12 @@ class JointPrior:
 class Prior:
     """Prior of the six joints: of 1/k [A/Nm]; torque_max: of the motors (6,) [Nm].
 
-    pinned: joints 0 to 5 whose 1/k keeps the prior's mean, whatever the data say.
+    pinned: joints 0 to 5 whose 1/k keeps the prior's mean, regardless of the data.
     """
 
     inverse_constant: Normal
     torque_max: Array
     pinned: tuple[int, ...] = ()
-
-    def pinning(self, joints: Iterable[int]) -> "Prior":
-        """Return the prior that keeps the torque constants of joints 0 to 5."""
-        return replace(self, pinned=tuple(joints))
-
-    def unpinned(self) -> "Prior":
-        """Return the prior as it is known, with every width."""
-        return replace(self, pinned=())
 
     def of_joint(self, joint: int) -> JointPrior:
         """Return the prior of joint 0 to 5."""

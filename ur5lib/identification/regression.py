@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import MAD
 
 HUBER = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 ROUNDS = 10
@@ -67,7 +68,7 @@ def posterior_mean(information: Array, right: Array, prior: Normal) -> Array:
 
 def huber_weight(residual: Array) -> Array:
     """Return Huber's weights (n,) of residuals (n,), scaled by their median absolute deviation."""
-    scale = _positive(1.4826 * float(np.median(np.abs(residual))))
+    scale = _positive(MAD * float(np.median(np.abs(residual))))
     return np.minimum(1.0, HUBER * scale / np.maximum(np.abs(residual), scale))
 
 

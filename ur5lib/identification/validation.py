@@ -8,7 +8,7 @@ import numpy as np
 
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth, joint_samples
-from ur5lib.identification.selection import regress_samples
+from ur5lib.identification.selection import FEWEST, regress_samples
 from ur5lib.robots.friction import BASE, Term
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, in_chunks
@@ -68,8 +68,8 @@ def score(record: Record, predicted: Array, smooth: Smooth, half_band: Array) ->
     measured = smooth(record.current, record)
     known = np.isfinite(slow) & np.isfinite(half_band)
     return Scores(
-        rmse=_root_mean_square(error),
-        rmse_lowpassed=_root_mean_square(slow),
+        rmse=np.sqrt(_mean(error**2)),
+        rmse_lowpassed=np.sqrt(_mean(slow**2)),
         mae=_mean(np.abs(slow)),
         r2=1 - _mean(slow**2) / np.nanvar(measured, axis=0),
         coverage=_mean(np.where(known, np.abs(slow) <= half_band, np.nan)),
@@ -119,10 +119,6 @@ def _baseline_columns(torque: Array, qd: Array) -> Array:
     return np.stack([torque, np.ones_like(qd), direction, qd], axis=2)
 
 
-def _root_mean_square(error: Array) -> Array:
-    return np.sqrt(_mean(error**2))
-
-
 def _mean(values: Array) -> Array:
     """Return the mean of each column's finite values; NaN if there are none."""
     known = np.isfinite(values)
@@ -133,7 +129,6 @@ def _mean(values: Array) -> Array:
 
 SPEEDS = np.array([0.0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, np.inf])  # rad/s
 WANTED = 0.9  # share of samples within the 95 % band
-FEWEST = 20  # samples in a bin, 0.1 s apart
 
 
 @dataclass(frozen=True)

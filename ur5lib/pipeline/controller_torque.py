@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.force.wrench_estimate import STEP
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -15,8 +16,6 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
-
-STEP = 0.032  # s between samples of a block, whose errors are correlated
 
 
 class States(NamedTuple):

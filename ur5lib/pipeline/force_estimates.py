@@ -41,9 +41,7 @@ class Problem(NamedTuple):
         self, jacobian: Array, prior: ContactPrior, ablation: Ablation = WHOLE
     ) -> WrenchEstimate:
         """Return the contact wrench; jacobian: (M, 6, 6), at `rows`."""
-        one = self.input
-        samples = one.torque, jacobian, one.states, one.segment, one.period
-        return estimate_wrench(*samples, self.model, prior, one.doubt, ablation, one.gears)
+        return estimate_wrench(self.input, jacobian, self.model, prior, ablation)
 
     def pushed(self, torque: Array) -> "Problem":
         """Return the problem with an additional external torque (N, 6) [Nm]."""
@@ -110,7 +108,9 @@ def repeat_problem(
     repeated = repeat_aware(fmap.input, free, fmap.model, cutoff)
     if repeated is None:
         return None
-    return Problem(fmap.input.with_torque(repeated.torque, repeated.states), repeated.model)
+    return Problem(
+        replace(fmap.input, torque=repeated.torque, states=repeated.states), repeated.model
+    )
 
 
 def repeated_runs(

@@ -53,8 +53,7 @@ def probabilities(
     robot: Robot, run: ForceInput, model: ResidualModel, prior: ContactPrior, rows: Labels
 ) -> dict[int, float]:
     """Return the probability of each link at a contact of some rows (n,) of a recording."""
-    doubt = np.zeros((len(rows), 6)) if run.doubt is None else np.nan_to_num(run.doubt[rows])
-    noise = Noise.of(run.states[rows], model, prior, doubt)
+    noise = Noise.of(run.states[rows], model, prior, run.load_std()[rows])
     # joints count as independent: correlations learnt without contact mislead in contact
     spread = (noise.spread + noise.hidden) * np.eye(6)
     frames = link_frames(robot, run.q[rows])

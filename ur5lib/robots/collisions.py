@@ -131,9 +131,13 @@ def _capsules(robot: Robot, surroundings: Surroundings, reach: float) -> mujoco.
             name=body.name,
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[radius * thinner, 0, 0],
-            fromto=[*near, *_far_end(near)],
+            # to the frame's origin, or 1 mm off where both coincide
+            fromto=[*near, 0, 0, 0 if np.linalg.norm(near) > 1e-3 else 1e-3],
         )
-    _exclude_neighbours(spec, [body.name for body in links])
+    # neighbouring links overlap by construction, in the wrist up to three apart
+    for (first, one), (second, other) in combinations(enumerate(links), 2):
+        if second - first <= (3 if first >= 2 else 1):
+            spec.add_exclude(bodyname1=one.name, bodyname2=other.name)
     _add_surroundings(spec, surroundings)
     for geom in spec.geoms:
         geom.margin = reach / 2  # MuJoCo adds those of both parts
@@ -151,15 +155,3 @@ def _add_surroundings(spec: mujoco.MjSpec, surroundings: Surroundings) -> None:
         body = spec.worldbody.add_body(name=f"box_{k}", pos=box.center)
         half = [edge / 2 for edge in box.size]
         body.add_geom(name=f"box_{k}", type=mujoco.mjtGeom.mjGEOM_BOX, size=half)
-
-
-def _far_end(near: Array) -> Array:
-    """Return the far end of a capsule: the frame's origin, or 1 mm off where both coincide."""
-    return np.zeros(3) if np.linalg.norm(near) > 1e-3 else np.array([0.0, 0.0, 1e-3])
-
-
-def _exclude_neighbours(spec: mujoco.MjSpec, names: list[str]) -> None:
-    """Exclude neighbouring links, in the wrist up to three apart, which overlap by construction."""
-    for first, second in combinations(range(6), 2):
-        if second - first <= (3 if first >= 2 else 1):
-            spec.add_exclude(bodyname1=names[first], bodyname2=names[second])

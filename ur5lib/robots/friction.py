@@ -17,6 +17,7 @@ from ur5lib.timeseries.segments import DEAD_ZONE, starts
 # impossible.
 PRESLIDING = (3e-4, 1e-3, 1e-4)
 KARNOPP = 0.0  # the distance that stands for Karnopp's friction, which reverses at once
+GEARS = 0.03  # relative variation of the gears' efficiency between runs and poses
 USUAL = 30.0  # °C, of a joint in motion: at which friction has the coefficients of its other terms
 
 

@@ -1,6 +1,6 @@
 """The relation of a device's clock to the robot's, and what all devices of one host share of it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -105,7 +105,12 @@ def pool_drifts(
     """
     found = {}
     for host, devices in hosts.items():
-        known = dict(_by_motion(clocks, devices))
+        known = {
+            recording: own[device]
+            for recording, own in clocks.items()
+            for device in devices
+            if device in own and own[device].method == BY_MOTION
+        }
         if known:
             names = ("drift", "drift_std", "offset", "offset_std", "stamps")
             drift, std, offset, offset_std, stamps = (
@@ -115,16 +120,6 @@ def pool_drifts(
             start = pool(offset - stamps, offset_std)
             found[host] = HostDrift(list(devices), *pool(drift, std), *start, list(known))
     return found
-
-
-def _by_motion(
-    clocks: Mapping[str, Mapping[str, OwnClock]], devices: Sequence[str]
-) -> Iterator[tuple[str, OwnClock]]:
-    """Yield recordings in which motion determines the clock of one of the devices; the clock."""
-    for recording, own in clocks.items():
-        for device in devices:
-            if device in own and own[device].method == BY_MOTION:
-                yield recording, own[device]
 
 
 def pool(value: Array, std: Array) -> tuple[float, float, float]:

@@ -248,9 +248,9 @@ def device_clock(
     start: its stamp's `seconds`, `std` and, where known, `drift_std`; robot: time (N,) [s],
     segment (N,) and q (N, 6) [rad], repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the
     robot's samples.
-    Where the robot's host stamped each sample, its stamps tell. Otherwise, a gyroscope is compared
-    with the angular rate of frame 6; other devices measure no motion that could be distinguished
-    from contact, so their start stamps are used.
+    Where the robot's host stamped each sample, its stamps are used. Otherwise, a gyroscope is
+    compared with the angular rate of frame 6; other devices measure no motion that could be
+    distinguished from contact, so their start stamps are used.
     """
     if "drift_std" in start:
         return clock_from_host(start["seconds"], start["std"], start["drift_std"]), None

@@ -21,7 +21,7 @@ def point_velocity(rotation: Array, jacobian: Array, qd: Array, point: Array) ->
     point: (3,) [m], in frame 6.
     """
     linear = point_jacobian(rotation, jacobian, point)
-    return _apply(np.concatenate([linear, jacobian[:, 3:]], axis=1), qd)
+    return np.matvec(np.concatenate([linear, jacobian[:, 3:]], axis=1), qd)
 
 
 def point_acceleration(
@@ -33,11 +33,11 @@ def point_acceleration(
     their singularities do not matter.
     """
     linear, angular = point_jacobian(rotation, jacobian, point), jacobian[:, 3:]
-    linear_rate = _apply(jacobian_derivative(linear, angular), qd[:, None])
-    angular_rate = _apply(_axis_derivative(angular), qd[:, None])
+    linear_rate = np.matvec(jacobian_derivative(linear, angular), qd[:, None])
+    angular_rate = np.matvec(_axis_derivative(angular), qd[:, None])
     J = np.concatenate([linear, angular], axis=1)
     J_rate = np.concatenate([linear_rate, angular_rate], axis=1)
-    return _apply(J, qdd) + _apply(J_rate, qd)
+    return np.matvec(J, qdd) + np.matvec(J_rate, qd)
 
 
 def felt_acceleration(
@@ -48,19 +48,14 @@ def felt_acceleration(
     rotation: of the IMU's axes (N, 3, 3); accelerometer: (N, 3) [m/s²], without bias;
     angular_acceleration: (N, 3) [rad/s²], the gyroscope's derivative; up: -g0 (3,) [m/s²].
     """
-    linear = _apply(rotation, accelerometer) - up
-    return np.concatenate([linear, _apply(rotation, angular_acceleration)], axis=1)
+    linear = np.matvec(rotation, accelerometer) - up
+    return np.concatenate([linear, np.matvec(rotation, angular_acceleration)], axis=1)
 
 
 def _axis_derivative(axes: Array) -> Array:
     """Return ∂J_w,i/∂q_j = J_w,j × J_w,i for j < i, else 0: (N, 3, i, j). axes: J_w (N, 3, 6)."""
     turned = np.cross(axes[:, :, None, :], axes[:, :, :, None], axis=1)
     return np.tril(turned, k=-1)
-
-
-def _apply(matrix: Array, vector: Array) -> Array:
-    """Multiply matrices (..., R, C) by vectors (..., C)."""
-    return (matrix @ vector[..., None])[..., 0]
 
 
 NARROWEST = 0.1  # samples; a Gaussian below changes nothing

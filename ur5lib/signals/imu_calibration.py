@@ -139,21 +139,15 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
 
 def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     """Fit the calibration with the place estimated, and with it as described if that is better."""
-    value, std = _fit(sums)
+    value, std = _jackknife(sums)
     described = sums[0].place
     place = [value[PLACE] + described, std[PLACE], described]
     if held_out >= 1:
-        value, std = _fit([part.as_described() for part in sums])
+        value, std = _jackknife([part.as_described() for part in sums])
     parts = (slice(0, 3), slice(3, 5), slice(5, 8))
     found: list[Any] = [values[part] for part in parts for values in (value, std)]
     found += [*place, held_out]
     return ImuCalibration(*found)
-
-
-def _fit(sums: "Sequence[_Sums]") -> tuple[Array, Array]:
-    """Return the shared parameters (S,) and their standard errors."""
-    estimate, covariance = _jackknife(sums, _scale(sums))
-    return estimate, np.sqrt(np.diag(covariance))
 
 
 def _scale(sums: "Sequence[_Sums]") -> Array:
@@ -219,8 +213,11 @@ class _Sums:
 
     def left(self, scale: Array, shared: Array) -> Array:
         """Return the squares (2,) that are left of forces and rates, given shared parameters."""
-        squares, products = self.weighted(scale)
-        estimate = np.append(shared, _own(squares.sum(axis=0), products.sum(axis=0), shared))
+        square, product = (part.sum(axis=0) for part in self.weighted(scale))
+        # the recording's own parameters that fit best, given the shared ones
+        right = product[-OWN:] - square[-OWN:, :-OWN] @ shared
+        own = np.linalg.pinv(square[-OWN:, -OWN:], hermitian=True) @ right
+        estimate = np.append(shared, own)
         explained = 2 * self.products.sum(axis=0) - self.squares.sum(axis=0) @ estimate
         # |y - X p|² = yᵀ y - 2 pᵀ Xᵀ y + pᵀ Xᵀ X p, never zero
         return np.maximum(self.power.sum(axis=0) - explained @ estimate, 1e-24)
@@ -233,7 +230,8 @@ class _Sums:
 
 def _sums(record: ImuRecord) -> _Sums:
     """Sum the normal equations of a recording over its blocks."""
-    columns, misfit = _columns(record), _misfit(record)
+    columns, force = _columns(record), record.accelerometer - record.specific_force
+    misfit = np.concatenate([force, record.gyroscope - record.angular_rate], axis=1)
     block = ((record.time - record.time[0]) // BLOCK).astype(np.int64)
     starts = np.flatnonzero(np.diff(block, prepend=-1))
     X, y = columns.reshape(-1, 2, 3, columns.shape[2]), misfit.reshape(-1, 2, 3)
@@ -279,21 +277,9 @@ def _slope(record: ImuRecord) -> Array:
     return np.nan_to_num(by_segment(partial(differentiate, period=period), predicted, stretch))
 
 
-def _misfit(record: ImuRecord) -> Array:
-    """Return readings minus predictions (N, 6): force, then rate."""
-    force = record.accelerometer - record.specific_force
-    return np.concatenate([force, record.gyroscope - record.angular_rate], axis=1)
-
-
 def _cross_matrix(vectors: Array) -> Array:
     """Return matrices (N, 3, 3) that take θ to v × θ, v: (N, 3)."""
     return np.cross(vectors[:, None], np.eye(3)).swapaxes(1, 2)
-
-
-def _own(square: Array, product: Array, shared: Array) -> Array:
-    """Return the recording's own parameters (4,) that fit best, given the shared ones (S,)."""
-    right = product[-OWN:] - square[-OWN:, :-OWN] @ shared
-    return np.linalg.pinv(square[-OWN:, -OWN:], hermitian=True) @ right
 
 
 def _without_own(square: Array, product: Array) -> tuple[Array, Array]:
@@ -315,9 +301,9 @@ def _rms(sums: Sequence[_Sums], scale: Array, shared: Array) -> Array:
     return np.sqrt(total / (3 * sum(part.count for part in sums))) + 1e-12
 
 
-def _jackknife(sums: Sequence[_Sums], scale: Array) -> tuple[Array, Array]:
-    """Return the shared parameters (S,) and their covariance (S, S) by a jackknife over blocks."""
-    (square, product), parts = _shared_equations(sums, scale)
+def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
+    """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
+    (square, product), parts = _shared_equations(sums, _scale(sums))
     changed = []
     for squares, products, own in parts:
         others = _without_own(squares.sum(axis=0) - squares, products.sum(axis=0) - products)
@@ -325,7 +311,7 @@ def _jackknife(sums: Sequence[_Sums], scale: Array) -> tuple[Array, Array]:
     squares, products = (np.concatenate(change) for change in zip(*changed, strict=True))
     estimate = _solved(square, product)
     change = _solved(square + squares, product + products) - estimate
-    return estimate, (len(change) - 1) / len(change) * change.T @ change
+    return estimate, np.sqrt((len(change) - 1) / len(change) * np.sum(change**2, axis=0))
 
 
 Equations = tuple[Array, Array]  # squares and products

@@ -6,12 +6,12 @@ import numpy as np
 from filterpy.common import Q_discrete_white_noise
 from filterpy.kalman import ExtendedKalmanFilter
 
+from ur5lib.signals.noise import RESOLUTION
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import starts, unbroken
 
 JERKS = (10.0, 30.0, 100.0, 300.0, 1000.0)  # rad/s³, of which the most likely is chosen
 TUNED_ON = 300  # samples with the most motion, on which the jerk is chosen
-RESOLUTION = 1e-6  # rad, rad/s: the least noise
 SETTLED = 1e-10  # share of a gain by which it changes in a sample, below which it is kept
 UNKNOWN = np.repeat([10.0, 10.0, 100.0], 6)  # rad, rad/s, rad/s²: std at the start of a segment
 

@@ -179,7 +179,7 @@ def widen(std: Array, test: InnovationTest, q: Array) -> None:
     """Widen standard deviations (N, 3 n) in place, because errors are not as white as assumed.
 
     Errors that last for several samples average out less than white ones; the colour of a joint's
-    innovations says by how much. A rounding error lasts as long as the joint rests.
+    innovations measures by how much. A rounding error lasts as long as the joint rests.
     """
     joints = q.shape[1]
     std *= np.tile(widening(test, joints), 3)

@@ -26,6 +26,7 @@ from scipy.signal import lfilter
 from scipy.special import stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.metrics import COVERED
 
 FREEDOM = 3  # smallest degrees of freedom of the residuals
 FEWEST = FREEDOM + 3  # dates: for a constant, a covariate and a change
@@ -35,7 +36,6 @@ WORST = 0.5  # largest correlation of neighbouring dates at which the chance of 
 CORRELATIONS = np.linspace(0.0, WORST, 6)  # of neighbouring dates, where changes are searched
 WIDER = np.linspace(0.0, 0.75, 6)  # for sizes: residuals look less correlated than the noise is
 DRAWS, BATCH = 20_000, 1_000  # of noise: in all, and at a time
-COVERED = 0.95
 MEDIAN_CHI2 = 0.4549  # of one degree of freedom
 LEAST = 1e-12  # smallest divisor, relative to its scale
 SAME = 1e-9  # largest range of a covariate within the groups that counts as constant
@@ -195,7 +195,7 @@ def _log_odds(problem: _Problem, chosen: Sequence[int], values: Array) -> Array:
         residual = np.maximum(1 - explained_shares(fixed, tried, rows), LEAST)
         freedom = len(fixed) - fixed.shape[1] - 1
         changed.append(none[-1][:, None] - freedom / 2 * np.log(residual))
-    return _log_sum(np.stack(changed)) - _log_sum(np.stack(none))[:, None]
+    return np.logaddexp.reduce(np.stack(changed)) - np.logaddexp.reduce(np.stack(none))[:, None]
 
 
 def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
@@ -214,14 +214,8 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
 
 def _of_any(log_odds: Array) -> Array:
     """Return log odds (B,) of any change; see `_likeliest`."""
-    jumps = _log_sum(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
+    jumps = np.logaddexp.reduce(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))
-
-
-def _log_sum(logarithms: Array) -> Array:
-    """Return the logarithm of the sum along the first axis."""
-    top = logarithms.max(axis=0)
-    return np.asarray(top + np.log(np.exp(logarithms - top).sum(axis=0)))
 
 
 def _indicators(series: Series) -> Array:
@@ -312,7 +306,7 @@ def _generalised_least_squares(columns: Array, value: Array) -> tuple[Array, Arr
         likelihood = _log_likelihood(rows, values[None], correlation)[0]
         fits.append((likelihood, *_least_squares(rows, values)))
     likelihoods, coefficients, std_errors = map(np.array, zip(*fits, strict=True))
-    weight = np.exp(likelihoods - _log_sum(likelihoods))
+    weight = np.exp(likelihoods - np.logaddexp.reduce(likelihoods))
     mean = weight @ coefficients
     variance = weight @ (std_errors**2 + (coefficients - mean) ** 2)
     return mean, np.sqrt(variance), len(value) - columns.shape[1]

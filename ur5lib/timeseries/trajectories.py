@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 NEAR_POSITION, NEAR_VELOCITY = 0.02, 0.1  # rad, rad/s: the root sum of squares over all joints
-SLOW = 0.03  # rad/s, below which a joint counts as resting
+SLOW = 0.03  # rad/s, below which a joint rests or Coulomb friction changes its sign
 SAME = 0.9  # least share of common states of two runs along one path
 
 
