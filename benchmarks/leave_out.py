@@ -41,7 +41,7 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.report.finding_sentences import in_words
+from ur5lib.report.findings import in_words
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_json, read_record, write_json
 from ur5lib.timeseries.arrays import Array

@@ -9,15 +9,18 @@ import pytest
 
 from tests.conftest import PROJECT
 from ur5lib.report.compose import MENTION, SENTENCE_END, body_of, compose, view
-from ur5lib.report.contents import Contents, Part, Repeated, contents
 from ur5lib.report.document import (
     Block,
+    Contents,
     DeclaredTable,
     Document,
     Paragraph,
+    Part,
     Picture,
     Reference,
+    Repeated,
     Table,
+    contents,
 )
 from ur5lib.report.results import Results
 from ur5lib.report.tables.making import declarations

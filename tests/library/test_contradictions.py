@@ -42,7 +42,7 @@ from ur5lib.pipeline.friction_fit import (
 )
 from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.recordings.quality import contradiction
-from ur5lib.report.finding_sentences import worded
+from ur5lib.report.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.findings import left_out_fits, stop_signs
 

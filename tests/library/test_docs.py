@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.report.finding_sentences import templates
+from ur5lib.report.findings import templates
 
 PAGES = [
     *(PROJECT / name for name in ("README.md", "CONTRIBUTING.md", "raw/README.md")),

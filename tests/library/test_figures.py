@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from ur5lib.report import house_style
-from ur5lib.report.decimation import decimate
 from ur5lib.report.friction_figures import MovingSamples, friction_figures
 from ur5lib.report.house_style import EMBEDDED, JOINTS, Drawing, save
-from ur5lib.report.traces import TORQUE, WRENCH, Traces, draw_traces
+from ur5lib.report.traces import TORQUE, WRENCH, Traces, decimate, draw_traces
 
 LONG = 20_000
 

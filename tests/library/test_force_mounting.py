@@ -8,7 +8,7 @@ import pytest
 from tests.library.test_force_sensor import GRAVITY, PERIOD, orientations, pushed
 from ur5lib.errors import Remark, remark
 from ur5lib.force.sensor import fit_offset, mounting_doubt, opposite_axes, wrench_of_environment
-from ur5lib.report.finding_sentences import in_words
+from ur5lib.report.findings import in_words
 
 ROTATION = orientations(60, turning=0.8)
 TURNED = {"x": [1, -1, -1], "y": [-1, 1, -1], "z": [-1, -1, 1], "sign": [-1, -1, -1]}

@@ -5,8 +5,7 @@ import pytest
 
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop
-from ur5lib.report.packet_figure import packet_figure
-from ur5lib.report.recording_figures import older_torque_figure, tracking_figure
+from ur5lib.report.recording_figures import older_torque_figure, packet_figure, tracking_figure
 
 COUNT, PERIOD = 200, 0.008
 

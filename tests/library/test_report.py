@@ -17,8 +17,8 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
 from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
 from ur5lib.report.compose import shown_table
-from ur5lib.report.contents import MOST_ROWS
 from ur5lib.report.document import (
+    MOST_ROWS,
     Cell,
     Code,
     Document,

@@ -11,7 +11,7 @@ from tests.artefacts.documents import check_numbers
 from tests.conftest import PROJECT
 from ur5lib.errors import remark
 from ur5lib.report import sentences
-from ur5lib.report.finding_sentences import in_words, templates
+from ur5lib.report.findings import in_words, templates
 from ur5lib.report.sentences import Stated, capital, joined, say
 from ur5lib.strict import read_yaml
 

@@ -16,7 +16,7 @@ from tests.artefacts.documents import check_pdf, check_results, check_structure
 from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow, copy_project
 from ur5lib.report.compose import compose
-from ur5lib.report.contents import contents
+from ur5lib.report.document import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.study.reading import parse_study

@@ -18,8 +18,7 @@ from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.stop_signs import stop_signs
-from ur5lib.report.finding_sentences import worded
-from ur5lib.report.findings import group_findings
+from ur5lib.report.findings import group_findings, worded
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks

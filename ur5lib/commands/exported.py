@@ -14,7 +14,7 @@ from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.report.finding_sentences import in_words
+from ur5lib.report.findings import in_words
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies

@@ -7,20 +7,24 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
-from ur5lib.report.contents import MOST_ROWS, Contents, Part, Repeated, contents
 from ur5lib.report.document import (
+    MOST_ROWS,
     Block,
     Code,
+    Contents,
     DeclaredTable,
     Document,
     Heading,
     Items,
     Paragraph,
+    Part,
     Picture,
     Reference,
+    Repeated,
     Section,
     Table,
     Verdicts,
+    contents,
 )
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import say

@@ -8,13 +8,18 @@ them from a study's results.
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from pydantic import ConfigDict
 
+from ur5lib.strict import Strict, read_yaml
+
 State = Literal["good", "usable", "do not use", "not determined"]
 Mark = Literal["lowest", "highest"]
+MOST_SHOWN = 4  # recordings with tables and figures of their own in one section
+MOST_ROWS = 60  # shown of a table; its CSV file has all
 UNDETERMINED = "undetermined"  # replaces a number that the data do not determine
 
 
@@ -274,3 +279,31 @@ class Document:
             if isinstance(block, Picture):
                 fields["path"] = str(block.path)
         return data
+
+
+class Repeated(Strict):
+    """Blocks repeated for each recording or arm; each: the view that lists them."""
+
+    each: str
+    heading: str = ""
+    blocks: list[Block | DeclaredTable]
+
+
+class Part(Strict):
+    """A section; absent: the reason that the report states if the study has no data for it."""
+
+    title: str
+    absent: str = ""
+    blocks: list[Block | DeclaredTable | Repeated]
+
+
+class Contents(Strict):
+    """The whole report."""
+
+    sections: list[Part]
+
+
+@cache
+def contents() -> Contents:
+    """Return the report's contents from `contents.yaml`."""
+    return Contents.model_validate(read_yaml(Path(__file__).with_name("contents.yaml")))

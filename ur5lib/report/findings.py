@@ -1,11 +1,20 @@
-"""Findings about files: counted, and grouped by kind."""
+"""Findings about recordings and remarks of steps: their sentences, counts and kinds."""
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from string import Formatter
+from typing import Any
 
 import pandas as pd
 
+from ur5lib.errors import printable
 from ur5lib.report.sentences import Sentence, joined, say
+from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
+TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
 SPOKEN = {"stop": "stop sign"}
 
 
@@ -37,3 +46,41 @@ def _stated_once(details: list[str]) -> str:
         ": ".join(["; ".join(named), meaning] if named else [meaning])
         for meaning, named in places.items()
     )
+
+
+class Words(Formatter):
+    """Values in a sentence: lists are joined by commas, remarks by their format."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a value in words; NaN, which JSON does not know, is unknown."""
+        if value is None:
+            return "unknown"
+        if isinstance(value, Mapping):
+            return in_words(value)
+        if not isinstance(value, list | tuple):
+            return str(super().format_field(value, format_spec))
+        if all(isinstance(one, Mapping) for one in value):
+            return (format_spec or ", ").join(self.format_field(one, "") for one in value)
+        return ", ".join(self.format_field(one, format_spec) for one in value)
+
+
+@cache
+def templates() -> dict[str, str]:
+    """Return the sentences by code."""
+    return dict(read_yaml(TEMPLATES))
+
+
+def sentence(code: str, values: Mapping[str, Any]) -> str:
+    """Return the sentence of a code, made printable: its values quote hostile files."""
+    return printable(Words().vformat(templates()[code], (), values))
+
+
+def in_words(remark: Mapping[str, Any]) -> str:
+    """Return the sentence of a remark, as read from JSON."""
+    return sentence(remark["code"], remark["values"])
+
+
+def worded(finding: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of quality.json whose code and values are replaced by the sentence `detail`."""
+    row = {name: value for name, value in finding.items() if name not in ("code", "values")}
+    return row | {"detail": sentence(finding["code"] or finding["finding"], finding["values"])}

@@ -1,4 +1,4 @@
-"""Currents and friction of an arm, after Figures 6.1 and 6.2, and residuals of their fit."""
+"""Currents over torques as in Figures 6.1 and 6.2, friction of an arm, residuals of its fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -8,11 +8,14 @@ import numpy as np
 
 from ur5lib.identification.currents import CurrentFit, predict
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
+from ur5lib.pipeline.published_constants import CurrentTorque
 from ur5lib.report.charts import residual_panels, scatter_panels
-from ur5lib.report.house_style import Drawing
+from ur5lib.report.house_style import Drawing, nothing_to_draw
+from ur5lib.robots.description import CurrentToTorque
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.1  # s between the samples that are drawn
+CURRENT = "i_{} [A]"
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,6 @@ def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> d
     needed = samples.torque + friction
     ends = np.stack([np.nanmin(needed, axis=0), np.nanmax(needed, axis=0)])
     lines = [(ends, ends / constant), (ends, ends / known)]
-    current = "i_{} [A]"
     measured = constant * samples.current - samples.torque
     labels = ("velocity of joint {} [rad/s]", "k i_{0} − τ_{0} [Nm]")
     against = {
@@ -73,11 +75,28 @@ def friction_figures(samples: MovingSamples, constant: Array, known: Array) -> d
     }
     return {
         "current_torque": scatter_panels(
-            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", current), lines
+            samples.torque, samples.current, ("τ_{} of rigid links [Nm]", CURRENT), lines
         ),
         "current_torque_friction": scatter_panels(
-            needed, samples.current, ("τ_{} with friction [Nm]", current), lines
+            needed, samples.current, ("τ_{} with friction [Nm]", CURRENT), lines
         ),
         "friction": scatter_panels(samples.qd, measured, labels, fitted=friction),
         "residuals": residual_panels(samples.current - samples.predicted, against, "A"),
     }
+
+
+def without_friction(samples: CurrentTorque | None) -> Drawing:
+    """Draw Figure 6.1: torque of rigid links."""
+    if samples is None:
+        return nothing_to_draw()
+    return scatter_panels(samples.rigid, samples.current, ("τ_{} of rigid links [Nm]", CURRENT))
+
+
+def with_friction(samples: CurrentTorque | None, constants: CurrentToTorque | None) -> Drawing:
+    """Draw Figure 6.2: torque including the printed friction, and the line of Equation 6.5."""
+    if samples is None or constants is None:
+        return nothing_to_draw()
+    torque = samples.total
+    ends = np.stack([torque.min(axis=0), torque.max(axis=0)])
+    lines = [(ends, (ends - constants.offset) / constants.torque_constant)]
+    return scatter_panels(torque, samples.current, ("τ_{} with friction [Nm]", CURRENT), lines)

@@ -1,8 +1,12 @@
-"""Figures of one recording, after the thesis's 5.1 to 5.4, 5.9 to 5.12, 5.14, 5.15, 6.4 to 6.9."""
+"""Figures of one recording, after the thesis's 4.4, 5.1 to 5.4, 5.9 to 5.15 and 6.4 to 6.9."""
 
 from collections.abc import Mapping, Sequence
 
+import matplotlib
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ur5lib.pipeline.estimators import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
@@ -10,12 +14,13 @@ from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.house_style import Drawing, nothing_to_draw
+from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, WIDTH, Drawing, nothing_to_draw
 from ur5lib.report.traces import (
     ACCELERATION,
     CURRENT,
     TORQUE,
     WRENCH,
+    Panel,
     Traces,
     draw_traces,
     joint_quantity,
@@ -25,7 +30,9 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
 
-Series = dict[str, tuple[Array, str]]  # values (N, M) and style, by label
+Lines = Mapping[str, tuple[Array | None, str]]  # values (N, 6), if known, and style, by label
+Series = dict[str, tuple[Array, str]]
+Timed = Signals | Accelerations | Forces | SensorWrenches
 DRAWN = ("third", "first", "second", "fourth", "fifth")  # of estimates; the first has the band
 PUBLISHED_STYLES = {
     "Fu": ("controller's estimate", "first"),
@@ -37,6 +44,9 @@ STATES = {  # symbol, unit
     "q": ("q", "rad"),
     "qd": (r"\dot{q}", "rad/s"),
 }
+LATE = 1.5  # periods: a longer step lacks frames
+ENLARGED = (-0.15, 0.35)  # s, around the first late frame
+RECEIVED, LOST, SPEED = JOINTS[0], JOINTS[1], "#666666"
 
 
 def chosen_gains(robot: Robot) -> str:
@@ -52,34 +62,23 @@ def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state
     simulated = getattr(closed_loop, state).get(gains)
     if simulated is None:
         return nothing_to_draw()
-    traces_by_label = {
+    lines: Lines = {
         "measured": (getattr(signals, f"actual_{state}"), "measured"),
         "target": (getattr(signals, f"target_{state}"), "first"),
         f"closed loop, gains {gains}": (simulated, "second"),
     }
-    series = {
-        label: (with_breaks(values, signals.segment), style)
-        for label, (values, style) in traces_by_label.items()
-    }
-    traces = Traces(
-        with_breaks(signals.time, signals.segment),
-        series,
-        errors(series, series["measured"][0]),
-    )
-    return draw_traces(traces, joint_quantity(*STATES[state]))
+    return draw_lines(signals, lines, joint_quantity(*STATES[state]))
 
 
 def torque_figure(signals: Signals, torques: Torques, model: str) -> Drawing:
     """Return Figures 5.11 and 5.12: the chosen model against the controller's torque."""
     motion = "target" if model in torques.target else "measured"
-    modelled = with_breaks(getattr(torques, motion)[model], signals.segment)
-    series: Series = {f"Model {model}, {motion} motion": (modelled, "joint")}
-    reference = None
-    if signals.target_moment is not None:
-        reference = with_breaks(signals.target_moment, signals.segment)
-        series = {"controller's target_moment": (reference, "measured")} | series
-    time = with_breaks(signals.time, signals.segment)
-    return draw_traces(Traces(time, series, errors(series, reference)), TORQUE)
+    modelled = getattr(torques, motion)[model]
+    lines: Lines = {
+        "controller's target_moment": (signals.target_moment, "measured"),
+        f"Model {model}, {motion} motion": (modelled, "joint"),
+    }
+    return draw_lines(signals, lines, TORQUE)
 
 
 def older_torque_figure(
@@ -91,40 +90,39 @@ def older_torque_figure(
     """
     if signals.target_moment is None or not modelled:
         return nothing_to_draw()
-    reference = with_breaks(signals.target_moment, signals.segment)
-    series: Series = {"controller's target_moment": (reference, "measured")}
-    for (label, values), style in zip(modelled.items(), DRAWN, strict=False):
-        series[label] = with_breaks(values, signals.segment), style
-    time = with_breaks(signals.time, signals.segment)
-    level = np.where(np.isnan(time), np.nan, 1.0)[:, None] * np.array(printed)
-    mean = {"[21], printed mean": (level, "second")}
-    return draw_traces(Traces(time, series, (errors(series, reference) or {}) | mean), TORQUE)
+    lines = {"controller's target_moment": (signals.target_moment, "measured")}
+    lines |= {
+        label: (modelled[label], style) for label, style in zip(modelled, DRAWN, strict=False)
+    }
+    mean = np.ones_like(signals.target_moment) * printed
+    return draw_lines(signals, lines, TORQUE, {"[21], printed mean": (mean, "second")})
 
 
 def current_figure(signals: Signals, currents: Currents) -> Drawing:
     """Return the measured current and that predicted for motion without contact."""
-    series: Series = {}
-    measured = None
-    if signals.actual_current is not None:
-        measured = with_breaks(signals.actual_current, signals.segment)
-        series = {"actual_current": (measured, "measured")}
-    if currents.predicted_current is not None:
-        predicted = with_breaks(currents.predicted_current, signals.segment)
-        series["predicted without contact"] = (predicted, "joint")
-    time = with_breaks(signals.time, signals.segment)
-    return draw_traces(Traces(time, series, errors(series, measured)), CURRENT)
+    lines: Lines = {
+        "actual_current": (signals.actual_current, "measured"),
+        "predicted without contact": (currents.predicted_current, "joint"),
+    }
+    return draw_lines(signals, lines, CURRENT)
 
 
 def acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 by the calibrated IMU and the joints."""
-    estimates = {"from the joints": (accelerations.acceleration.get("encoders"), "first")}
-    return _imu_figure(accelerations, accelerations.felt, estimates)
+    lines: Lines = {
+        "IMU": (accelerations.felt, "measured"),
+        "from the joints": (accelerations.acceleration.get("encoders"), "first"),
+    }
+    return draw_lines(accelerations, lines, ACCELERATION)
 
 
 def published_acceleration_figure(accelerations: Accelerations) -> Drawing:
     """Return Figures 5.14 and 5.15 as published."""
-    estimates = {THROUGH_ANGLES: (accelerations.published.get("euler"), "second")}
-    return _imu_figure(accelerations, accelerations.published_felt, estimates)
+    lines: Lines = {
+        "IMU": (accelerations.published_felt, "measured"),
+        THROUGH_ANGLES: (accelerations.published.get("euler"), "second"),
+    }
+    return draw_lines(accelerations, lines, ACCELERATION)
 
 
 def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Drawing:
@@ -132,68 +130,75 @@ def filtered_first_figure(signals: Signals, modelled: Array, felt: Array) -> Dra
 
     modelled, felt: acceleration through Euler angles and of the IMU, (N, 6) [m/s², rad/s²].
     """
-    table = Accelerations(time=signals.time, segment=signals.segment)
-    return _imu_figure(table, felt, {THROUGH_ANGLES: (modelled, "second")})
-
-
-def _imu_figure(
-    table: Accelerations, felt: Array | None, estimates: dict[str, tuple[Array | None, str]]
-) -> Drawing:
-    traces = {"IMU": (felt, "measured")} | estimates
-    series: Series = {
-        label: (with_breaks(values, table.segment), style)
-        for label, (values, style) in traces.items()
-        if values is not None
-    }
-    reference = series["IMU"][0] if series else None
-    time = with_breaks(table.time, table.segment)
-    return draw_traces(Traces(time, series, errors(series, reference)), ACCELERATION)
+    lines: Lines = {"IMU": (felt, "measured"), THROUGH_ANGLES: (modelled, "second")}
+    return draw_lines(signals, lines, ACCELERATION)
 
 
 def published_force_figure(
     published: PublishedForces, sensor: SensorWrenches, kind: str, estimates: tuple[str, ...]
 ) -> Drawing:
     """Return Figures 6.4 to 6.9 of some estimates, as printed or corrected: values and errors."""
-    measured = _wrench(sensor, sensor.wrench.get(kind))
-    series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
+    lines: dict[str, tuple[Array | None, str]] = {
+        "force sensor": (sensor.wrench.get(kind), "measured")
+    }
     for estimate in estimates:
-        values = getattr(published, kind).get(estimate)
-        if values is not None:
-            label, style = PUBLISHED_STYLES[estimate]
-            series[label] = with_breaks(values, published.segment), style
-    time = with_breaks(sensor.time, sensor.segment)
-    return draw_traces(Traces(time, series, errors(series, measured)), WRENCH)
+        label, style = PUBLISHED_STYLES[estimate]
+        lines[label] = getattr(published, kind).get(estimate), style
+    return draw_lines(sensor, lines, WRENCH)
 
 
 def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Drawing:
     """Return the new estimates, the band of the first, and the sensor; hidden: see Traces."""
-    measured = _wrench(sensor, sensor.wrench.get("compensated"))
-    series: Series = {} if measured is None else {"force sensor": (measured, "measured")}
     labels = {name: label for name, label in NEW.items() if name in forces.wrench}
+    lines: dict[str, tuple[Array | None, str]] = {
+        "force sensor": (sensor.wrench.get("compensated"), "measured")
+    }
     for (name, label), style in zip(labels.items(), DRAWN, strict=False):
-        series[label] = with_breaks(forces.wrench[name], forces.segment), style
+        lines[label] = forces.wrench[name], style
     band = None
     if lead := next(iter(labels), None):
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
-        low, high = (with_breaks(whole + sign * half, forces.segment) for sign in (-1, 1))
-        band = low, high
-    time, dark = (with_breaks(values, forces.segment) for values in (forces.time, hidden))
-    traces = Traces(time, series, errors(series, measured), band, dark > 0)
-    return draw_traces(traces, WRENCH)
+        band = whole - half, whole + half
+    return draw_lines(forces, lines, WRENCH, band=band, hidden=hidden)
 
 
-def _wrench(sensor: SensorWrenches, values: Array | None) -> Array | None:
-    return None if values is None else with_breaks(values, sensor.segment)
+def draw_lines(
+    table: Timed,
+    lines: Lines,
+    panels: Sequence[Panel],
+    further: Lines | None = None,
+    band: tuple[Array, Array] | None = None,
+    hidden: Mask | None = None,
+) -> Drawing:
+    """Draw the known lines over a table's time, and the errors of all others against the first.
+
+    Without the first line there are no errors. further: errors of what is not drawn itself; band,
+    hidden: see Traces.
+    """
+    first = next(iter(lines))
+    series = _broken(lines, table.segment)
+    errors: Series = {}
+    if first in series and len(series) > 1:
+        errors = {
+            label: (series[first][0] - values, style)
+            for label, (values, style) in series.items()
+            if label != first
+        }
+    traces = Traces(
+        time=with_breaks(table.time, table.segment),
+        series=series,
+        errors=errors | _broken(further or {}, table.segment) or None,
+        band=band and (with_breaks(band[0], table.segment), with_breaks(band[1], table.segment)),
+        hidden=None if hidden is None else with_breaks(hidden, table.segment) > 0,
+    )
+    return draw_traces(traces, panels)
 
 
-def errors(series: Series, reference: Array | None) -> Series | None:
-    """Return the errors of all other series against the reference."""
-    if reference is None or len(series) < 2:
-        return None
+def _broken(lines: Lines, segment: Labels) -> Series:
     return {
-        label: (reference - values, style)
-        for label, (values, style) in series.items()
-        if values is not reference
+        label: (with_breaks(values, segment), style)
+        for label, (values, style) in lines.items()
+        if values is not None
     }
 
 
@@ -203,3 +208,43 @@ def with_breaks(values: Array | Mask, segment: Labels) -> Array:
     if not len(breaks):
         return np.asarray(values, dtype=float)
     return np.insert(np.asarray(values, dtype=float), breaks, np.nan, axis=0)
+
+
+def packet_figure(signals: Signals) -> Drawing:
+    """Return Figure 4.4: steps between received frames, the arm's speed, the first late frames.
+
+    Empty for a recording that lacks no frame.
+    """
+    received = ~signals.interpolated
+    time, steps = signals.time[received][1:], 1000 * np.diff(signals.time[received])
+    late = np.flatnonzero(steps > LATE * 1000 * signals.period)
+    if not len(late):
+        return nothing_to_draw()
+    lost = signals.time[signals.interpolated]
+    with matplotlib.rc_context(HOUSE_STYLE):
+        figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+        above, middle, below = figure.subplots(3, 1, height_ratios=[2, 1, 2])
+        above.sharex(middle)
+        above.plot(time, steps, ".", color=RECEIVED, markersize=2.5, rasterized=True)
+        _draw_speed(middle, signals)
+        _enlarge(below, time, steps, lost, time[late[0]])
+        for axis in (above, below):
+            axis.set(ylabel="step [ms]", ylim=(-0.05 * steps.max(), 1.1 * steps.max()))
+        for axis in (middle, below):
+            axis.set_xlabel("time [s]")
+        below.legend(loc="upper left", frameon=False, ncols=2)
+    return Drawing(figure, pd.DataFrame({"time [s]": time, "step to this frame [ms]": steps}))
+
+
+def _draw_speed(axis: Axes, signals: Signals) -> None:
+    """Draw the speed of the fastest joint, where velocities were recorded."""
+    if signals.actual_qd is not None:
+        axis.plot(signals.time, np.abs(signals.actual_qd).max(axis=1), color=SPEED, linewidth=0.8)
+    axis.set_ylabel("speed [rad/s]")
+
+
+def _enlarge(axis: Axes, time: Array, steps: Array, lost: Array, at: float) -> None:
+    """Draw received and lost frames one by one, around a time."""
+    axis.plot(time, steps, "o-", color=RECEIVED, markersize=3, linewidth=0.6, label="received")
+    axis.plot(lost, np.zeros_like(lost), "x", color=LOST, markersize=4, label="lost")
+    axis.set_xlim(*(at + np.array(ENLARGED)))

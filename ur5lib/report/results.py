@@ -1,9 +1,12 @@
 """The results of a study, as the report's views read them."""
 
 import os
+import platform
+import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +14,15 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from ur5lib.report.contents import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
 from ur5lib.report.sentences import Sentence
 from ur5lib.report.truth_table import COLUMNS as TRUTH
-from ur5lib.report.versions import commit, versions
 from ur5lib.tables import read_csv
 
+PACKAGES = ["snakemake", "numpy", "scipy", "pandas", "pyarrow"]
+PACKAGES += ["torch", "pytorch-kinematics", "mujoco", "matplotlib", "typst"]
 OPTIONAL = {  # tables that only studies of simulated recordings or of published values have
     "truth": pd.DataFrame(columns=TRUTH),
     "printed": pd.DataFrame(columns=PRINTED),
@@ -135,3 +139,23 @@ class Results:
 def _arm(robot: str | Mapping[str, Any]) -> str:
     """Return an arm's name in results, from its name or description in the study."""
     return robot if isinstance(robot, str) else robot.get("name", robot["arm"])
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the software on which the numbers depend."""
+    return {"Python": platform.python_version()} | {
+        name: metadata.version(name) for name in PACKAGES
+    }
+
+
+def commit() -> str:
+    """Return the commit of the code, with "+ changes" when the files differ from it."""
+    try:
+        name = subprocess.check_output(
+            ["git", "describe", "--always", "--abbrev=12", "--dirty= + changes"],
+            text=True,
+            stderr=subprocess.DEVNULL,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "(unknown)"
+    return name.strip()

@@ -9,7 +9,7 @@ from hashlib import sha256
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
-from ur5lib.report.contents import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.reference import read_reference
 from ur5lib.robots.description import robot_path
 from ur5lib.steps.workers import run_step

@@ -11,14 +11,13 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report import recording_figures as figures
 from ur5lib.report.house_style import save
-from ur5lib.report.packet_figure import packet_figure
 from ur5lib.robots.description import load_robot
 
 
 def draw_figures(input: Any, output: Any, params: Any) -> None:
     # each figure reads its tables anew, so that none holds those of another
     signals, robot = partial(Signals.read, input.signals), load_robot(input.arm)
-    save(packet_figure(signals()), output.packets)
+    save(figures.packet_figure(signals()), output.packets)
     torques = figures.torque_figure(signals(), Torques.read(input.torques), robot.chosen_model)
     save(torques, output.torques)
     save(figures.current_figure(signals(), Currents.read(input.currents)), output.currents)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.report.compose import compose
-from ur5lib.report.contents import contents
+from ur5lib.report.document import contents
 from ur5lib.report.paper import methods, paper, references, write_tables
 from ur5lib.report.results import Results
 from ur5lib.tables import write_text

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ur5lib.report.compose import compose
-from ur5lib.report.contents import contents
+from ur5lib.report.document import contents
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
 from ur5lib.report.summary import summary, summary_schema

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.report.finding_sentences import sentence, worded
+from ur5lib.report.findings import sentence, worded
 from ur5lib.report.tables.source import Row, Source
 
 TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves

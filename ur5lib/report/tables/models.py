@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ur5lib.report.finding_sentences import in_words
+from ur5lib.report.findings import in_words
 from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.report.cells import fixed
-from ur5lib.report.contents import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, capital, joined, name, say
 

@@ -8,7 +8,7 @@ import pandas as pd
 from ur5lib.force.map_estimate import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.cells import numbered
-from ur5lib.report.contents import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say
 from ur5lib.report.views.currents import loaded

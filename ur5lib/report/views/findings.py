@@ -6,7 +6,7 @@ import pandas as pd
 from scipy.special import bdtr, bdtrc
 
 from ur5lib.pipeline.estimators import ESTIMATES
-from ur5lib.report.contents import MOST_SHOWN
+from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 from ur5lib.report.tables.models import STOP

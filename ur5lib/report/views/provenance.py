@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from ur5lib.report.contents import MOST_ROWS
+from ur5lib.report.document import MOST_ROWS
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, say
 
