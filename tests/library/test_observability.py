@@ -120,6 +120,12 @@ def test_the_table_has_each_joint_and_push() -> None:
     assert along["samples"].sum() == len(trials.force)
     drawing = observability_figure(summary["pushes"], summary["shares"], 0.9, MOST)
     assert len(drawing.data) == 2 + 6 * 9
+    for pushes in (
+        [],
+        [summary["pushes"][0] | {"speed_high": None}],
+    ):
+        drawing = observability_figure(pushes, summary["shares"], 0.9, MOST)
+        assert len(drawing.data) == len(pushes) + 6 * 9
 
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing() -> None:

@@ -5,6 +5,7 @@ from datetime import date
 from typing import TypeVar
 
 import numpy as np
+import pandas as pd
 
 from ur5lib.report.document import Cell, Mark
 
@@ -68,7 +69,7 @@ def power(value: float, digits: int = 3) -> str:
 
 def flange_speeds(low: float, high: float) -> str:
     """Return a range of the flange's speeds [m/s] in words; the slowest counts as rest."""
-    if np.isnan(high):
+    if pd.isna(high):
         return f"≥ {low:g}"
     return f"{low:g}–{high:g}" if low > 0 else "at rest"
 

@@ -46,7 +46,8 @@ def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
         else:
             half = NORMAL95 * row.std
             axis.errorbar(place, row.force, half, fmt="o", markersize=4, color=JOINTS[0])
-    axis.set_xticks(range(len(rows)), [*map(flange_speeds, rows["speed_low"], rows["speed_high"])])
+    speeds = [flange_speeds(row.speed_low, row.speed_high) for row in rows.itertuples()]
+    axis.set_xticks(range(len(rows)), speeds)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
     axis.set(xlim=(-0.5, len(rows) - 0.5), ylim=(0, 1.12 * most))
 
