@@ -23,9 +23,9 @@ from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
 from ur5lib.identification.samples import Record, design
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
+from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.cells import days
 from ur5lib.report.compose import shown_table
-from ur5lib.report.health_figure import health_figure
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.recordings import judge_drift
 from ur5lib.report.views import health

@@ -15,7 +15,7 @@ from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import ClosedLoop, Torques
-from ur5lib.report.cells import extremes, joints, number, signed, significant, with_error
+from ur5lib.report.cells import extremes, joints, significant
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import (
     MOST_ROWS,
@@ -35,7 +35,7 @@ from ur5lib.report.house_style import save
 from ur5lib.report.reference import Lookup, Printed, PrintedTable, read_reference
 from ur5lib.report.render import write_html, write_pdf
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import names
+from ur5lib.report.sentences import cell, names
 from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.traces import TORQUE, Traces, draw_traces
 from ur5lib.report.views.contacts import (
@@ -142,12 +142,21 @@ def test_extremes_are_marked_where_values_differ() -> None:
     assert extremes({"A": 1.0, "B": 1.0}) == {"A": None, "B": None}
 
 
-def test_numbers_tell_their_sign_and_absence() -> None:
-    assert number(1.23456, 3) == Cell("1.235")
-    assert number(-1.5, 1) == Cell("−1.5")
-    assert number(float("nan"), 3) == with_error(float("nan"), float("nan"), 3) == Cell("–")
-    assert signed(-0.5, 1, " %") == Cell("−0.5 %")
-    assert signed(0.5, 2) == Cell("+0.50")
+@pytest.mark.parametrize(
+    ("template", "value", "text"),
+    [
+        ("value | fixed(3)", 1.23456, "1.235"),
+        ("value | fixed(1)", -1.5, "−1.5"),
+        ("value | fixed(3)", math.nan, "–"),
+        ("value | error(value, 3)", math.nan, "–"),
+        ("value | signed(1, ' %')", -0.5, "−0.5 %"),
+        ("value | signed(2)", 0.5, "+0.50"),
+        ("{{ value }} of 2", 1, "1 of 2"),
+        ("value if value is known else none", math.nan, None),
+    ],
+)
+def test_cells_show_sign_and_absence(template: str, value: float, text: str | None) -> None:
+    assert cell(template, {"value": value}) == text
 
 
 def test_significant_digits_have_no_exponent() -> None:

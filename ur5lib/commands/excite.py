@@ -31,8 +31,7 @@ from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.report.excitation_figure import excitation_figure
-from ur5lib.report.excitation_page import LOAD, excitation_page
+from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
 from ur5lib.report.house_style import save
 from ur5lib.report.render import write_html
 from ur5lib.robots.collisions import Surroundings

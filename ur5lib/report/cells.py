@@ -1,4 +1,4 @@
-"""Formatting of numbers in the report's tables."""
+"""Formats of numbers, dates and joints in the report's tables and sentences."""
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
 from datetime import date
@@ -7,16 +7,11 @@ from typing import TypeVar
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.document import Cell, Mark
+from ur5lib.report.document import Mark
 
 Name = TypeVar("Name", bound=Hashable)
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SMALLEST_DIFFERENCE = 5e-5  # visible with four decimals
-
-
-def number(value: float, digits: int, mark: Mark | None = None) -> Cell:
-    """Return the cell of a value, or a dash for NaN."""
-    return Cell("–" if np.isnan(value) else fixed(value, digits), mark)
 
 
 def fixed(value: float, digits: int) -> str:
@@ -36,26 +31,9 @@ def rounded(value: float, digits: int) -> str:
     return fixed(value, digits)
 
 
-def listed(values: Iterable[float], digits: int = 2) -> str:
-    """Format values with some decimals, one after the other."""
-    return ", ".join(rounded(value, digits) for value in values)
-
-
-def sentence(text: str) -> str:
-    """Return words as a sentence: with a capital and a full stop, or nothing."""
-    return f"{text[0].upper()}{text[1:]}." if text else ""
-
-
-def signed(value: float, digits: int, unit: str = "") -> Cell:
-    """Return the cell of a difference, with its sign."""
-    return Cell("–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−"))
-
-
-def with_error(value: float, std: float, digits: int) -> Cell:
-    """Return the cell of a value and its standard error, or a dash for NaN."""
-    if np.isnan(value):
-        return Cell("–")
-    return Cell(f"{fixed(value, digits)} ± {rounded(std, digits)}")
+def signed(value: float, digits: int, unit: str = "") -> str:
+    """Format a difference with its sign; a dash for NaN."""
+    return "–" if np.isnan(value) else f"{value:+.{digits}f}{unit}".replace("-", "−")
 
 
 def power(value: float, digits: int = 3) -> str:

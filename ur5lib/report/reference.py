@@ -1,7 +1,6 @@
 """Published values and errata, for comparison with a study's results."""
 
 from pathlib import Path
-from typing import Any
 
 import yaml
 from pydantic import Field, ValidationError, field_validator
@@ -153,7 +152,7 @@ def read_reference(path: str | Path | None) -> Reference:
         raise InputError(f"{path} does not hold valid published values: {error}") from error
 
 
-def published(printed: PrintedTable | None, recording: str) -> dict[str, Any]:
+def published(printed: PrintedTable | None, recording: str) -> dict[str, tuple[float, ...]]:
     """Return a table's printed values of a recording; empty for any other recording."""
     if printed is None or printed.recording != recording:
         return {}

@@ -126,11 +126,6 @@ def _percent(share: float, digits: int = 0) -> Sentence:
     return _fixed(100 * share, digits, "%")
 
 
-def _signed(value: float, digits: int, unit: str = "") -> Sentence:
-    """Format a difference with its sign and its unit."""
-    return sentence(cells.signed(value, digits, unit).text)
-
-
 def _error(value: float, std: float, digits: int, unit: str = "") -> Sentence:
     """Format a value with its standard error and its unit; a dash for NaN."""
     if pd.isna(value):
@@ -176,7 +171,7 @@ FILTERS = {
     "fixed": _fixed,
     "rounded": _rounded,
     "significant": _significant,
-    "signed": _signed,
+    "signed": cells.signed,
     "percent": _percent,
     "error": _error,
     "to": _to,

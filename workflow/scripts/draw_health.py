@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.report.health_figure import health_figure
+from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.house_style import save
 from ur5lib.tables import read_json
 
