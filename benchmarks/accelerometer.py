@@ -52,7 +52,7 @@ from ur5lib.signals.imu_calibration import ImuCalibration, calibrate
 from ur5lib.signals.imu_fusion import smooth_with_imu
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.trajectories import Passed, group_by_path
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 RESULTS = Path("results")
 TABLE, THESIS = RESULTS / "accelerometer.csv", RESULTS / "thesis"
@@ -297,9 +297,9 @@ def recorded(folder: Path, entry: Mapping[str, Any]) -> Run:
     )
 
 
-def passed(motion: Motion) -> Passed:
+def passed(motion: Motion) -> PathStates:
     """Return a motion's states, by which paths are compared."""
-    return Passed.from_motion(motion.q, motion.qd, max(1, round(EVERY / motion.period)))
+    return PathStates.from_motion(motion.q, motion.qd, max(1, round(EVERY / motion.period)))
 
 
 def rms(values: Array) -> float:

@@ -46,7 +46,7 @@ from ur5lib.study.model import Settings
 from ur5lib.tables import read_json, read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.trajectories import Passed, group_by_path
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 STEPS = [
     "fit_friction",
@@ -151,7 +151,7 @@ def read_study(folder: Path, robot: str, roles: Sequence[str] = ("fit", "validat
     folders = [folder / "recordings" / entry["name"] for entry in entries]
     motions = [Motion.read(own / "motion.parquet") for own in folders]
     passed = [
-        Passed.from_motion(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions
+        PathStates.from_motion(own.q, own.qd, max(1, round(EVERY / own.period))) for own in motions
     ]
     labels = group_by_path(passed).tolist()
     recordings = [*map(Recording, entries, folders, labels)]

@@ -28,7 +28,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.tables import read_json
-from ur5lib.timeseries.trajectories import Passed, group_by_path
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 EVERY = 0.1  # s between the samples by which paths are compared
 
@@ -129,6 +129,8 @@ def ready_estimates(folder: Path) -> dict[str, Estimate]:
 
 def label_paths(runs: list[Run]) -> list[Run]:
     """Return the runs with the labels of their trajectories."""
-    passed = [Passed.from_motion(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs]
+    passed = [
+        PathStates.from_motion(run.q, run.qd, max(1, round(EVERY / run.period))) for run in runs
+    ]
     labels = group_by_path(passed) if runs else np.empty(0, int)
     return [replace(run, path=int(label)) for run, label in zip(runs, labels, strict=True)]

@@ -9,10 +9,10 @@ import torch
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import States, joint_states
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import Noise
-from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.missed_contacts import hiding
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import (

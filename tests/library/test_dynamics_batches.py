@@ -11,7 +11,7 @@ from torch import Tensor
 
 from tests.conftest import PROJECT
 from tests.library.test_dynamics import states
-from ur5lib.dynamics import batches
+from ur5lib.dynamics import arm as batches
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.kinematics import acceleration
 from ur5lib.dynamics.rigid_body import (

@@ -28,9 +28,9 @@ from tests.conftest import PROJECT
 from tests.library.synthetic_run import COUNT, PERIOD, STIFFNESS, synthetic_run
 from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
+from ur5lib.force.contact_wrench import regularised_wrench
 from ur5lib.force.external_torque import STATES
 from ur5lib.force.gate import Noise
-from ur5lib.force.map_estimate import regularised_wrench
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array
 

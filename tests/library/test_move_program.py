@@ -12,8 +12,7 @@ from ur5lib.recorder.move_program import is_program, plan, read_program
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.thesis_csv import read_thesis_csv
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
-from ur5lib.robots.inverse_kinematics import geometric_jacobian, solutions
-from ur5lib.robots.statics import link_frames
+from ur5lib.robots.statics import geometric_jacobian, link_frames, solutions
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.sensor_audit import FreeReading, read_free, response_of, sense, slow_covariance
+from ur5lib.force.sensor_audit import (
+    FreeReading,
+    fit_free_reading,
+    fit_sensor_errors,
+    response_of,
+    slow_covariance,
+)
 from ur5lib.force.sensor_audit import shifts_after_contacts as shifts
 from ur5lib.pipeline.sensor_audit import row
 from ur5lib.robots.description import Payload
@@ -50,7 +56,7 @@ def read(pull: Array, contact: Array | float = 0.0, seed: int = 0) -> Array:
 
 
 def explain(reading: Array, pull: Array, tool: Payload | None = TOOL) -> FreeReading:
-    return read_free(reading, pull, spin(), TIME, PERIOD, tool)
+    return fit_free_reading(reading, pull, spin(), TIME, PERIOD, tool)
 
 
 def test_a_response_is_scale_times_turn_times_the_tool_s_wrench() -> None:
@@ -67,7 +73,7 @@ def test_a_response_is_scale_times_turn_times_the_tool_s_wrench() -> None:
 def test_turn_scale_bias_and_drift_are_found_between_contacts(seed: int) -> None:
     pull = turning(0.8)
     found = explain(read(pull, touched(15.0), seed), pull)
-    tool = sense(found, TOOL.mass)
+    tool = fit_sensor_errors(found, TOOL.mass)
     bias_std, drift_std = found.std()
     for value, truth, std in [
         (tool.turn, TURN, tool.turn_std),
@@ -85,7 +91,7 @@ def test_turn_scale_bias_and_drift_are_found_between_contacts(seed: int) -> None
 
 def test_without_a_declared_mass_the_scale_is_the_mass_s() -> None:
     pull = turning(0.8)
-    tool = sense(explain(read(pull), pull, None), None)
+    tool = fit_sensor_errors(explain(read(pull), pull, None), None)
     np.testing.assert_array_equal(tool.scale, 1.0)
     assert SCALE.min() < tool.mass / TOOL.mass < SCALE.max()
 
@@ -93,7 +99,7 @@ def test_without_a_declared_mass_the_scale_is_the_mass_s() -> None:
 def test_an_arm_that_does_not_turn_tells_no_turn_and_no_scale() -> None:
     pull = turning(0.0)
     found = explain(read(pull), pull)
-    tool = sense(found, TOOL.mass)
+    tool = fit_sensor_errors(found, TOOL.mass)
     assert tool.turn_std.max() > np.deg2rad(5)
     assert tool.scale_std.max() > 0.1
     np.testing.assert_array_less(np.abs(found.drift - DRIFT), 4 * found.std()[1])
@@ -113,7 +119,7 @@ def test_what_the_motion_does_not_tell_stays_as_uncertain_as_before() -> None:
 
 def test_a_tool_without_a_mass_has_no_centre() -> None:
     pull = turning(0.8)
-    tool = sense(explain(read(pull), pull), 0.0)
+    tool = fit_sensor_errors(explain(read(pull), pull), 0.0)
     assert np.isnan([tool.center, tool.center_std]).all()
     assert tool.center.shape == (3,)
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.force.map_estimate import BREAKAWAY, SLOW, at_rest, static_wrench, torque_std
+from ur5lib.force.contact_wrench import BREAKAWAY, SLOW, at_rest, static_wrench, torque_std
 
 TORQUE_MAX = np.array([150.0, 150.0, 150.0, 28.0, 28.0, 28.0])
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ur5lib.timeseries.trajectories import NEAR_POSITION, Passed, group_by_path, nearest, place
+from ur5lib.timeseries.trajectories import NEAR_POSITION, PathStates, group_by_path, nearest, place
 
 PERIOD = 0.02
 Motion = tuple[np.ndarray, np.ndarray]
@@ -29,7 +29,7 @@ def joined(*motions: Motion) -> Motion:
 
 
 def labels(*motions: Motion) -> list[int]:
-    return group_by_path([Passed.from_motion(*motion) for motion in motions]).tolist()
+    return group_by_path([PathStates.from_motion(*motion) for motion in motions]).tolist()
 
 
 def test_each_trajectory_has_a_label_of_its_own() -> None:
@@ -52,7 +52,7 @@ def test_a_fast_run_is_known_again_from_thinned_samples() -> None:
     fast = [wave(0, start, seconds=10.0) for start in (0.0, 0.05)]
     steps = np.linalg.norm(np.diff(fast[0][0][::every], axis=0), axis=1)
     assert np.median(steps) > 2 * NEAR_POSITION
-    runs = [Passed.from_motion(*motion, every) for motion in (*fast, wave(1))]
+    runs = [PathStates.from_motion(*motion, every) for motion in (*fast, wave(1))]
     assert group_by_path(runs).tolist() == [0, 0, 1]
 
 
@@ -60,12 +60,12 @@ def test_a_fast_run_is_known_again_from_thinned_samples() -> None:
 def test_fast_runs_of_one_trajectory_are_known_as_one(start: float) -> None:
     """At 3 rad/s a joint goes far beyond what is near between samples that are thinned."""
 
-    def fast(start: float, seconds: float = 6.0) -> Passed:
+    def fast(start: float, seconds: float = 6.0) -> PathStates:
         time = np.arange(start, start + seconds, 0.008)[:, None]
         angle = 4 * time + np.arange(6)
-        return Passed.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
+        return PathStates.from_motion(0.8 * np.sin(angle), 3.2 * np.cos(angle), every=12)
 
-    slow = Passed.from_motion(*wave(0), every=5)
+    slow = PathStates.from_motion(*wave(0), every=5)
     runs = [fast(0.0), slow, fast(start), fast(start, seconds=2.0)]
     assert group_by_path(runs).tolist() == [0, 1, 0, 0]
 

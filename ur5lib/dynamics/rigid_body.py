@@ -13,8 +13,7 @@ import torch
 from torch import Tensor
 
 from ur5lib.dynamics import recursion
-from ur5lib.dynamics.arm import Arm
-from ur5lib.dynamics.batches import batch_size, evaluate, in_batches
+from ur5lib.dynamics.arm import Arm, batch_size, evaluate, in_batches
 from ur5lib.dynamics.recursion import (
     NO_WRENCH,
     ZERO,

@@ -9,7 +9,7 @@ from ur5lib.dynamics.flange import differentiable_singular_value
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE
+from ur5lib.robots.statics import SINGULAR_VALUE
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import fourier_terms
 

@@ -14,7 +14,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians, rts_pass
 
 
-class Passed(NamedTuple):
+class Filtered(NamedTuple):
     """States of a filter before and after each measurement, and the normal equations of s.
 
     Means are (N, n + 1, n): of the measured torque, and of each joint's friction f in its place.
@@ -53,7 +53,9 @@ def smooth(
     )
 
 
-def _filter(measured: Array, noise: Array, spread: Array, decay: Array, friction: Array) -> Passed:
+def _filter(
+    measured: Array, noise: Array, spread: Array, decay: Array, friction: Array
+) -> Filtered:
     """Pass the measurements, and each joint's friction; arguments as above."""
     known, joints = finite_rows(measured), measured.shape[1]
     frictions = friction[:, None] * np.eye(joints)
@@ -79,7 +81,7 @@ def _filter(measured: Array, noise: Array, spread: Array, decay: Array, friction
             squares += lead[joints:] @ solved[:, joints:]
             state = state - lead @ solved[:, :joints]
         after[t] = state
-    return Passed(_gaussians(before), _gaussians(after), squares)
+    return Filtered(_gaussians(before), _gaussians(after), squares)
 
 
 def _gaussians(state: Array) -> Gaussians:

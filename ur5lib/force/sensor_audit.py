@@ -110,7 +110,7 @@ class FreeReading:
 
 
 @dataclass(frozen=True)
-class Sensed:
+class SensorErrors:
     """A sensor's tool and its errors, each with its standard error.
 
     mass [kg]; center: (3,) [m], frame 6; turn: (3,) [rad], rotation vector of the sensor's axes in
@@ -127,7 +127,7 @@ class Sensed:
     scale_std: Array
 
 
-def read_free(
+def fit_free_reading(
     reading: Array, pull: Array, spin: Array, time: Array, period: float, tool: Payload | None
 ) -> FreeReading:
     """Explain a reading between contacts, which fill less than half of the time.
@@ -196,7 +196,7 @@ def _terms(pull: Array, spin: Array, minutes: Array) -> Array:
     return terms
 
 
-def sense(reading: FreeReading, known_mass: float | None) -> Sensed:
+def fit_sensor_errors(reading: FreeReading, known_mass: float | None) -> SensorErrors:
     """Return the tool and the errors of a sensor that best explain its response.
 
     known_mass: of the tool [kg]; without it, the scale is taken as 1. Least squares weighted by the
@@ -232,13 +232,13 @@ def response_of(parameters: Array) -> Array:
     return np.concatenate([scale[:, None] * axes * mass, scale.mean() * axes @ across])
 
 
-def _sensed(parameters: Array, std: Array) -> Sensed:
+def _sensed(parameters: Array, std: Array) -> SensorErrors:
     (turn, scale, (mass,), moment), (turn_std, scale_std, (mass_std,), moment_std) = (
         np.split(part, [3, 6, 7]) for part in (parameters, std)
     )
     center = moment / mass if mass else np.full(3, np.nan)
     center_std = np.hypot(moment_std, center * mass_std) / abs(mass) if mass else np.full(3, np.nan)
-    return Sensed(
+    return SensorErrors(
         float(mass), float(mass_std), center, center_std, turn, turn_std, scale, scale_std
     )
 

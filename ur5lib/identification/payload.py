@@ -107,18 +107,18 @@ def load_center(payload: PayloadEstimate, load: Load, spread: Array) -> tuple[Ar
     return center, np.hypot(moment_std, center * load.std_error) / load.mass
 
 
-def joint_gains(left_over: Array, load: Array, count: int) -> Array:
+def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     """Return the relative error (6,) of each joint's torque under a load.
 
-    left_over: external torque (N, 6) [Nm] without the load's torque; load: the load's torque,
-    low-passed alike; count: number of independent values among the samples. The torque constants
+    external_torque: (N, 6) [Nm], without the load's torque; load: the load's torque, low-passed
+    alike; count: number of independent values among the samples. The torque constants
     of joints that carry little are not well known. Least squares with a prior of 0 ± JOINTS.
     """
-    known = np.isfinite(left_over + load).all(axis=1)
-    left_over, load = left_over[known], load[known]
-    noise = left_over.var(axis=0) if known.any() else np.ones(6)
+    known = np.isfinite(external_torque + load).all(axis=1)
+    external_torque, load = external_torque[known], load[known]
+    noise = external_torque.var(axis=0) if known.any() else np.ones(6)
     held = noise / JOINTS**2 * len(load) / max(1, count)
-    return np.asarray((left_over * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
+    return np.asarray((external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
 
 
 def estimate_payload(

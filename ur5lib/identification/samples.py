@@ -24,7 +24,7 @@ from ur5lib.robots.friction import (
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import BLOCK, DEAD_ZONE, starts
-from ur5lib.timeseries.trajectories import Passed, group_by_path
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 STEP = 0.1  # s between samples
 FEW = 5  # paths, or stretches; with fewer, smaller parts are resampled
@@ -169,9 +169,9 @@ def apart_from(out: Mask, path: Labels, day: Labels) -> Mask:
     return other if len(np.unique(path[other])) >= LEAST_PATHS else ~out
 
 
-def passed(record: Record) -> Passed:
+def passed(record: Record) -> PathStates:
     """Return the states on the path of a recording."""
-    return Passed.from_motion(record.q, record.qd, max(1, round(STEP / record.period)))
+    return PathStates.from_motion(record.q, record.qd, max(1, round(STEP / record.period)))
 
 
 def design(

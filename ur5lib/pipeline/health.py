@@ -13,7 +13,7 @@ from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import Record, Smooth, passed
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes
-from ur5lib.timeseries.trajectories import Passed, group_by_path
+from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
 WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
@@ -32,7 +32,7 @@ class Checkup:
     joints: list[Estimates]
     temperature: Array
     lost: float
-    path: Passed
+    path: PathStates
 
 
 def checkup(

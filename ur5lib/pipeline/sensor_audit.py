@@ -7,7 +7,13 @@ import numpy as np
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.sensor_audit import FreeReading, Sensed, read_free, sense, shifts_after_contacts
+from ur5lib.force.sensor_audit import (
+    FreeReading,
+    SensorErrors,
+    fit_free_reading,
+    fit_sensor_errors,
+    shifts_after_contacts,
+)
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -62,24 +68,24 @@ def audit(
 
 def _explained(
     robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion, tool: Payload | None
-) -> tuple[FreeReading, Sensed]:
+) -> tuple[FreeReading, SensorErrors]:
     """Explain the raw reading, with the tool where it turns out to be."""
     assert signals.ft_raw_wrench is not None
     center = np.array(tool.center_of_mass) if tool else np.zeros(3)
     moved = moved_tool(robot, kinematics, motion)
     for _ in range(ROUNDS):
         known = moved.pull_at(center), moved.spin, signals.time, signals.period
-        reading = read_free(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
-        sensed = sense(reading, tool.mass if tool else None)
+        reading = fit_free_reading(in_frame_6(signals.ft_raw_wrench, robot), *known, tool)
+        sensed = fit_sensor_errors(reading, tool.mass if tool else None)
         if tool and abs(sensed.scale.mean() - 1) > PAYLOAD:
-            sensed = sense(reading, None)
+            sensed = fit_sensor_errors(reading, None)
         center = within_reach(sensed.center)
     return reading, sensed
 
 
 def _left_by_controller(
     robot: Robot, signals: Signals, kinematics: Kinematics, motion: Motion
-) -> tuple[FreeReading, Sensed] | None:
+) -> tuple[FreeReading, SensorErrors] | None:
     """Explain the controller's force, in axes of frame 6, where the arm is slow for long enough."""
     assert signals.actual_TCP_force is not None
     moved = moved_tool(robot, kinematics, motion)
@@ -89,11 +95,11 @@ def _left_by_controller(
         return None
     wrench = (signals.actual_TCP_force.reshape(-1, 2, 3) @ kinematics.rotation).reshape(-1, 6)
     wrench[~slow] = np.nan
-    reading = read_free(wrench, weight, moved.spin, signals.time, signals.period, None)
-    return reading, sense(reading, None)
+    reading = fit_free_reading(wrench, weight, moved.spin, signals.time, signals.period, None)
+    return reading, fit_sensor_errors(reading, None)
 
 
-def _turn_rows(sensed: Sensed, declared: Array) -> Iterator[Row]:
+def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[Row]:
     """Yield the rotation vector from frame 6 to the sensor's axes; declared: (3,) [°]."""
     left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
     turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
@@ -102,7 +108,7 @@ def _turn_rows(sensed: Sensed, declared: Array) -> Iterator[Row]:
         yield row("turn", axis, value, error, "°", wanted, DEGREES)
 
 
-def _sensor_rows(reading: FreeReading, sensed: Sensed, tool: Payload | None) -> Iterator[Row]:
+def _sensor_rows(reading: FreeReading, sensed: SensorErrors, tool: Payload | None) -> Iterator[Row]:
     """Yield bias, drift and scale of the sensor, and the tool that it carries."""
     bias_std, drift_std = reading.std()
     yield from _wrench_rows("bias", reading.bias, bias_std)
@@ -132,7 +138,7 @@ def _shift_rows(reading: FreeReading, time: Array) -> Iterator[Row]:
         yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
 
 
-def _controller_rows(reading: FreeReading, left: Sensed) -> Iterator[Row]:
+def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[Row]:
     """Yield the zero of the controller's force, and the weight that it still contains."""
     yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
     yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)

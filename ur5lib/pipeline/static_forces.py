@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.map_estimate import LEAST_ERROR, at_rest, static_wrench, torque_std
+from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, torque_std
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.current_prediction import smoothed_external_torque

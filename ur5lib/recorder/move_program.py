@@ -16,8 +16,7 @@ from scipy.spatial.transform import Rotation
 from ur5lib.errors import InputError
 from ur5lib.recorder.commanded_motion import FEWEST, CommandedMotion, position_limits
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inverse_kinematics import SINGULAR_VALUE, geometric_jacobian, solutions
-from ur5lib.robots.statics import link_frames
+from ur5lib.robots.statics import SINGULAR_VALUE, geometric_jacobian, link_frames, solutions
 from ur5lib.robots.urscript import Command, ToolPose, parse, read_calls, six
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid

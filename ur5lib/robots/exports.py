@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 import yaml
 
 from ur5lib.robots.description import Robot
-from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, thick
+from ur5lib.robots.inertia import RigidBodies, link_tail, rigid_bodies, rigid_inertia
 from ur5lib.timeseries.arrays import Array
 
 SDF_VERSION = "1.9"
@@ -141,7 +141,7 @@ def _center(robot: Robot, bodies: RigidBodies, k: int) -> Array:
 
 def _inertia(bodies: RigidBodies, k: int) -> dict[str, str]:
     """Return the entries of the inertia tensor of link k by their names in URDF and SDF."""
-    full = thick(bodies.inertia[k - 1])
+    full = rigid_inertia(bodies.inertia[k - 1])
     pairs = [(i, j) for i in range(3) for j in range(i, 3)]
     return {f"i{'xyz'[i]}{'xyz'[j]}": _text([full[i, j]]) for i, j in pairs}
 

@@ -94,7 +94,7 @@ def link_tail(pose: Pose) -> tuple[Array, Array]:
     return yaw @ pitch @ roll + 0.0, np.array(pose.position)
 
 
-def thick(inertia: Array, share: float = 1e-12) -> Array:
+def rigid_inertia(inertia: Array, share: float = 1e-12) -> Array:
     """Return an inertia tensor that obeys the triangle inequality of a rigid body.
 
     Principal moments obey A + B >= C. For a flat plate A + B = C, which rounding can violate, and

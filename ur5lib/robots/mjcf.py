@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from ur5lib.robots.description import Pose, Robot
 from ur5lib.robots.exports import JointFriction
-from ur5lib.robots.inertia import link_tail, rigid_bodies, tensor, thick
+from ur5lib.robots.inertia import link_tail, rigid_bodies, rigid_inertia, tensor
 from ur5lib.timeseries.arrays import Array
 
 TOOL = "tool"
@@ -45,7 +45,7 @@ def add_arm(spec: mujoco.MjSpec, robot: Robot, model: str, share: float = 1e-12)
     """Add the six links in series, and the tool, which carries the payload; return the tool.
 
     The frame of body `link_k` is the Denavit-Hartenberg frame k; `tool` is fixed to link 6. share:
-    see `thick`.
+    see `rigid_inertia`.
     """
     bare = robot.models[model].model_copy(update={"payload": None})
     bodies = rigid_bodies(robot.model_copy(update={"models": {model: bare}}), model)
@@ -81,6 +81,6 @@ def _set_inertia(
     body: mujoco.MjsBody, mass: float, center: Array, inertia: Array, share: float
 ) -> None:
     """Set mass [kg], centre of mass [m] and inertia tensor about it, axes of the body's frame."""
-    full = thick(inertia, share)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    full = rigid_inertia(inertia, share)[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
     body.mass, body.ipos, body.fullinertia = mass, center, full
     body.explicitinertial = True

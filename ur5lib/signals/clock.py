@@ -70,11 +70,6 @@ def clock_from_stamps(offset: float, std: float) -> Clock:
     return Clock(offset, std, None, None, BY_STAMPS)
 
 
-def clock_from_host(offset: float, std: float, drift_std: float) -> Clock:
-    """Return the clock of a device whose samples the robot's host stamped, with its errors."""
-    return Clock(offset, std, 0.0, drift_std, BY_HOST)
-
-
 @dataclass(frozen=True)
 class HostDrift:
     """Drift and start of a host's clock relative to the robot's.
@@ -148,18 +143,16 @@ def settle_clocks(
     A clock that was estimated by motion is kept; one of start stamps takes the drift and start of
     its host if known.
     """
-    return {device: _settled(device, clock, drifts, duration) for device, clock in own.items()}
-
-
-def _settled(
-    device: str, own: OwnClock, drifts: Mapping[str, HostDrift], duration: float
-) -> SettledClock:
-    clock: Clock = own
-    for host in drifts.values():
-        if device in host.devices:
-            clock = _with_drift(clock, host, duration)
-    known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
-    return SettledClock(**known, warning=own.warning, end_std=clock.std_after(duration))
+    settled = {}
+    for device, stated in own.items():
+        clock: Clock = stated
+        for host in drifts.values():
+            if device in host.devices:
+                clock = _with_drift(clock, host, duration)
+        known = {field.name: getattr(clock, field.name) for field in fields(Clock)}
+        end_std = clock.std_after(duration)
+        settled[device] = SettledClock(**known, warning=stated.warning, end_std=end_std)
+    return settled
 
 
 def _with_drift(clock: Clock, host: HostDrift, duration: float) -> Clock:

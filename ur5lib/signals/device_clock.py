@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import BY_MOTION, WANDER, Clock, clock_from_host, clock_from_stamps
+from ur5lib.signals.clock import BY_HOST, BY_MOTION, WANDER, Clock, clock_from_stamps
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated
@@ -253,7 +253,7 @@ def device_clock(
     distinguished from contact, so their start stamps are used.
     """
     if "drift_std" in start:
-        return clock_from_host(start["seconds"], start["std"], start["drift_std"]), None
+        return Clock(start["seconds"], start["std"], 0.0, start["drift_std"], BY_HOST), None
     stamps = clock_from_stamps(start["seconds"], start["std"])
     if gyroscope is None:
         return stamps, None

@@ -101,7 +101,7 @@ def calibrate_without_each(records: Mapping[str, ImuRecord]) -> dict[str, ImuCal
     So no recording is judged by a calibration that it contributed to. Whether the place is taken as
     estimated is chosen once, on all of them.
     """
-    sums = {name: _sums(record) for name, record in records.items()}
+    sums = {name: _normal_equations(record) for name, record in records.items()}
     held_out = _held_out(list(sums.values()))
     choices = {"all": sums} | {
         name: {other: part for other, part in sums.items() if other != name} for name in sums
@@ -133,11 +133,11 @@ def calibrate(records: Sequence[ImuRecord]) -> ImuCalibration:
     much as all noise does. Standard errors are a jackknife over blocks of 2 s, within which
     residuals are correlated.
     """
-    sums = [_sums(record) for record in records]
+    sums = [_normal_equations(record) for record in records]
     return _calibration(sums, _held_out(sums))
 
 
-def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
+def _calibration(sums: "Sequence[_NormalEquations]", held_out: float) -> ImuCalibration:
     """Fit the calibration with the place estimated, and with it as described if that is better."""
     value, std = _jackknife(sums)
     described = sums[0].place
@@ -150,7 +150,7 @@ def _calibration(sums: "Sequence[_Sums]", held_out: float) -> ImuCalibration:
     return ImuCalibration(*found)
 
 
-def _scale(sums: "Sequence[_Sums]") -> Array:
+def _scale(sums: "Sequence[_NormalEquations]") -> Array:
     """Return the scales of forces and rates (2,), in turn with what is left of both."""
     scale = np.ones(2)
     for _ in range(2):
@@ -159,7 +159,7 @@ def _scale(sums: "Sequence[_Sums]") -> Array:
     return scale
 
 
-def _held_out(sums: "Sequence[_Sums]") -> float:
+def _held_out(sums: "Sequence[_NormalEquations]") -> float:
     """Return the error of forces left out, with the estimated place by that as described."""
     if len(sums) < 2:
         return 1.0
@@ -167,7 +167,7 @@ def _held_out(sums: "Sequence[_Sums]") -> float:
     return float(np.sqrt(estimated / described))
 
 
-def _left_out(sums: "Sequence[_Sums]") -> float:
+def _left_out(sums: "Sequence[_NormalEquations]") -> float:
     """Return the squares of forces that calibrations from the other recordings leave."""
     scale = _scale(sums)
     (square, product), parts = _shared_equations(sums, scale)
@@ -192,7 +192,7 @@ def specific_force(record: ImuRecord, calibration: ImuCalibration) -> Array:
 
 
 @dataclass(frozen=True)
-class _Sums:
+class _NormalEquations:
     """Normal equations of a recording: sums over each of its B blocks, by force and rate.
 
     squares: X^T X (B, 2, P, P), products: X^T y (B, 2, P) and power: y^T y (B, 2) of columns X and
@@ -206,7 +206,7 @@ class _Sums:
     count: int
     place: Array
 
-    def as_described(self) -> "_Sums":
+    def as_described(self) -> "_NormalEquations":
         """Return the sums without the columns of the IMU's place, P = 12."""
         squares = np.delete(np.delete(self.squares, PLACE, axis=2), PLACE, axis=3)
         return replace(self, squares=squares, products=np.delete(self.products, PLACE, axis=2))
@@ -228,7 +228,7 @@ class _Sums:
         return np.einsum("bkpq,k->bpq", self.squares, weight), self.products.swapaxes(1, 2) @ weight
 
 
-def _sums(record: ImuRecord) -> _Sums:
+def _normal_equations(record: ImuRecord) -> _NormalEquations:
     """Sum the normal equations of a recording over its blocks."""
     columns, force = _columns(record), record.accelerometer - record.specific_force
     misfit = np.concatenate([force, record.gyroscope - record.angular_rate], axis=1)
@@ -239,7 +239,7 @@ def _sums(record: ImuRecord) -> _Sums:
     def by_block(terms: str, *factors: Array) -> Array:
         return np.add.reduceat(np.einsum(terms, *factors), starts, axis=0)
 
-    return _Sums(
+    return _NormalEquations(
         squares=by_block("nkip,nkiq->nkpq", X, X),
         products=by_block("nkip,nki->nkp", X, y),
         power=by_block("nki,nki->nk", y, y),
@@ -295,13 +295,13 @@ def _without_own(square: Array, product: Array) -> tuple[Array, Array]:
     )
 
 
-def _rms(sums: Sequence[_Sums], scale: Array, shared: Array) -> Array:
+def _rms(sums: Sequence[_NormalEquations], scale: Array, shared: Array) -> Array:
     """Return the root mean squares (2,) of the residuals of forces and rates, never zero."""
     total = np.sum([part.left(scale, shared) for part in sums], axis=0)
     return np.sqrt(total / (3 * sum(part.count for part in sums))) + 1e-12
 
 
-def _jackknife(sums: Sequence[_Sums]) -> tuple[Array, Array]:
+def _jackknife(sums: Sequence[_NormalEquations]) -> tuple[Array, Array]:
     """Return the shared parameters (S,), with standard errors by a jackknife over blocks."""
     (square, product), parts = _shared_equations(sums, _scale(sums))
     changed = []
@@ -318,7 +318,7 @@ Equations = tuple[Array, Array]  # squares and products
 
 
 def _shared_equations(
-    sums: Sequence[_Sums], scale: Array
+    sums: Sequence[_NormalEquations], scale: Array
 ) -> tuple[Equations, list[tuple[Array, Array, Equations]]]:
     """Return the equations of the shared parameters, (S, S) and (S,).
 

@@ -135,7 +135,7 @@ def find_changes(series: Series, level: float, seed: int = 0) -> list[Change]:
         if len(series.day) - problem.columns(chosen).shape[1] - 1 < FREEDOM:
             break
         odds = _log_odds(problem, chosen, problem.value[None])
-        chance = _chance(problem, chosen, _of_any(odds)[0], noise, level)
+        chance = _chance(problem, chosen, _any_change(odds)[0], noise, level)
         if chance > level:
             break
         chosen.append(_likeliest(odds[0]))
@@ -174,7 +174,7 @@ def _chance(
     for first in range(0, len(noise), BATCH):
         for kind, drawn in enumerate((noise, alike)):
             odds = _log_odds(problem, chosen, drawn[first : first + BATCH])
-            above[kind] += (_of_any(odds) >= observed).sum()
+            above[kind] += (_any_change(odds) >= observed).sum()
         if above.max() > level * (1 + len(noise)):
             break
     return float(above.max()) / (1 + len(noise))
@@ -212,7 +212,7 @@ def _log_likelihood(columns: Array, rows: Array, correlation: float) -> Array:
     return result
 
 
-def _of_any(log_odds: Array) -> Array:
+def _any_change(log_odds: Array) -> Array:
     """Return log odds (B,) of any change; see `_likeliest`."""
     jumps = np.logaddexp.reduce(log_odds[:, 1:].T) - np.log(log_odds.shape[1] - 1)
     return np.asarray(np.logaddexp(log_odds[:, 0], jumps))

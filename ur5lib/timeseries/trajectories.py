@@ -30,7 +30,7 @@ def nearest(places: Array, others: Array) -> tuple[Mask, NDArray[np.intp]]:
 
 
 @dataclass(frozen=True)
-class Passed:
+class PathStates:
     """States (`place`) on the path of a run: at samples in motion, or at all if it rests.
 
     moves: whether the run moves; every: step of the samples that are searched in another run, which
@@ -42,7 +42,7 @@ class Passed:
     every: int = 1
 
     @classmethod
-    def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "Passed":
+    def from_motion(cls, q: Array, qd: Array, every: int = 1) -> "PathStates":
         """Return the path of positions and velocities (N, 6) at all samples, without NaN rows."""
         finite = np.isfinite(q + qd).all(axis=1)
         moving = finite & (np.abs(qd) > SLOW).any(axis=1)
@@ -54,19 +54,19 @@ class Passed:
         """Return the search tree of the places."""
         return cKDTree(self.places)
 
-    def same(self, other: "Passed") -> bool:
+    def same(self, other: "PathStates") -> bool:
         """Return whether one run contains nearly all states of the other."""
         if self.moves != other.moves or not len(self.places) or not len(other.places):
             return False
         return max(self.within(other), other.within(self)) >= SAME
 
-    def within(self, other: "Passed") -> float:
+    def within(self, other: "PathStates") -> float:
         """Return the share of this run's states that the other contains."""
         distance, _ = other.tree.query(self.places[:: self.every], distance_upper_bound=1.0)
         return float(np.isfinite(distance).mean())
 
 
-def group_by_path(runs: Sequence[Passed]) -> Labels:
+def group_by_path(runs: Sequence[PathStates]) -> Labels:
     """Return labels (R,) of runs by trajectory, from 0.
 
     A part of a longer run belongs to its trajectory; the relation is transitive.

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from ur5lib.force.map_estimate import BREAKAWAY, LEAST_ERROR, SLOW
+from ur5lib.force.contact_wrench import BREAKAWAY, LEAST_ERROR, SLOW
 from ur5lib.pipeline.estimators import ESTIMATES, NEW, SPOKEN
 from ur5lib.report.cells import numbered
 from ur5lib.report.document import MOST_SHOWN
