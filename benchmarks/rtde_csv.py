@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow.csv as pacsv
 
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 
 RATE, SECONDS = 500, 3600
 CHANNELS = ("target_q", "actual_q", "actual_qd", "actual_current", "target_moment")
@@ -54,7 +54,7 @@ def main() -> None:
         rounds = [
             (
                 seconds(lambda: pacsv.read_csv(path)),
-                seconds(lambda: read_numbers(path, None, "robot", findings)),
+                seconds(lambda: read_numbers(Log(path, "robot", findings), None)),
             )
             for _ in range(repeats + 1)
         ][1:]  # the first warms up

@@ -24,7 +24,7 @@ from ur5lib.recordings.entries import FACTORS, expand
 from ur5lib.recordings.formats import READERS
 from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.plausibility import check_pace
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import RawRecording, Stamp
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
@@ -644,7 +644,7 @@ def test_a_byte_order_mark_takes_no_digit(tmp_path: Path) -> None:
     path = tmp_path / "numbers.csv"
     path.write_bytes(b"\xef\xbb\xbf123.5,2\n4,5\n")
     findings: list[Finding] = []
-    table = read_numbers(path, ["time", "a"], "robot", findings)
+    table = read_numbers(Log(path, "robot", findings), ["time", "a"])
     assert table.to_numpy().tolist() == [[123.5, 2], [4, 5]]
     assert found(findings, "byte-order mark").severity == "note"
 

@@ -9,7 +9,7 @@ import pytest
 from tests.conftest import said
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.sensors import FORCE_CHANNELS, IMU_CHANNELS, first_number, read_device
 
@@ -25,7 +25,7 @@ def write(path: Path, time: np.ndarray, force: float = 1.0) -> Path:
 def read(path: Path) -> tuple[np.ndarray | None, dict[str, Finding]]:
     """The times of a force sensor's samples, and the findings."""
     findings: list[Finding] = []
-    samples = read_device(path, NAMES, "force", findings)
+    samples = read_device(Log(path, "force", findings), NAMES)
     time = None if samples is None else samples.table["time"].to_numpy()
     return time, {one.finding: one for one in findings}
 
@@ -77,7 +77,7 @@ def test_a_sensor_that_reads_nothing_was_not_connected(
     assert (times is not None) == connected
     assert list(findings) == ["no sensor"] * (not connected)
     names = ["time", *IMU_CHANNELS[:6]]
-    assert read_device(path, names, "imu", []) is not None
+    assert read_device(Log(path, "imu", []), names) is not None
 
 
 @pytest.mark.parametrize(("rows", "usable"), [(1, False), (2, True)])
@@ -164,7 +164,9 @@ def table(path: Path, rows: int, damaged: list[int]) -> Path:
 def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: int) -> None:
     damaged = [3, 4, 17, 30, 31, rows - 5, rows]
     findings: list[Finding] = []
-    numbers = read_numbers(table(tmp_path / "t.csv", rows, damaged), ["a", "b"], "robot", findings)
+    numbers = read_numbers(
+        Log(table(tmp_path / "t.csv", rows, damaged), "robot", findings), ["a", "b"]
+    )
     expected = np.delete(np.arange(rows), np.array(damaged) - 1)
     np.testing.assert_array_equal(numbers["a"], expected)
     np.testing.assert_array_equal(numbers["b"], 2 * expected)
@@ -177,7 +179,7 @@ def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: 
 def test_the_first_five_damaged_lines_are_named(tmp_path: Path, damaged: int, told: str) -> None:
     findings: list[Finding] = []
     path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
-    read_numbers(path, ["a", "b"], "robot", findings)
+    read_numbers(Log(path, "robot", findings), ["a", "b"])
     assert told in said(findings[0])
 
 
@@ -188,9 +190,9 @@ def test_a_table_of_which_most_lines_are_damaged_is_another(
     path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
     if refused:
         with pytest.raises(InputError, match="26 of 50 lines do not fit"):
-            read_numbers(path, ["a", "b"], "robot", [])
+            read_numbers(Log(path, "robot", []), ["a", "b"])
     else:
-        assert len(read_numbers(path, ["a", "b"], "robot", [])) == 25
+        assert len(read_numbers(Log(path, "robot", []), ["a", "b"])) == 25
 
 
 @pytest.mark.parametrize(
@@ -203,7 +205,7 @@ def test_a_last_line_without_an_end_has_the_form_of_those_before(
     """As many cells, and as many decimals in the last."""
     (tmp_path / "t.csv").write_text("1.25,2.25\n3.25,4.25\n5.25,6.25\n" + last)
     findings: list[Finding] = []
-    assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == kept
+    assert len(read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])) == kept
     assert [one.finding for one in findings] == ["torn last line"] * (kept == 3)
     if kept == 3:
         assert said(findings[0]).startswith("t.csv, line 4: last line is cut off")
@@ -214,7 +216,7 @@ def test_a_last_line_without_an_end_has_the_form_of_those_before(
 def test_what_stands_for_no_number(tmp_path: Path, empty: str, beside: str) -> None:
     """Also where a damaged line has the others read one by one."""
     (tmp_path / "t.csv").write_text(f"1,2\n3,{empty}\n{beside}5,6\n")
-    numbers = read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", [])
+    numbers = read_numbers(Log(tmp_path / "t.csv", "robot", []), ["a", "b"])
     np.testing.assert_array_equal(numbers["b"], [2, np.nan, 6])
 
 
@@ -225,7 +227,7 @@ def test_lines_above_the_header_and_marks_are_skipped(tmp_path: Path) -> None:
     (tmp_path / "t.gz").write_bytes(gzip.compress(text.encode()))
     for name, told in (("t.csv", "byte-order mark"), ("t.gz", "compressed file")):
         findings: list[Finding] = []
-        numbers = read_numbers(tmp_path / name, None, "robot", findings)
+        numbers = read_numbers(Log(tmp_path / name, "robot", findings), None)
         assert list(numbers) == ["a", "b"]
         np.testing.assert_array_equal(numbers.to_numpy(), [[1.5, 2], [3, 4]])
         assert [one.finding for one in findings] == [told, "decimal commas"]
@@ -239,8 +241,8 @@ def test_zeros_far_down_are_a_damaged_line(tmp_path: Path, place: int, text: boo
     (tmp_path / "t.csv").write_bytes(content)
     findings: list[Finding] = []
     if text:
-        assert len(read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)) == 199
+        assert len(read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])) == 199
         assert findings[0].finding == "damaged lines"
     else:
         with pytest.raises(InputError, match="line 1: not a text file"):
-            read_numbers(tmp_path / "t.csv", ["a", "b"], "robot", findings)
+            read_numbers(Log(tmp_path / "t.csv", "robot", findings), ["a", "b"])

@@ -7,13 +7,13 @@ import pytest
 
 from ur5lib.errors import InputError
 from ur5lib.recordings import text_blocks
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 
 
 def blocks(path: Path, content: bytes) -> tuple[list[bytes], list[Finding]]:
     path.write_bytes(content)
     findings: list[Finding] = []
-    return [*text_blocks.text_blocks(path, "robot", findings)], findings
+    return [*text_blocks.text_blocks(Log(path, "robot", findings))], findings
 
 
 @pytest.mark.parametrize(("size", "count"), [(2 << 20, 3), (5 << 20, 1), (8 << 20, 1)])

@@ -12,7 +12,7 @@ from ur5lib.importing.blocks import NAMELESS, Block, grouped
 from ur5lib.recordings.arrays import LOADERS, load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.entries import expand
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
 FORMATS = {ending: name for name, format in LOADERS.items() for ending in format.endings}
@@ -108,7 +108,7 @@ def read_header(path: Path) -> Header:
 
 def _table(path: Path, header: Header, findings: list[Finding]) -> dict[str, np.ndarray]:
     """Return a table's columns by name, each once. Raises InputError where equal names differ."""
-    table = read_numbers(path, header.columns, "robot", findings)
+    table = read_numbers(Log(path, "robot", findings), header.columns)
     for name in header.repeated:
         first = name.split(AGAIN)[0]
         if not table[name].equals(table[first]):

@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.delimited import read_numbers
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
@@ -163,7 +163,7 @@ def channel_file_arrays(
 
 def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     own: list[Finding] = []
-    table = read_numbers(path, _column_names(path), "robot", own)
+    table = read_numbers(Log(path, "robot", own), _column_names(path))
     if any(finding.finding == "damaged lines" for finding in own) or _has_blank_line(path):
         raise InputError(
             f"{path} has lines without a number, so that its rows can no longer be matched with "

@@ -20,7 +20,7 @@ from ur5lib.recordings.array_files import (
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.rosbag import rosbag_arrays
 from ur5lib.recordings.sensors import counted_from_first, repair_samples
@@ -53,7 +53,7 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
     wanted = _wanted([recording, *sensors.values()])
     arrays = load_arrays(recording.format, path, wanted, findings)
     table = _in_arm_order(_table(recording, arrays, path), recording.joints or [*range(1, 7)])
-    table = drop_untimed(drop_zeroed(table, findings), path, "robot", findings)
+    table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
     robot = counted_from_first(table, first_time(table["time"].to_numpy()), recording, path)
@@ -167,11 +167,8 @@ def _sensor(
     sensor: StoredTable, arrays: Arrays, path: Path, device: Device, findings: list[Finding]
 ) -> DeviceRecord | None:
     """Return a sensor's record; where it cannot be used, None and a finding."""
-    try:
-        samples = repair_samples(_table(sensor, arrays, path), path, device, findings)
-    except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
-        return None
+    log = Log(path, device, findings)
+    samples = log.unless_unusable(lambda: repair_samples(_table(sensor, arrays, path), log))
     if samples is None:
         return None
     return counted_from_first(samples.table, samples.first, sensor, path)

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +13,7 @@ import pyarrow as pa
 import pyarrow.csv as pacsv
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.text_blocks import text_blocks
 
 NOT_A_NUMBER = ["", "nan", "NaN", "NAN", "-nan", "NA", "N/A", "null", "NULL"]
@@ -39,9 +39,7 @@ class Damage(NamedTuple):
     fault: str
 
 
-def read_numbers(
-    path: Path, names: list[str] | None, device: Device, findings: list[Finding]
-) -> pd.DataFrame:
+def read_numbers(log: Log, names: list[str] | None) -> pd.DataFrame:
     """Return the complete rows of a delimited table; other lines are skipped and reported.
 
     names: of the columns, in order; None takes them from the header line. The separator is a
@@ -49,50 +47,28 @@ def read_numbers(
     float64, with NaN for empty cells and those with the text NaN. Raises InputError when the file
     cannot be read, is not text, lacks a required header, or has mostly damaged lines.
     """
-    blocks = text_blocks(path, device, findings)
+    blocks = text_blocks(log)
     first = next(blocks)
-    top, form = _form_of(first, path, names)
-    damaged: list[Damage] = []
-    tables = _parse_blocks(chain([first], blocks), top, form, path, device, findings, damaged)
-    table = _joined(pa.concat_tables(tables))
+    top, form = _form_of(first, log.path, names)
+    tables, damaged, line = list[pa.Table](), list[Damage](), 1
+    for block in chain([first], blocks):
+        data = _with_points(block, form, log)
+        end = _end_of_rows(data, top, line, form, log)
+        parsed, places = _parse(data, top, end, form)
+        tables += parsed
+        damaged += _damage(data, places, line, form)
+        top, line = 0, line + data.count(b"\n")
+    table = _joined(tables)
     if damaged:
-        _report_damaged(path, damaged, table, device, findings)
+        _report_damaged(log, damaged, table)
     return table
 
 
-def _parse_blocks(
-    blocks: Iterable[bytes],
-    top: int,
-    form: Form,
-    path: Path,
-    device: Device,
-    findings: list[Finding],
-    damaged: list[Damage],
-) -> Iterator[pa.Table]:
-    """Yield the rows of all blocks; add the lines that are none to `damaged`.
-
-    top: offset of the first row in the first block.
-    """
-    line = 1
-    for block in blocks:
-        data = _with_points(block, form, path, device, findings)
-        end = _end_of_rows(path, data, top, line, form, device, findings)
-        tables, places = _parse(data, top, end, form)
-        yield from tables
-        damaged += _damage(data, places, line, form)
-        top, line = 0, line + data.count(b"\n")
-
-
-def drop_untimed(
-    table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
-) -> pd.DataFrame:
+def drop_untimed(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Return the rows that have a `time`."""
     timed = np.isfinite(table["time"].to_numpy(float))
-    if timed.all():
-        return table
-    count = int((~timed).sum())
-    findings.append(Finding(device, "missing times", "warning", count, {"file": path.name}))
-    return table[timed].reset_index(drop=True)
+    log.add("missing times", "warning", np.count_nonzero(~timed))
+    return table if timed.all() else table[timed].reset_index(drop=True)
 
 
 def first_line(path: Path) -> str:
@@ -103,7 +79,7 @@ def first_line(path: Path) -> str:
 
 def first_cells(path: Path) -> list[str]:
     """Return the cells of a table's first line, below comments. Raises InputError as reading it."""
-    _top, first = _first_row(next(text_blocks(path, "robot", [])))
+    _top, first = _first_row(next(text_blocks(Log(path, "robot", []))))
     return [cell.decode(errors="replace").strip() for cell in first.split(_delimiter(first))]
 
 
@@ -123,15 +99,13 @@ def _form_of(data: bytes, path: Path, names: list[str] | None) -> tuple[int, For
     return top, Form(names, delimiter)
 
 
-def _with_points(
-    block: bytes, form: Form, path: Path, device: Device, findings: list[Finding]
-) -> bytes:
+def _with_points(block: bytes, form: Form, log: Log) -> bytes:
     """Return a block of lines with points for decimal commas."""
     if form.delimiter != b";" or b"," not in block:
         return block
-    note = Finding(device, "decimal commas", "note", 1, {"file": path.name})
-    if note not in findings:
-        findings.append(note)
+    note = Finding(log.device, "decimal commas", "note", 1, {"file": log.path.name})
+    if note not in log.findings:  # once for all blocks
+        log.findings.append(note)
     return block.replace(b",", b".")
 
 
@@ -144,21 +118,12 @@ def _end_of_line(data: bytes, start: int) -> int:
     return data.find(b"\n", start) + 1 or len(data)
 
 
-def _end_of_rows(
-    path: Path,
-    data: bytes,
-    top: int,
-    line: int,
-    form: Form,
-    device: Device,
-    findings: list[Finding],
-) -> int:
+def _end_of_rows(data: bytes, top: int, line: int, form: Form, log: Log) -> int:
     """Return the offset at which the last complete line ends. line: number of the first."""
     last = max(top, data.rfind(b"\n") + 1)
     if last == len(data) or _ends_whole(data[top:last], data[last:], form.delimiter):
         return len(data)
-    place = {"file": path.name, "line": line + data.count(b"\n", 0, last)}
-    findings.append(Finding(device, "torn last line", "note", 1, place))
+    log.add("torn last line", "note", line=line + data.count(b"\n", 0, last))
     return last
 
 
@@ -232,9 +197,10 @@ def _parse(data: bytes, start: int, end: int, form: Form) -> tuple[list[pa.Table
     return halves[0][0] + halves[1][0], halves[0][1] + halves[1][1]
 
 
-def _joined(table: pa.Table) -> pd.DataFrame:
+def _joined(tables: list[pa.Table]) -> pd.DataFrame:
     """Return a table column by column, each freed in turn: a long one is in memory only once."""
-    columns = {}
+    table, columns = pa.concat_tables(tables), {}
+    tables.clear()
     for name in table.column_names:
         chunks = table.column(name).chunks
         columns[name] = np.concatenate([chunk.to_numpy(zero_copy_only=False) for chunk in chunks])
@@ -294,13 +260,7 @@ def _fault(cells: list[bytes], width: int) -> str:
     return f"{wrong[:20]!r} is not a number{cause}"
 
 
-def _report_damaged(
-    path: Path,
-    damaged: list[Damage],
-    table: pd.DataFrame,
-    device: Device,
-    findings: list[Finding],
-) -> None:
+def _report_damaged(log: Log, damaged: list[Damage], table: pd.DataFrame) -> None:
     """Report which lines are damaged and what is wrong with the first.
 
     Raises InputError when most lines are damaged: then the columns differ from those declared.
@@ -308,17 +268,15 @@ def _report_damaged(
     width, count, (first, fault) = len(table.columns), len(damaged), damaged[0]
     if table.empty:
         raise InputError(
-            f"{path}, line {first}: expected {width} numbers ({fault}), and no other line "
+            f"{log.path}, line {first}: expected {width} numbers ({fault}), and no other line "
             "fits either; correct `columns` in the study, or record it again"
         )
     if len(table) < count:
         raise InputError(
-            f"{path}, line {first}: expected {width} numbers ({fault}); {count} of "
+            f"{log.path}, line {first}: expected {width} numbers ({fault}); {count} of "
             f"{len(table) + count} lines do not fit; correct the file, or `columns` in the study"
         )
-    lines = [damage.line for damage in damaged[:SHOWN]]
-    values = {"file": path.name, "lines": lines, "fault": fault, "width": width}
-    if more := count - len(lines):
-        values["more"] = more
+    values = {"lines": [damage.line for damage in damaged[:SHOWN]], "fault": fault, "width": width}
+    more = {"more": count - SHOWN} if count > SHOWN else {}
     code = "more damaged lines" if more else "damaged lines"
-    findings.append(Finding(device, "damaged lines", "warning", count, values, code))
+    log.add("damaged lines", "warning", count, code, **values, **more)

@@ -18,7 +18,7 @@ from ur5lib.recordings.entries import (
 )
 from ur5lib.recordings.host_clock import on_robot_clock
 from ur5lib.recordings.plausibility import first_time
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import counted_from_first, read_sensors
@@ -60,8 +60,8 @@ def read_table_csv(recording: TableFiles) -> RawRecording:
     """Read a table. Raises InputError when the file has no row of that many numbers."""
     findings: list[Finding] = []
     path, names = recording.path, expand(recording.columns)
-    table = read_numbers(path, names, "robot", findings)
-    table = drop_untimed(table, path, "robot", findings)
+    log = Log(path, "robot", findings)
+    table = drop_untimed(read_numbers(log, names), log)
     if table.empty:
         raise InputError(
             f"{path}, line 1: no complete row of {len(names)} numbers (it begins "
@@ -80,7 +80,8 @@ def read_rtde_csv(recording: RecordedFiles) -> RawRecording:
     Raises InputError when there is no `timestamp` column or no complete row.
     """
     path, findings = recording.path, list[Finding]()
-    table = read_numbers(path, None, "robot", findings)
+    log = Log(path, "robot", findings)
+    table = read_numbers(log, None)
     begins = f"(it begins {first_line(path)})"
     if "timestamp" not in table:
         raise InputError(
@@ -94,7 +95,7 @@ def read_rtde_csv(recording: RecordedFiles) -> RawRecording:
         )
     table = table.drop(columns=RESERVED, errors="ignore")
     table = table.rename(columns={"timestamp": "time", "host_time": "received"})
-    table = drop_untimed(table, path, "robot", findings)
+    table = drop_untimed(table, log)
     table["time"] -= first_time(table["time"].to_numpy())
     robot = DeviceRecord(table, Stamp(0.0, 0.0, "relative_s"), str(path))
     return RawRecording(robot, None, read_sensors(recording, findings), findings)

@@ -1,10 +1,15 @@
 """Findings about the quality of a recording."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Literal
+from pathlib import Path
+from typing import Literal, TypeVar
 
+from ur5lib.errors import InputError
+
+T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
+Severity = Literal["stop", "error", "warning", "note"]
 SENSORS: dict[str, Device] = {"force_sensor": "force", "imu": "imu"}  # by key of the study
 
 
@@ -20,7 +25,7 @@ class Finding:
 
     device: Device
     finding: str
-    severity: Literal["stop", "error", "warning", "note"]
+    severity: Severity
     count: int
     values: Mapping[str, object] = field(default_factory=dict)
     code: str = ""
@@ -28,6 +33,32 @@ class Finding:
     def as_row(self) -> dict[str, object]:
         """Return the finding as a row of the quality table."""
         return asdict(self)
+
+
+@dataclass(frozen=True)
+class Log:
+    """The findings about a file of a device."""
+
+    path: Path
+    device: Device
+    findings: list[Finding]
+
+    def add(
+        self, finding: str, severity: Severity, count: int = 1, code: str = "", **values: object
+    ) -> None:
+        """Add a finding with the file's name, if it counts anything."""
+        if count:
+            named = {"file": self.path.name} | values
+            self.findings.append(Finding(self.device, finding, severity, int(count), named, code))
+
+    def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
+        """Return what a function reads of a sensor; where it raises InputError, None."""
+        try:
+            return read()
+        except InputError as error:
+            values = {"error": str(error)}
+            self.findings.append(Finding(self.device, "unusable sensor", "error", 1, values))
+            return None
 
 
 def contradiction(code: str, **values: object) -> Finding:

@@ -13,7 +13,7 @@ from ur5lib.recordings.entries import Clocked, Sensor, WithSensors, expand
 from ur5lib.recordings.host_clock import without_delays
 from ur5lib.recordings.ordering import drop_repeats, epochs
 from ur5lib.recordings.plausibility import drop_implausible, first_time
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, Stamp
 from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
@@ -44,10 +44,8 @@ def read_sensors(recording: WithSensors, findings: list[Finding]) -> dict[Device
 
 
 def read_device(
-    path: Path,
+    log: Log,
     names: list[str],
-    device: Device,
-    findings: list[Finding],
     clocked: Clocked = Clocked(),  # noqa: B008 - frozen
 ) -> SensorSamples | None:
     """Return a sensor's complete rows in order; None, and a finding, when there are none.
@@ -56,16 +54,13 @@ def read_device(
     unusable; only an invalid unit in the study raises InputError.
     """
     clocked.in_si(pd.DataFrame(columns=names, dtype=float))
-    absence = _absence(path)
+    absence = _absence(log.path)
     if absence is not None:
-        findings.append(Finding(device, "no sensor", "note", 1, {"file": path.name}, absence))
+        log.add("no sensor", "note", 1, absence)
         return None
-    try:
-        table = without_delays(clocked.in_si(read_numbers(path, names, device, findings)))
-        return repair_samples(table, path, device, findings)
-    except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
-        return None
+    return log.unless_unusable(
+        lambda: repair_samples(without_delays(clocked.in_si(read_numbers(log, names))), log)
+    )
 
 
 def first_number(path: Path, ended: bool = False) -> float | None:
@@ -84,15 +79,9 @@ def first_number(path: Path, ended: bool = False) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def device_start(
-    path: Path, device: Device, findings: list[Finding], ended: bool = False
-) -> float | None:
-    """The number that a device's file of its start begins with; what is no file is a finding."""
-    try:
-        return first_number(path, ended)
-    except InputError as error:
-        findings.append(Finding(device, "unusable sensor", "error", 1, {"error": str(error)}))
-        return None
+def device_start(log: Log, ended: bool = False) -> float | None:
+    """Return the number that the file of a device's start begins with, None if it is no file."""
+    return log.unless_unusable(lambda: first_number(log.path, ended))
 
 
 def counted_from_first(
@@ -118,35 +107,34 @@ def _absence(path: Path) -> str | None:
     return None
 
 
-def _drop_incomplete(table: pd.DataFrame, device: Device, findings: list[Finding]) -> pd.DataFrame:
+def _drop_incomplete(table: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Drop rows with empty cells: a sensor samples fast enough to do without them."""
     whole = np.isfinite(table.to_numpy()).all(axis=1)
     if not whole.all():
         count = int((~whole).sum())
-        findings.append(Finding(device, "missing cells", "warning", count, code="missing samples"))
+        log.findings.append(
+            Finding(log.device, "missing cells", "warning", count, code="missing samples")
+        )
     return table[whole].reset_index(drop=True)
 
 
-def repair_samples(
-    table: pd.DataFrame, path: Path, device: Device, findings: list[Finding]
-) -> SensorSamples | None:
+def repair_samples(table: pd.DataFrame, log: Log) -> SensorSamples | None:
     """Return the plausible samples in order, each once; None, and a finding, where there are none.
 
     Raises InputError for wrong units.
     """
-    table = drop_untimed(table, path, device, findings)
-    absence = _nothing(table, device)
+    table = drop_untimed(table, log)
+    absence = _nothing(table, log.device)
     if absence is not None:
-        where = {"file": path.name, "columns": len(table.columns)}
-        findings.append(Finding(device, "no sensor", "note", 1, where, absence))
+        log.add("no sensor", "note", 1, absence, columns=len(table.columns))
         return None
-    table = drop_implausible(table, str(path), device, findings)
-    whole = _in_order(_drop_incomplete(table, device, findings), device, findings)
+    table = drop_implausible(table, str(log.path), log.device, log.findings)
+    whole = _in_order(_drop_incomplete(table, log), log.device, log.findings)
     if len(whole) < 2:
         raise InputError(
-            f"{path}: has fewer than two samples with possible values; record it again"
+            f"{log.path}: has fewer than two samples with possible values; record it again"
         )
-    _report_timing(whole["time"].to_numpy(), device, findings)
+    _report_timing(whole["time"].to_numpy(), log.device, log.findings)
     return SensorSamples(whole, first_time(table["time"].to_numpy()))
 
 
@@ -191,12 +179,12 @@ def _read_sensor(
     folder: Path, sensor: Sensor, device: Device, findings: list[Finding]
 ) -> DeviceRecord | None:
     path = folder / sensor.file
-    samples = read_device(path, expand(sensor.columns), device, findings, sensor)
+    samples = read_device(Log(path, device, findings), expand(sensor.columns), sensor)
     if samples is None:
         return None
     if sensor.start_file is None:
         return counted_from_first(samples.table, samples.first, sensor, path)
-    zero = device_start(folder / sensor.start_file, device, findings)
+    zero = device_start(Log(folder / sensor.start_file, device, findings))
     scale = 1000 if sensor.start == "day_ms" else 1
     stamp = None if zero is None else Stamp(zero / scale, STAMP_STD, sensor.start)
     return DeviceRecord(samples.table, stamp, str(path))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Log
 from ur5lib.strict import expect_file
 
 SIZE = 1 << 25  # bytes of a block
@@ -17,22 +17,22 @@ BRACKETS, LETTERS = b"()[]", re.compile(rb"[A-DF-Za-df-z]")  # all but the e of 
 GZIP, MARK = b"\x1f\x8b", b"\xef\xbb\xbf"
 
 
-def text_blocks(path: Path, device: Device, findings: list[Finding]) -> Iterator[bytes]:
+def text_blocks(log: Log) -> Iterator[bytes]:
     """Yield a file, unpacked if it is compressed, in blocks of whole lines.
 
     At least one block, which may be empty; without byte-order mark, carriage returns and quotes,
     and without brackets around numbers.
     Raises InputError when the file cannot be read or is not text.
     """
+    path = log.path
     expect_file(path)
     with _open(path) as plain:
         packed = _read(plain, path, 2).startswith(GZIP)
-    if packed:
-        findings.append(Finding(device, "compressed file", "note", 1, {"file": path.name}))
+    log.add("compressed file", "note", packed)
     with gzip.open(path) if packed else _open(path) as stream:
         block = _lines(stream, path)
         if block.startswith(MARK):
-            findings.append(Finding(device, "byte-order mark", "note", 1, {"file": path.name}))
+            log.add("byte-order mark", "note")
             block = block[len(MARK) :]
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:

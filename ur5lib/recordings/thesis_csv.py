@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.errors import InputError
@@ -9,7 +10,7 @@ from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import Clocked, ThesisFiles
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import check_pace, stray_times
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
 from ur5lib.recordings.sensors import (
     FORCE_CHANNELS,
@@ -84,50 +85,49 @@ def _read_robot(csv: Path, findings: list[Finding]) -> pd.DataFrame:
 def _read_channel(path: Path, name: str, findings: list[Finding]) -> pd.DataFrame:
     """Read a channel's rows by `clock`, a time that continues where the controller's restarts."""
     names = ["time", *(f"{name}_{joint}" for joint in range(6))]
-    rows = drop_untimed(read_numbers(path, names, "robot", findings), path, "robot", findings)
+    log = Log(path, "robot", findings)
+    rows = drop_untimed(read_numbers(log, names), log)
     if rows.empty:
         raise InputError(
             f"{path}, line 1: no complete row of 7 numbers (it begins {first_line(path)}); "
             "record it again, or remove the recording from the study"
         )
-    rows = _drop_strays(rows, path, findings)
+    rows = _drop_strays(rows, log)
     rows["clock"] = rows["time"] + RESTART * epochs(rows["time"].to_numpy())
     rows = rows.sort_values("clock", kind="stable", ignore_index=True)
     repeated = rows.duplicated("clock")
-    if repeated.any():
-        count, where = int(repeated.sum()), {"file": path.name}
-        findings.append(Finding("robot", "repeated stamps", "warning", count, where))
+    log.add("repeated stamps", "warning", repeated.sum())
     return rows[~repeated].reset_index(drop=True)
 
 
-def _drop_strays(rows: pd.DataFrame, path: Path, findings: list[Finding]) -> pd.DataFrame:
+def _drop_strays(rows: pd.DataFrame, log: Log) -> pd.DataFrame:
     """Drop rows with stray timestamps; done here because joining loses the file's order."""
     stray = stray_times(rows["time"].to_numpy())
-    if stray.any():
-        count, where = int(stray.sum()), {"file": path.name}
-        findings.append(Finding("robot", "impossible times", "warning", count, where))
+    log.add("impossible times", "warning", np.count_nonzero(stray))
     if len(rows) > 1:
-        check_pace(rows["time"].to_numpy()[~stray], str(path), CYCLE / 2)
+        check_pace(rows["time"].to_numpy()[~stray], str(log.path), CYCLE / 2)
     return rows[~stray].reset_index(drop=True)
 
 
 def _read_force(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
     path = csv / "log_force_sensor.csv"
-    samples = read_device(path, ["time", *FORCE_CHANNELS], "force", findings)
+    samples = read_device(Log(path, "force", findings), ["time", *FORCE_CHANNELS])
     if samples is None:
         return None
     began = csv / "log_force_sensor_start_time.csv"
-    start = _stamp(device_start(began, "force", findings, ended=True), FORCE_START_STD)
+    start = _stamp(device_start(Log(began, "force", findings), ended=True), FORCE_START_STD)
     return DeviceRecord(samples.table, start, str(path))
 
 
 def _read_imu(csv: Path, findings: list[Finding]) -> DeviceRecord | None:
     path = csv / "acc_data.csv"
-    samples = read_device(path, ["time", *IMU_CHANNELS], "imu", findings, Clocked(time="day_ms"))
+    samples = read_device(
+        Log(path, "imu", findings), ["time", *IMU_CHANNELS], Clocked(time="day_ms")
+    )
     if samples is None:
         return None
     table = samples.table.assign(time=samples.table["time"] - samples.first)
-    start = device_start(csv / "acc_start_time.csv", "imu", findings)
+    start = device_start(Log(csv / "acc_start_time.csv", "imu", findings))
     stamp = None if start is None else Stamp(start / 1000, IMU_START_STD, "day_ms")
     return DeviceRecord(table, stamp, str(path))
 
