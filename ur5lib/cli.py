@@ -1,6 +1,7 @@
 """The command-line interface `ur5`."""
 
 import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -10,6 +11,12 @@ from ur5lib.errors import InputError
 
 if TYPE_CHECKING:
     from ur5lib.robots.description import Robot
+
+Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
+RanStudy = Annotated[
+    Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
+]
+ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")]
 
 app = typer.Typer(
     help="Dynamics, friction and contact force of Universal Robots arms, from recordings.",
@@ -36,8 +43,7 @@ def fetch(
     from ur5lib.datasets.fetching import fetch as fetch_dataset
 
     lines = listing() if dataset is None else [fetch_dataset(dataset, target, source)]
-    for line in lines:
-        typer.echo(line)
+    _print(lines)
 
 
 @app.command()
@@ -130,6 +136,11 @@ def record(
         raise SystemExit(1)
 
 
+def _print(lines: Iterable[object]) -> None:
+    for line in lines:
+        typer.echo(line)
+
+
 def _role(role: str) -> Literal["fit", "validate", "contact"]:
     for known in ("fit", "validate", "contact"):
         if role == known:
@@ -139,7 +150,7 @@ def _role(role: str) -> Literal["fit", "validate", "contact"]:
 
 @app.command()
 def compare(
-    before: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    before: Results,
     after: Annotated[Path, typer.Argument(help="results to compare with these")],
     fail_on: Annotated[
         str, typer.Option(help="topics whose change gives exit status 1, e.g. force,currents")
@@ -157,8 +168,7 @@ def compare(
             f"--fail-on: unknown topic {unknown[0]!r}; give some of {', '.join(TOPICS)}"
         )
     comparisons = compare_results(before, after)
-    for line in lines(comparisons):
-        typer.echo(line)
+    _print(lines(comparisons))
     if junit:
         write_junit(comparisons, junit)
     if any(each.changed and each.topic in topics for each in comparisons):
@@ -202,41 +212,32 @@ def excite(
 
     load = None if payload is None else known_load(*payload)
     chosen = question or ("model" if results is None else "undetermined")
-    for line in excite(
-        ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write
-    ):
-        typer.echo(line)
+    _print(excite(ExciteOptions(robot, seconds, chosen, results, table, boxes, seed, load), write))
 
 
 @app.command()
 def audit(
-    study: Annotated[
-        Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
-    ],
+    study: RanStudy,
 ) -> None:
     """Print the faults of the wrist sensors in a study's recordings, and the remedies."""
     from ur5lib.commands.answers import audit_answers
 
-    for line in audit_answers(study):
-        typer.echo(line)
+    _print(audit_answers(study))
 
 
 @app.command()
 def payload(
-    study: Annotated[
-        Path, typer.Argument(help="configuration file of a study that was run, e.g. config.yaml")
-    ],
+    study: RanStudy,
 ) -> None:
     """Print the payload of each recording by motor currents and by wrist sensor."""
     from ur5lib.commands.answers import payload_answers
 
-    for line in payload_answers(study):
-        typer.echo(line)
+    _print(payload_answers(study))
 
 
 @app.command()
 def export(
-    robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
+    robot: ArmName,
     model: Annotated[
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
@@ -257,7 +258,7 @@ def export(
 
 @app.command()
 def convert(
-    results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    results: Results,
     recordings: Annotated[
         list[str] | None, typer.Argument(help="some of its recordings; default: all")
     ] = None,
@@ -269,26 +270,24 @@ def convert(
     """Write a study's signals, motion, currents and forces, with bands, for MATLAB or Foxglove."""
     from ur5lib.exporting.recordings import write_recordings
 
-    for path in write_recordings(results, recordings or [], to, into):
-        typer.echo(path)
+    _print(write_recordings(results, recordings or [], to, into))
 
 
 @app.command()
 def replay(
     file: Annotated[Path, typer.Argument(help="model of the arm: MJCF or URDF")],
-    results: Annotated[Path, typer.Argument(help="results of a study: results/<study>")],
+    results: Results,
     recording: Annotated[str, typer.Argument(help="one of its recordings")],
 ) -> None:
     """Replay a model along a recording in MuJoCo, and compare its torques with the currents."""
     from ur5lib.commands.replay import replayed
 
-    for line in replayed(file, results, recording):
-        typer.echo(line)
+    _print(replayed(file, results, recording))
 
 
 @app.command()
 def singularities(
-    robot: Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g. ur5")],
+    robot: ArmName,
     within: Annotated[
         list[str] | None,
         typer.Option(help="range of a joint [rad], e.g. 3=0.2:2.8; default: a whole turn"),

@@ -9,16 +9,14 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS, Block, grouped
-from ur5lib.recordings.arrays import LOADERS, load_arrays, seconds_of
+from ur5lib.recordings.array_files import ENDINGS
+from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
 from ur5lib.recordings.entries import expand
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.timeseries.arrays import Array
 
-FORMATS = {ending: name for name, format in LOADERS.items() for ending in format.endings}
-
-
-FORMATS |= dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
+FORMATS = ENDINGS | dict.fromkeys((".csv", ".txt", ".tsv", ".gz"), "table-csv")
 CLOCK = re.compile(r"time|stamp|clock|(^|[/_])t$|sec(s|onds)?$", re.IGNORECASE)
 STEPS = {"s": (1e-4, 1.0), "ms": (1.0, 1e3), "us": (1e3, 5e5), "ns": (5e5, 1e9)}
 HUGE = 1e9  # in any unit of a channel

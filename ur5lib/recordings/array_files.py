@@ -18,6 +18,8 @@ from ur5lib.recordings.quality import Finding, Log
 
 Arrays = dict[str, np.ndarray]  # by path in the file, (n,) or (n, k) or (k, n)
 Load = Callable[[Path, Collection[str] | None, list[Finding]], Arrays]  # None: all arrays
+LOADERS: dict[str, Load] = {}  # by the format's name in a study
+ENDINGS: dict[str, str] = {}  # the format of a file by its ending
 HDF5_INSIDE = b"\x89HDF\r\n\x1a\n"  # behind the 512 bytes of MATLAB's own head
 BLANK = re.compile(rb"\n[ \t\r]*\n")
 
@@ -48,10 +50,13 @@ def damaged(path: Path, kind: str, error: Exception) -> InputError:
     )
 
 
-def file_of(kind: str) -> Callable[[Load], Load]:
-    """Turn any error of a function that loads a file of some kind into an InputError."""
+def array_format(name: str, kind: str, *endings: str) -> Callable[[Load], Load]:
+    """Register a function that loads a format; whatever it raises becomes an InputError.
 
-    def guarded(load: Load) -> Load:
+    name: in a study; kind: for messages; endings: of such files.
+    """
+
+    def registered(load: Load) -> Load:
         @wraps(load)
         def loaded(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
             try:
@@ -59,18 +64,20 @@ def file_of(kind: str) -> Callable[[Load], Load]:
             except Exception as error:  # of damaged files, a library may raise anything
                 raise damaged(path, kind, error) from error
 
+        LOADERS[name] = loaded
+        ENDINGS.update(dict.fromkeys(endings, name))
         return loaded
 
-    return guarded
+    return registered
 
 
-@file_of("a Parquet file")
+@array_format("parquet", "a Parquet file", ".parquet")
 def parquet_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
     return _columns(pq.read_table(path), wanted)
 
 
-@file_of("a Feather file")
+@array_format("feather", "a Feather file", ".feather")
 def feather_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the columns of numbers by name."""
     table = feather.read_table(path)
@@ -102,7 +109,7 @@ def _column(column: pa.ChunkedArray) -> np.ndarray | None:
     return None
 
 
-@file_of("an HDF5 file")
+@array_format("hdf5", "an HDF5 file", ".h5", ".hdf5")
 def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by their path in the file."""
     with optional_import("h5py").File(path) as file:
@@ -121,7 +128,7 @@ def _numbers(file: Any, name: str) -> np.ndarray | None:
     return np.asarray(found[()])
 
 
-@file_of("a MAT file")
+@array_format("mat", "a MAT file", ".mat")
 def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the arrays of numbers by name, fields of structures by `structure/field`.
 
@@ -145,6 +152,7 @@ def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, np.nda
             yield above + name, value
 
 
+@array_format("channel-files", "a folder of text files")
 def channel_file_arrays(
     folder: Path, wanted: Collection[str] | None, findings: list[Finding]
 ) -> Arrays:

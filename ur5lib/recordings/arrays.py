@@ -1,47 +1,22 @@
 """Reader of files that hold arrays: the study names the array of each channel."""
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
+import ur5lib.recordings.rosbag  # noqa: F401 - registers its format
 from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
 from ur5lib.errors import InputError
-from ur5lib.recordings.array_files import (
-    Arrays,
-    channel_file_arrays,
-    feather_arrays,
-    hdf5_arrays,
-    mat_arrays,
-    parquet_arrays,
-)
+from ur5lib.recordings.array_files import LOADERS, Arrays
 from ur5lib.recordings.delimited import drop_untimed
 from ur5lib.recordings.entries import ArrayFiles, StoredTable
 from ur5lib.recordings.plausibility import drop_zeroed, first_time
 from ur5lib.recordings.quality import Device, Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
-from ur5lib.recordings.rosbag import rosbag_arrays
 from ur5lib.recordings.sensors import counted_from_first, repair_samples
 from ur5lib.strict import expect_file
-
-
-class ArrayFormat(NamedTuple):
-    """The function that loads a file's arrays by name, and the endings of such files."""
-
-    load: Callable[[Path, Collection[str] | None, list[Finding]], Arrays]
-    endings: tuple[str, ...] = ()
-
-
-LOADERS = {
-    "hdf5": ArrayFormat(hdf5_arrays, (".h5", ".hdf5")),
-    "mat": ArrayFormat(mat_arrays, (".mat",)),
-    "rosbag": ArrayFormat(rosbag_arrays, (".db3", ".mcap")),
-    "parquet": ArrayFormat(parquet_arrays, (".parquet",)),
-    "feather": ArrayFormat(feather_arrays, (".feather",)),
-    "channel-files": ArrayFormat(channel_file_arrays),
-}
 
 
 def read_arrays(recording: ArrayFiles) -> RawRecording:
@@ -74,7 +49,7 @@ def load_arrays(
             f"{path} is missing or is a folder; add the file, or remove the recording from the "
             "study"
         )
-    return LOADERS[format].load(path, wanted, findings)
+    return LOADERS[format](path, wanted, findings)
 
 
 def _wanted(tables: Iterable[StoredTable]) -> set[str]:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ur5lib.errors import InputError
-from ur5lib.recordings.arrays import LOADERS, read_arrays
+from ur5lib.recordings.array_files import LOADERS
+from ur5lib.recordings.arrays import read_arrays
 from ur5lib.recordings.delimited import drop_untimed, first_line, read_numbers
 from ur5lib.recordings.entries import (
     RESERVED,

@@ -83,9 +83,13 @@ def repair_frames(
     table, lost = _on_grid(frames, stretches, timing, max_gap)
     _expect_frames(table, source)
     _report_lost(steps, table, timing, channels, findings)
-    _report_holes(holes, findings)
-    _report_splits(int(table["segment"].max()), findings)
-    _report_discarded(lost, stretches, findings)
+    counts = {
+        "missing cells": holes,
+        "split": int(table["segment"].max()),
+        "incomplete frames": lost,
+        "crowded frames": sum(stretch.crowded for stretch in stretches),
+    }
+    findings += [Finding("robot", n, "warning", count) for n, count in counts.items() if count]
     return table, timing, findings
 
 
@@ -297,21 +301,3 @@ def _report_lost(
             "filled": filled,
         }
         findings.append(Finding("robot", "lost frames", "warning", lost, values))
-
-
-def _report_holes(holes: int, findings: list[Finding]) -> None:
-    if holes:
-        findings.append(Finding("robot", "missing cells", "warning", holes))
-
-
-def _report_splits(splits: int, findings: list[Finding]) -> None:
-    if splits:
-        findings.append(Finding("robot", "split", "warning", splits))
-
-
-def _report_discarded(lost: int, stretches: list[Stretch], findings: list[Finding]) -> None:
-    if lost:
-        findings.append(Finding("robot", "incomplete frames", "warning", lost))
-    crowded = sum(stretch.crowded for stretch in stretches)
-    if crowded:
-        findings.append(Finding("robot", "crowded frames", "warning", crowded))

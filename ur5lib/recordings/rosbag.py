@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ur5lib.recordings.array_files import Arrays, damaged, optional_import
+from ur5lib.recordings.array_files import Arrays, array_format, optional_import
 from ur5lib.recordings.quality import Finding
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
@@ -23,6 +23,7 @@ class Message(NamedTuple):
     names: tuple[str, ...] = ()
 
 
+@array_format("rosbag", "a ROS 2 bag", ".db3", ".mcap")
 def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the fields of JointState, WrenchStamped and Imu messages by `<topic>/<field>`.
 
@@ -38,9 +39,9 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
     try:
         with reader([path], default_typestore=store) as bag:
             _collect(bag, wanted, topics, lost)
-    except Exception as error:  # of damaged files, the library may raise anything
+    except Exception:  # of damaged files, the library may raise anything
         if not topics:
-            raise damaged(path, "a ROS 2 bag", error) from error
+            raise
         lost["unreadable end"] += 1
     for code, count in lost.items():
         where = {"file": path.name}
