@@ -73,19 +73,15 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     """
     expect_few_values(raw, source)
     problems = [
-        *_missing_folders(raw),
-        *_files_of_simulated(raw),
-        *_without_arm(raw),
-        *_two_gravities(raw),
+        *(fault for place, entry in _entries(raw) for fault in _faults(place, entry, raw)),
         *_repeated_names(raw),
         *_repeated_files(raw),
-        *_empty_parts(raw),
         *_devices_on_two_hosts(raw),
         *_renamed_settings(raw),
         *_missing_results(raw),
     ]
     try:
-        study = Study.model_validate(_with_arms(_with_simulated_files(raw)))
+        study = Study.model_validate(_completed(raw))
         if all(recording.robot for recording in study.recordings):
             problems += [*_different_arms(study), *_wrong_arms(study)]
     except ValidationError as error:
@@ -104,20 +100,33 @@ def _entries(raw: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
     return [(f"recordings[{k}]", e) for k, e in enumerate(entries) if isinstance(e, dict)]
 
 
-def _missing_folders(raw: Mapping[str, Any]) -> Iterator[str]:
-    for place, entry in _entries(raw):
-        folder = entry.get("folder")
-        if "simulate" not in entry and isinstance(folder, str) and not Path(folder).is_dir():
-            yield (
-                f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; "
-                "run in the project's folder, correct the path, or fetch the data "
-                "(`ur5 fetch`)"
-            )
+def _faults(place: str, entry: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the errors of a recording's entry that its schema does not show."""
+    folder = entry.get("folder")
+    if "simulate" in entry:
+        for key in sorted(entry.keys() & FILE_KEYS):
+            yield f"`{place}.{key}` names real files, but the entry has `simulate`; remove one"
+    elif isinstance(folder, str) and not Path(folder).is_dir():
+        yield (
+            f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; run in "
+            "the project's folder, correct the path, or fetch the data (`ur5 fetch`)"
+        )
+    if entry.get("robot") is None and raw.get("robot") is None:
+        yield (
+            f"`{place}.robot` is missing; name the arm there, or as `robot` of the study for all "
+            "recordings"
+        )
+    if entry.get("gravity") is not None and entry.get("mounting") is not None:
+        yield f"`{place}` has both `gravity` and `mounting`; remove one"
+    start, end = _extent(entry)
+    if end <= start:
+        yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
 def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
     studies = raw.get("compare_with")
-    for name in filter(_is_text, studies if isinstance(studies, list) else []):
+    names = studies if isinstance(studies, list) else []
+    for name in (name for name in names if isinstance(name, str)):
         if name == raw.get("study"):
             yield f"`compare_with` names {shown(name)}, this study itself; name another"
         elif not Path("results", name, "tables").is_dir():
@@ -127,32 +136,27 @@ def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
             )
 
 
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
+def _completed(raw: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the configuration with the study's arm in each recording that names none, and with
+    the files that the test stand will write.
+    """
+    recordings = raw.get("recordings")
+    if not isinstance(recordings, list):
+        return raw
+    return {**raw, "recordings": [_completed_entry(entry, raw) for entry in recordings]}
 
 
-def _files_of_simulated(raw: Mapping[str, Any]) -> Iterator[str]:
-    for place, entry in _entries(raw):
-        if "simulate" in entry:
-            for key in sorted(entry.keys() & FILE_KEYS):
-                yield f"`{place}.{key}` names real files, but the entry has `simulate`; remove one"
-
-
-def _with_simulated_files(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the configuration with the files that the test stand will write."""
-    study = {**raw}
-    if isinstance(raw.get("recordings"), list):
-        study["recordings"] = [_with_files(entry, raw.get("study")) for entry in raw["recordings"]]
-    return study
-
-
-def _with_files(entry: Any, study: object) -> Any:
-    if not isinstance(entry, dict) or not isinstance(plan := entry.get("simulate"), dict):
+def _completed_entry(entry: Any, raw: Mapping[str, Any]) -> Any:
+    if not isinstance(entry, dict):
         return entry
-    files = {"folder": f"raw/{study}/{entry.get('name')}"}
+    inherits = not entry.get("robot") and raw.get("robot") is not None
+    arm = {"robot": raw["robot"]} if inherits else {}
+    if not isinstance(plan := entry.get("simulate"), dict):
+        return entry | arm
+    files = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
     if entry.get("format") in layout.FORMATS:
         files |= layout.device_keys(entry["format"], plan)
-    return entry | files
+    return entry | files | arm
 
 
 def study_text(study: Study) -> str:
@@ -163,32 +167,6 @@ def study_text(study: Study) -> str:
             for key in FILE_KEYS & recording.keys():
                 del recording[key]
     return yaml.safe_dump(plain, sort_keys=False, allow_unicode=True)
-
-
-def _with_arms(raw: dict[str, Any]) -> dict[str, Any]:
-    """Return the configuration with the study's arm in each recording that names none."""
-    if raw.get("robot") is None or not isinstance(raw.get("recordings"), list):
-        return raw
-    recordings = [
-        {**entry, "robot": entry.get("robot") or raw["robot"]} if isinstance(entry, dict) else entry
-        for entry in raw["recordings"]
-    ]
-    return raw | {"recordings": recordings}
-
-
-def _without_arm(raw: Mapping[str, Any]) -> Iterator[str]:
-    for place, entry in _entries(raw):
-        if entry.get("robot") is None and raw.get("robot") is None:
-            yield (
-                f"`{place}.robot` is missing; name the arm there, or as `robot` of the study for "
-                "all recordings"
-            )
-
-
-def _two_gravities(raw: Mapping[str, Any]) -> Iterator[str]:
-    for place, entry in _entries(raw):
-        if entry.get("gravity") is not None and entry.get("mounting") is not None:
-            yield f"`{place}` has both `gravity` and `mounting`; remove one"
 
 
 def _different_arms(study: Study) -> Iterator[str]:
@@ -248,13 +226,6 @@ def _extent(entry: Mapping[str, Any]) -> tuple[float, float]:
 def _overlap(extents: list[tuple[float, float]]) -> bool:
     ordered = sorted(extents)
     return any(end > start for (_, end), (start, _) in pairwise(ordered))
-
-
-def _empty_parts(raw: Mapping[str, Any]) -> Iterator[str]:
-    for place, entry in _entries(raw):
-        start, end = _extent(entry)
-        if end <= start:
-            yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
 def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
