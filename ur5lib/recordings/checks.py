@@ -146,7 +146,7 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
-        if {f"{below}_0", f"{above}_0"} <= set(robot):
+        if _recorded(robot, below, above):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 names = {"name": above, "position": below}
@@ -162,7 +162,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     """Find velocities in another unit or column than their positions; period: [s]."""
     for below, above in DERIVATIVES[:2]:
-        if {f"{below}_0", f"{above}_0"} <= set(robot):
+        if _recorded(robot, below, above):
             slopes = [*_slopes(robot, below, above, period).values()]
             wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
             if len(wrong) > len(slopes) / 2:
@@ -190,7 +190,7 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
 
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
     for one, other, bound in TWINS:
-        if f"{one}_0" in robot and f"{other}_0" in robot:
+        if _recorded(robot, one, other):
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
@@ -201,7 +201,7 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find channels whose overall level shows that their unit is wrong."""
     for one, other, least, most in RATIOS:
-        if f"{one}_0" in robot and f"{other}_0" in robot:
+        if _recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
@@ -210,7 +210,7 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     """Find pairs of joints that follow each other's targets instead of their own."""
-    if f"{one}_0" not in robot or f"{other}_0" not in robot:
+    if not _recorded(robot, one, other):
         return
     values, targets = channel(robot, one), channel(robot, other)
     apart = np.array(
@@ -226,7 +226,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 def _limits(
     robot: pd.DataFrame, name: str, bounds: Sequence[float], unit: str
 ) -> Iterator[Finding]:
-    if f"{name}_0" not in robot:
+    if not _recorded(robot, name):
         return
     values = np.abs(channel(robot, name))
     beyond = values > np.asarray(bounds)
@@ -239,6 +239,10 @@ def _limits(
 
 def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Finding:
     return Finding("robot", "inconsistent channels", "warning", count, values, code)
+
+
+def _recorded(robot: pd.DataFrame, *channels: str) -> bool:
+    return all(f"{name}_0" in robot for name in channels)
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:
@@ -259,8 +263,7 @@ def _received(robot: pd.DataFrame, name: str) -> Array:
 
 def _motion(robot: pd.DataFrame) -> tuple[str, ...]:
     """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
-    names = [f"{kind}_{name}_0" for kind in ("actual", "target") for name in ("q", "qd")]
-    if not {*names} <= {*robot}:
+    if not _recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
         return ()
     measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
     moves = (measured > MOVES) & (target > MOVES)
@@ -287,7 +290,7 @@ def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Ar
 
 
 def _current(robot: pd.DataFrame) -> Iterator[str]:
-    if {"actual_current_0", "target_current_0"} <= {*robot}:
+    if _recorded(robot, "actual_current", "target_current"):
         kinds = ("actual", "target")
         measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
         known = (measured > 0) | (target > 0)

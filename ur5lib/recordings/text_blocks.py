@@ -4,7 +4,6 @@ import gzip
 import re
 import zlib
 from collections.abc import Iterator
-from pathlib import Path
 from typing import BinaryIO
 
 from ur5lib.errors import InputError
@@ -26,19 +25,31 @@ def text_blocks(log: Log) -> Iterator[bytes]:
     """
     path = log.path
     expect_file(path)
-    with _open(path) as plain:
-        packed = _read(plain, path, 2).startswith(GZIP)
+    try:
+        yield from _blocks(log)
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise InputError(f"{path} is a damaged gzip file; copy it again from its source") from error
+    except OSError as error:
+        raise InputError(
+            f"{path} is missing or cannot be read ({error.strerror}); "
+            "add the file, or remove the recording from the study"
+        ) from error
+
+
+def _blocks(log: Log) -> Iterator[bytes]:
+    with log.path.open("rb") as plain:
+        packed = plain.read(2) == GZIP
     log.add("compressed file", "note", packed)
-    with gzip.open(path) if packed else _open(path) as stream:
-        block = _lines(stream, path)
+    with gzip.open(log.path) if packed else log.path.open("rb") as stream:
+        block = _lines(stream)
         if block.startswith(MARK):
             log.add("byte-order mark", "note")
             block = block[len(MARK) :]
         # Zeros further down may be a lost disk block: that is a damaged line.
         if block[:2] in (b"\xff\xfe", b"\xfe\xff") or b"\0" in block[:1000]:
-            raise InputError(f"{path}, line 1: not a text file; save it as plain CSV (UTF-8)")
+            raise InputError(f"{log.path}, line 1: not a text file; save it as plain CSV (UTF-8)")
         while True:
-            following = _lines(stream, path) if block else b""
+            following = _lines(stream) if block else b""
             if len(following) < SHORT:
                 yield _plain(block + following)
                 return
@@ -46,33 +57,9 @@ def text_blocks(log: Log) -> Iterator[bytes]:
             block = following
 
 
-def _open(path: Path) -> BinaryIO:
-    try:
-        return path.open("rb")
-    except OSError as error:
-        raise _unreadable(path, error) from error
-
-
-def _lines(stream: BinaryIO | gzip.GzipFile, path: Path) -> bytes:
+def _lines(stream: BinaryIO | gzip.GzipFile) -> bytes:
     """Return the next whole lines."""
-    return _read(stream, path, SIZE) + _read(stream, path, None)
-
-
-def _read(stream: BinaryIO | gzip.GzipFile, path: Path, size: int | None) -> bytes:
-    """Return so many bytes, or the rest of the line."""
-    try:
-        return stream.readline() if size is None else stream.read(size)
-    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
-        raise InputError(f"{path} is a damaged gzip file; copy it again from its source") from error
-    except OSError as error:
-        raise _unreadable(path, error) from error
-
-
-def _unreadable(path: Path, error: OSError) -> InputError:
-    return InputError(
-        f"{path} is missing or cannot be read ({error.strerror}); "
-        "add the file, or remove the recording from the study"
-    )
+    return stream.read(SIZE) + stream.readline()
 
 
 def _plain(block: bytes) -> bytes:
