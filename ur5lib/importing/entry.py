@@ -14,10 +14,11 @@ from ur5lib.recordings.entries import OPPOSITE, SKIPPED
 from ur5lib.recordings.readings import IN_ORDER
 
 WRAPPED = 100  # characters a line
-Commented = tuple[dict[str, Any], Sequence[str]]  # an entry, and the comments above it
+Entry = dict[str, Any]  # of a study, as YAML has it
+Commented = tuple[Entry, Sequence[str]]  # an entry, and the comments above it
 
 
-def entry(proposal: Proposal) -> dict[str, Any]:
+def entry(proposal: Proposal) -> Entry:
     """Return the entry of a file's recording."""
     path = proposal.contents.path
     head = {
@@ -38,7 +39,7 @@ def identifier(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9_-]+", "_", name.split(".")[0]).strip("_") or "recording"
 
 
-def _of_table(proposal: Proposal) -> dict[str, Any]:
+def _of_table(proposal: Proposal) -> Entry:
     """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
     header = proposal.contents.header
     named = {proposal.clock: "time"}
@@ -69,9 +70,9 @@ def _shortened(columns: Sequence[str]) -> list[str]:
     return short
 
 
-def _of_arrays(proposal: Proposal) -> dict[str, Any]:
+def _of_arrays(proposal: Proposal) -> Entry:
     """Return `channels`, `joints`, `units`, `time` and the force sensor."""
-    channels: dict[str, Any] = {"time": proposal.clock}
+    channels: Entry = {"time": proposal.clock}
     channels |= {name: _named(blocks) for name, blocks in proposal.channels.items()}
     joints = [proposal.order.index(column) + 1 for column in range(6)]
     sensor = {}
@@ -89,7 +90,7 @@ def _named(blocks: Sequence[Block]) -> str | list[str]:
     return names[0] if len(names) == 1 else names
 
 
-def _units(proposal: Proposal) -> dict[str, Any]:
+def _units(proposal: Proposal) -> Entry:
     clock = proposal.contents.units.get(proposal.clock)
     units = proposal.units | ({"time": clock} if clock else {})
     return {"units": units} if units else {}

@@ -3,12 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ur5lib.commands.check import look_through, severe
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import Contents, contents
-from ur5lib.importing.entry import entries_yaml, entry, identifier, study_yaml
+from ur5lib.importing.entry import Entry, entries_yaml, entry, identifier, study_yaml
 from ur5lib.importing.proposal import propose
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import write_text
@@ -18,7 +17,7 @@ from ur5lib.tables import write_text
 class Imported:
     """A recording's entry in a study, and the evidence for it as comments."""
 
-    entry: dict[str, Any]
+    entry: Entry
     comments: list[str]
 
 
@@ -76,7 +75,7 @@ def _checked(imported: Imported) -> tuple[Imported, list[str]]:
     return Imported(as_validate, [*comments, f"# assumed: role validate, as {reason}"]), []
 
 
-def contradictions(recording: dict[str, Any]) -> list[str]:
+def contradictions(recording: Entry) -> list[str]:
     """Return the stop signs and errors of a recording that is read through an entry."""
     plain = {"study": "import", "title": "Import", "recordings": [recording]}
     study = parse_study(plain, "the entry")
@@ -102,7 +101,7 @@ def _like(other: Imported, file: Contents) -> Imported:
     return Imported(other.entry | place, [f"# assumed: {assumed}"])
 
 
-def _number_names(entries: Sequence[dict[str, Any]]) -> None:
+def _number_names(entries: Sequence[Entry]) -> None:
     """Give each recording a unique name."""
     for place, recording in enumerate(entries):
         if recording["name"] in {other["name"] for other in entries[:place]}:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Literal, SupportsInt, TypeVar
 
 from ur5lib.errors import InputError
 
@@ -44,7 +44,12 @@ class Log:
     findings: list[Finding]
 
     def add(
-        self, finding: str, severity: Severity, count: int = 1, code: str = "", **values: object
+        self,
+        finding: str,
+        severity: Severity,
+        count: SupportsInt = 1,
+        code: str = "",
+        **values: object,
     ) -> None:
         """Add a finding with the file's name, if it counts anything."""
         if count:

@@ -15,6 +15,7 @@ from ur5lib.strict import expect_few_values, read_yaml
 from ur5lib.study.model import Study
 from ur5lib.study.schema import explain, shown
 
+Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
 FILE_KEYS = {"folder", "file", "force_sensor", "imu", "truth"}
 RENAMED = {  # settings of earlier versions, by step and key
     "repair_frames": {"max_gap_s": "frames.max_gap_s"},
@@ -65,7 +66,7 @@ def read_plain(path: Path) -> dict[str, Any]:
     return raw
 
 
-def parse_study(raw: Mapping[str, Any], source: str) -> Study:
+def parse_study(raw: Raw, source: str) -> Study:
     """Return the study that a configuration describes.
 
     raw: the configuration as plain data; source: its file, for the messages.
@@ -93,14 +94,14 @@ def parse_study(raw: Mapping[str, Any], source: str) -> Study:
     return study
 
 
-def _entries(raw: Mapping[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+def _entries(raw: Raw) -> list[tuple[str, Raw]]:
     """Return the entries of the recordings that are mappings, each with its place."""
     recordings = raw.get("recordings")
     entries = recordings if isinstance(recordings, list) else []
     return [(f"recordings[{k}]", e) for k, e in enumerate(entries) if isinstance(e, dict)]
 
 
-def _faults(place: str, entry: Mapping[str, Any], raw: Mapping[str, Any]) -> Iterator[str]:
+def _faults(place: str, entry: Raw, raw: Raw) -> Iterator[str]:
     """Yield the errors of a recording's entry that its schema does not show."""
     folder = entry.get("folder")
     if "simulate" in entry:
@@ -123,7 +124,7 @@ def _faults(place: str, entry: Mapping[str, Any], raw: Mapping[str, Any]) -> Ite
         yield f"`{place}.to_s` is {end:g}, not after `from_s`, {start:g}; correct one"
 
 
-def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
+def _missing_results(raw: Raw) -> Iterator[str]:
     studies = raw.get("compare_with")
     names = studies if isinstance(studies, list) else []
     for name in (name for name in names if isinstance(name, str)):
@@ -136,7 +137,7 @@ def _missing_results(raw: Mapping[str, Any]) -> Iterator[str]:
             )
 
 
-def _completed(raw: Mapping[str, Any]) -> Mapping[str, Any]:
+def _completed(raw: Raw) -> Raw:
     """Return the configuration with the study's arm in each recording that names none, and with
     the files that the test stand will write.
     """
@@ -146,7 +147,7 @@ def _completed(raw: Mapping[str, Any]) -> Mapping[str, Any]:
     return {**raw, "recordings": [_completed_entry(entry, raw) for entry in recordings]}
 
 
-def _completed_entry(entry: Any, raw: Mapping[str, Any]) -> Any:
+def _completed_entry(entry: Any, raw: Raw) -> Any:
     if not isinstance(entry, dict):
         return entry
     inherits = not entry.get("robot") and raw.get("robot") is not None
@@ -191,15 +192,15 @@ def _wrong_arms(study: Study) -> Iterator[str]:
                 yield str(error)
 
 
-def _repeated_names(raw: Mapping[str, Any]) -> Iterator[str]:
+def _repeated_names(raw: Raw) -> Iterator[str]:
     names = [entry["name"] for _, entry in _entries(raw) if "name" in entry]
     for name in sorted({str(name) for name in names if names.count(name) > 1}):
         yield f"recordings: {name!r} is used twice as a name; give each recording its own"
 
 
-def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
+def _repeated_files(raw: Raw) -> Iterator[str]:
     """Yield errors for recordings of the same frames: validating on fit data proves nothing."""
-    files: dict[str, list[dict[str, Any]]] = {}
+    files: dict[str, list[Raw]] = {}
     for _, entry in _entries(raw):
         if isinstance(entry.get("folder"), str):
             files.setdefault(str(Path(entry["folder"], str(entry.get("file", "")))), []).append(
@@ -214,7 +215,7 @@ def _repeated_files(raw: Mapping[str, Any]) -> Iterator[str]:
             )
 
 
-def _extent(entry: Mapping[str, Any]) -> tuple[float, float]:
+def _extent(entry: Raw) -> tuple[float, float]:
     """Return start and end [s] of the part of its file that an entry uses."""
     start, end = entry.get("from_s"), entry.get("to_s")
     return (
@@ -228,7 +229,7 @@ def _overlap(extents: list[tuple[float, float]]) -> bool:
     return any(end > start for (_, end), (start, _) in pairwise(ordered))
 
 
-def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
+def _devices_on_two_hosts(raw: Raw) -> Iterator[str]:
     hosts = raw.get("hosts")
     lists = hosts.values() if isinstance(hosts, dict) else []
     named = [device for devices in lists if isinstance(devices, list) for device in devices]
@@ -236,7 +237,7 @@ def _devices_on_two_hosts(raw: Mapping[str, Any]) -> Iterator[str]:
         yield f"hosts: {device} is listed twice; list it under the host that timestamps its samples"
 
 
-def _renamed_settings(raw: Mapping[str, Any]) -> Iterator[str]:
+def _renamed_settings(raw: Raw) -> Iterator[str]:
     """Yield a sentence with the present name for each setting of an earlier version."""
     settings = raw.get("settings")
     for step, keys in RENAMED.items():
@@ -245,19 +246,19 @@ def _renamed_settings(raw: Mapping[str, Any]) -> Iterator[str]:
             yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
 
 
-def _is_explained(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+def _is_explained(raw: Raw, location: tuple[int | str, ...]) -> bool:
     """Return whether an error is explained elsewhere: at its new name, or for the whole study."""
     return _is_renamed(raw, location) or _is_inherited_arm(raw, location)
 
 
-def _is_inherited_arm(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+def _is_inherited_arm(raw: Raw, location: tuple[int | str, ...]) -> bool:
     """Return whether an error is that of the study's arm, inherited by a recording."""
     if location[0] != "recordings" or "robot" not in location[:4]:
         return False
     return raw["recordings"][location[1]].get("robot") is None
 
 
-def _is_renamed(raw: Mapping[str, Any], location: tuple[int | str, ...]) -> bool:
+def _is_renamed(raw: Raw, location: tuple[int | str, ...]) -> bool:
     """Return whether an unknown key is a step of an earlier version, with renamed keys only."""
     if len(location) != 2 or location[0] != "settings":
         return False

@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 from ur5lib.study.model import Study
 
 QUOTE = "'"  # pydantic puts it around a discriminator's name
-Schema = dict[str, Any]
+Schema = dict[str, Any]  # a node of a JSON schema
 
 HEAD = """\
 # Settings
@@ -20,7 +20,7 @@ unit (`cutoff_hz`); other units are in brackets. Unknown keys are errors.
 """
 
 
-def explain(error: ErrorDetails, schema: dict[str, Any]) -> str:
+def explain(error: ErrorDetails, schema: Schema) -> str:
     """Return one sentence for one error: key, value, allowed values, closest valid name."""
     location, node = _descend(schema, error["loc"])
     key, kind = _key(location), error["type"]
@@ -53,9 +53,7 @@ def _key(location: Iterable[str | int]) -> str:
     return "".join(parts).lstrip(".")
 
 
-def _descend(
-    schema: dict[str, Any], location: Iterable[str | int]
-) -> tuple[list[str | int], dict[str, Any]]:
+def _descend(schema: Schema, location: Iterable[str | int]) -> tuple[list[str | int], Schema]:
     """Return the keys of a location, without tags of kinds, and the schema node there."""
     node, keys = schema, list[str | int]()
     for part in location:
@@ -71,7 +69,7 @@ def _descend(
     return keys, node
 
 
-def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
+def branches(node: Schema) -> dict[str, Schema]:
     """Return the kinds of a part by tag; where two types are allowed, the types."""
     mapping = node.get("discriminator", {}).get("mapping", {})
     options = node.get("oneOf", [])
@@ -79,13 +77,13 @@ def branches(node: dict[str, Any]) -> dict[str, dict[str, Any]]:
     return tagged or {option.get("type", "object"): option for option in options}
 
 
-def _present(node: dict[str, Any]) -> dict[str, Any]:
+def _present(node: Schema) -> Schema:
     """Return the schema node of a value that may be omitted."""
     options = (option for option in node.get("anyOf", []) if {"$ref", "oneOf"} & set(option))
     return next(options, node)
 
 
-def _child(node: dict[str, Any], part: str | int) -> dict[str, Any]:
+def _child(node: Schema, part: str | int) -> Schema:
     """Return the schema node of a key, or of an entry of a list."""
     if isinstance(part, str):
         return node.get("properties", {}).get(part, node.get("additionalProperties") or {})
@@ -104,11 +102,11 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _choices(node: dict[str, Any]) -> list[str]:
+def _choices(node: Schema) -> list[str]:
     return node.get("enum", [node["const"]] if "const" in node else [])
 
 
-def allowed(node: dict[str, Any]) -> str:
+def allowed(node: Schema) -> str:
     """Return the values that a JSON schema node allows, in words: "a number above 0"."""
     if choices := _choices(node):
         return "one of " + ", ".join(choices)
