@@ -46,7 +46,9 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     raw = read_recording(recording)
     frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
     frames = with_currents(frames, arm, findings)
-    findings += _without_velocities(frames) + raw.findings
+    if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
+        findings.append(Finding("robot", "no velocities", "note", len(frames)))
+    findings += raw.findings
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
@@ -118,13 +120,6 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
         if names
     ]
     return table.drop(columns=[*others, *unread]), notes
-
-
-def _without_velocities(table: pd.DataFrame) -> list[Finding]:
-    """Return a note where the velocities are to be found from the positions."""
-    if "actual_qd_0" in table or "actual_q_0" not in table:
-        return []
-    return [Finding("robot", "no velocities", "note", len(table))]
 
 
 def _some(names: list[str]) -> str:

@@ -59,18 +59,19 @@ def place_sensors(
     recording: RawRecording, findings: list[Finding]
 ) -> dict[Device, tuple[DeviceRecord, StartOffset]]:
     """Return the sensors whose record overlaps the robot's, and when their clocks started."""
-    placed = {}
+    placed, robot = {}, _span(recording.robot)
     for device, record in recording.sensors.items():
         offset = _offset(recording.robot, record)
         if offset is None:
             findings.append(Finding(device, "no start stamp", "warning", 1))
-        elif not _overlap(recording.robot, record, offset.seconds):
+            continue
+        begin, end = (offset.seconds + edge for edge in _span(record))
+        if max(robot[0], begin) >= min(robot[1], end):
             seconds = {"seconds": offset.seconds}
             findings.append(Finding(device, "stale copy", "warning", 1, seconds))
         else:
             placed[device] = (record, offset)
-            begin, end = (offset.seconds + edge for edge in _span(record))
-            findings += sensor_coverage(device, (begin, end), _span(recording.robot), offset.std)
+            findings += sensor_coverage(device, (begin, end), robot, offset.std)
     return placed
 
 
@@ -80,11 +81,6 @@ def _offset(robot: DeviceRecord, device: DeviceRecord) -> StartOffset | None:
     seconds = device.start.after(robot.start)
     std = (robot.start.std**2 + device.start.std**2) ** 0.5
     return None if seconds is None else StartOffset(seconds, std, device.start.drift_std)
-
-
-def _overlap(robot: DeviceRecord, device: DeviceRecord, offset: float) -> bool:
-    (start, end), (device_start, device_end) = _span(robot), _span(device)
-    return max(start, device_start + offset) < min(end, device_end + offset)
 
 
 def _span(record: DeviceRecord) -> tuple[float, float]:
