@@ -34,10 +34,10 @@ def study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
-    said = run_ur5("check", study)
-    assert said.status == 0
-    assert "no sensor (note)" in said.out
-    assert "0.0050 ± 0.0058" in said.out
+    result = run_ur5("check", study)
+    assert result.status == 0
+    assert "no sensor (note)" in result.out
+    assert "0.0050 ± 0.0058" in result.out
     assert not (study.parent / "results").exists()
 
 
@@ -72,9 +72,9 @@ def test_a_fault_is_named_beside_the_other_recordings(
     """What is not simulated yet, or cannot be fitted, is no fault."""
     path = study.parent / file
     path.write_text(change(path.read_text()))
-    said = run_ur5("check", study)
-    assert said.status == status
-    assert words(f"good {printed}") <= words(said.out)
+    result = run_ur5("check", study)
+    assert result.status == status
+    assert words(f"good {printed}") <= words(result.out)
 
 
 @pytest.mark.parametrize(
@@ -94,9 +94,9 @@ def test_a_wrong_study_is_named(
         study.unlink()
     else:
         study.write_text(content, errors="surrogateescape")
-    said = run_ur5("check", study)
-    assert said.status == 1
-    assert words(f"{study} {named}") <= words(said.err)
+    result = run_ur5("check", study)
+    assert result.status == 1
+    assert words(f"{study} {named}") <= words(result.err)
 
 
 REST = asdict(remark("other reason", reason="the arm rests"))
@@ -115,15 +115,15 @@ def test_copies_and_poor_clocks_are_findings() -> None:
     qualities = {"one": quality, "two": stale}
     rows = table("quality", quality=qualities, clocks=clocks, forces=forces, contradictions={})
     grouped = group_findings(rows)
-    told = grouped.set_index(["recording", "finding"])["detail"].to_dict()
-    assert told["one", "torn last line"].startswith("a, line 3; b, line 3: ")
-    assert words("two used here") <= words(told["one", "same file"])
-    assert words("one not used here") <= words(told["two", "same file"])
-    assert told["two", "mounting"] == "the arm rests"
-    assert told["two", "offset"].startswith("the arm rests: ")
-    assert ("one", "mounting") not in told
-    assert words("the arm rests 0.1 0.2") <= words(told["one", "clock by stamps alone"])
-    assert {"0.006", "0.1"} <= words(told["two", "unknown drift"])
+    reported = grouped.set_index(["recording", "finding"])["detail"].to_dict()
+    assert reported["one", "torn last line"].startswith("a, line 3; b, line 3: ")
+    assert words("two used here") <= words(reported["one", "same file"])
+    assert words("one not used here") <= words(reported["two", "same file"])
+    assert reported["two", "mounting"] == "the arm rests"
+    assert reported["two", "offset"].startswith("the arm rests: ")
+    assert ("one", "mounting") not in reported
+    assert words("the arm rests 0.1 0.2") <= words(reported["one", "clock by stamps alone"])
+    assert {"0.006", "0.1"} <= words(reported["two", "unknown drift"])
     assert list(grouped["finding"]).count("unknown drift") == 1
 
 
@@ -131,11 +131,11 @@ def test_findings_of_two_meanings_keep_both() -> None:
     finding = {"recording": "one", "device": "robot", "finding": "apart", "severity": "warning"}
     details = ["a: b lie apart", "actual_current and target_current lie apart"]
     rows = [finding | {"count": 1, "detail": detail} for detail in details]
-    (told,) = group_findings(pd.DataFrame(rows))["detail"]
-    assert told == "a: b lie apart; actual_current and target_current lie apart"
+    (reported,) = group_findings(pd.DataFrame(rows))["detail"]
+    assert reported == "a: b lie apart; actual_current and target_current lie apart"
 
 
-def test_a_recording_that_a_filter_leaves_as_it_is_is_told() -> None:
+def test_a_recording_that_a_filter_leaves_as_it_is_is_reported() -> None:
     settings = Settings.model_validate({"lowpass": {"motion": {"cutoff_hz": 80}}})
     study = Study.model_construct(settings=settings)
     assert unfiltered(study, 0.002) == []

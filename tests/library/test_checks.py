@@ -10,7 +10,7 @@ from ur5lib.recordings.checks import check_force_sensor, check_robot, touched
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
 
 
-def told(table: pd.DataFrame, words: str) -> list[str]:
+def reported(table: pd.DataFrame, words: str) -> list[str]:
     return [one for one in contradictions(table) if words in one]
 
 
@@ -20,7 +20,7 @@ def told(table: pd.DataFrame, words: str) -> list[str]:
 def test_a_ratio_to_the_derivative_is_one_within_a_tenth(factor: float, wrong: bool) -> None:
     table = moving_robot()
     table["actual_q_1"] *= factor
-    assert bool(told(table, "not the derivative")) == wrong
+    assert bool(reported(table, "not the derivative")) == wrong
 
 
 @pytest.mark.parametrize(("size", "judged"), [(0.065, False), (0.076, True)])
@@ -30,9 +30,9 @@ def test_a_joint_is_judged_that_moves_by_a_twentieth(size: float, judged: bool) 
     time = table["time"].to_numpy()
     table["actual_qd_0"], table["actual_q_0"] = size * np.cos(time), 0.0
     table["target_q_0"] = 0.0
-    assert bool(told(table, "actual_qd is not the derivative of actual_q ")) == judged
+    assert bool(reported(table, "actual_qd is not the derivative of actual_q ")) == judged
     table["actual_qd_0"], table["actual_q_0"] = 0.0, size * np.sin(time)
-    assert bool(told(table, "actual_qd is not the derivative of actual_q ")) == judged
+    assert bool(reported(table, "actual_qd is not the derivative of actual_q ")) == judged
 
 
 @pytest.mark.parametrize(("apart", "wrong"), [(2.4, False), (2.6, True)])
@@ -40,9 +40,9 @@ def test_currents_part_by_more_than_two_and_a_half_amperes(apart: float, wrong: 
     """In the median: half of the time they may be anywhere."""
     table = moving_robot()
     table["actual_current_2"] = table["target_current_2"] + apart
-    assert bool(told(table, "actual_current and target_current differ on joints 3;")) == wrong
+    assert bool(reported(table, "actual_current and target_current differ on joints 3;")) == wrong
     table.loc[: len(table) // 2 + 5, "actual_current_2"] = table["target_current_2"]
-    assert not told(table, "actual_current and target_current differ")
+    assert not reported(table, "actual_current and target_current differ")
 
 
 @pytest.mark.parametrize(
@@ -53,7 +53,7 @@ def test_moments_are_half_to_two_hundred_times_their_currents(factor: float, wro
     table = moving_robot()
     for joint in range(6):
         table[f"target_moment_{joint}"] *= factor
-    assert bool(told(table, "root mean square of target_moment")) == wrong
+    assert bool(reported(table, "root mean square of target_moment")) == wrong
 
 
 @pytest.mark.parametrize(("level", "wrong"), [(0.45, False), (0.55, True)])
@@ -64,7 +64,7 @@ def test_small_currents_are_not_compared(level: float, wrong: bool) -> None:
     for joint in range(6):
         table[f"actual_current_{joint}"] *= level / size
         table[f"target_current_{joint}"] = table[f"target_moment_{joint}"] = 0.0
-    assert bool(told(table, "root mean square of actual_current")) == wrong
+    assert bool(reported(table, "root mean square of actual_current")) == wrong
 
 
 @pytest.mark.parametrize(("share", "swapped"), [(0.32, False), (0.28, True)])
@@ -77,7 +77,7 @@ def test_a_swap_cuts_the_deviation_to_three_tenths(share: float, swapped: bool) 
     table["target_current_0"], table["target_current_1"] = 0.0, 1.0
     beyond = share / (1 - share)
     table["actual_current_0"], table["actual_current_1"] = 1.0 + beyond, -beyond
-    assert bool(told(table, "swapped")) == swapped
+    assert bool(reported(table, "swapped")) == swapped
 
 
 def test_what_is_missing_is_not_judged() -> None:
@@ -88,17 +88,17 @@ def test_what_is_missing_is_not_judged() -> None:
     filled = table.copy()
     filled.loc[100:2500, "interpolated"] = True
     filled.loc[101:2499, "actual_q_3"] *= 1.5
-    assert not told(filled, "not the derivative")
+    assert not reported(filled, "not the derivative")
 
 
-@pytest.mark.parametrize(("size", "told"), [(2.9, False), (3.1, True)])
-def test_gravity_turns_by_three_newtons_in_an_imu(size: float, told: bool) -> None:
+@pytest.mark.parametrize(("size", "reported"), [(2.9, False), (3.1, True)])
+def test_gravity_turns_by_three_newtons_in_an_imu(size: float, reported: bool) -> None:
     """A tool's weight on an arm that hardly turns is no acceleration."""
     angle = np.linspace(0, 2 * np.arcsin(size / 2 / 9.81), 400) - np.arcsin(size / 2 / 9.81)
     force = 9.81 * np.column_stack([np.sin(angle), np.cos(angle), 0 * angle])
     table = pd.DataFrame(force, columns=["ft_fx", "ft_fy", "ft_fz"]).assign(time=angle)
     found = [one.finding for one in check_force_sensor(table)]
-    assert ("size of gravity" in found) == told
+    assert ("size of gravity" in found) == reported
 
 
 @pytest.mark.parametrize(

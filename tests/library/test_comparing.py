@@ -119,9 +119,9 @@ def test_tables_without_rows_have_nothing_to_compare(tmp_path: Path) -> None:
 
 def test_a_row_of_the_report_says_what_the_command_says(tmp_path: Path) -> None:
     found = compare(results(tmp_path / "a"), results(tmp_path / "b", error=2.0))
-    told = [*rows("monday", found)]
-    assert [*told[0]] == COLUMNS
-    assert [row["name"] for row in told if row["changed"] == "yes"] == [
+    reported = [*rows("monday", found)]
+    assert [*reported[0]] == COLUMNS
+    assert [row["name"] for row in reported if row["changed"] == "yes"] == [
         one.name for one in found if one.changed
     ]
 

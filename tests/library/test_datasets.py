@@ -123,13 +123,13 @@ def test_equal_files_are_told_apart_by_name(source: Path, packed: Packed, tmp_pa
     assert fetch_archive(packed({name: name for name in FILES}), same, tmp_path / "raw") == 2
 
 
-def test_no_network_is_told(tmp_path: Path) -> None:
+def test_no_network_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"could not be downloaded .*local folder with --from"):
         fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw")
     assert not (tmp_path / "raw").exists()
 
 
-def test_a_wrong_archive_is_told(packed: Packed, tmp_path: Path) -> None:
+def test_a_wrong_archive_is_reported(packed: Packed, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"archive.zip lacks 2 of 2 files"):
         fetch_archive(packed({}), CHECKSUMS, tmp_path / "raw")
 
@@ -141,7 +141,7 @@ def test_a_changed_source_file_is_refused(source: Path, tmp_path: Path) -> None:
     assert set(contents(tmp_path / "raw")) == {"a/csv_files/one.csv"}  # verified, and kept
 
 
-def test_a_missing_source_file_is_told(source: Path, tmp_path: Path) -> None:
+def test_a_missing_source_file_is_reported(source: Path, tmp_path: Path) -> None:
     shutil.rmtree(source / "b")
     with pytest.raises(InputError, match=r"lacks 1 of 2 files, e.g. b/csv_files/two.csv"):
         fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
@@ -218,13 +218,13 @@ def test_a_file_outside_the_folder_is_refused(
 @pytest.mark.parametrize(
     "text", ["<html>", "[]", "{}", '{"files": [{"key": "a"}]}', '{"files": 3}']
 )
-def test_what_is_no_record_is_told(record: str, text: str, tmp_path: Path) -> None:
+def test_what_is_no_record_is_reported(record: str, text: str, tmp_path: Path) -> None:
     (tmp_path / "www" / "record.json").write_text(text)
     with pytest.raises(InputError, match=r"list of files at .* could not be read"):
         fetch_record(record, [], tmp_path / "raw")
 
 
-def test_a_missing_record_is_told(server: str, tmp_path: Path) -> None:
+def test_a_missing_record_is_reported(server: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"could not be read \(HTTPError\)"):
         fetch_record(f"{server}/nothing", [], tmp_path / "raw")
 
@@ -274,12 +274,12 @@ def test_a_record_is_fetched_by_name(
 ) -> None:
     known = catalogue()["aursad"].model_copy(update={"record": record})
     monkeypatch.setattr("ur5lib.datasets.fetching.catalogue", lambda: {"aursad": known})
-    told = fetch("aursad", tmp_path / "raw")
-    assert told.startswith(f"{tmp_path / 'raw'}: 3 files verified by the MD5 of {record}")
-    assert told.endswith("the licence cc-by-4.0")
+    reported = fetch("aursad", tmp_path / "raw")
+    assert reported.startswith(f"{tmp_path / 'raw'}: 3 files verified by the MD5 of {record}")
+    assert reported.endswith("the licence cc-by-4.0")
 
 
-def test_what_no_program_can_list_is_told(tmp_path: Path) -> None:
+def test_what_no_program_can_list_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="by hand, and let `ur5 import`"):
         fetch("nist-ur5", tmp_path / "raw")
     assert not (tmp_path / "raw").exists()

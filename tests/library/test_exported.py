@@ -191,13 +191,13 @@ def test_limits_are_those_of_the_joints() -> None:
         ({"results": Path("nowhere")}, "run snakemake"),
     ],
 )
-def test_what_is_not_there_is_told(changed: dict[str, object], message: str) -> None:
+def test_what_is_not_there_is_reported(changed: dict[str, object], message: str) -> None:
     asked = {"robot": "ur5", "model": None, "to": "mjcf", "results": None, "as_in": ""}
     with pytest.raises(InputError, match=message):
         exported(**asked | changed)  # type: ignore[arg-type]
 
 
-def test_what_is_no_model_is_told(tmp_path: Path) -> None:
+def test_what_is_no_model_is_reported(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text("<robot")
     with pytest.raises(InputError, match="cannot be read by MuJoCo"):
         inverse_dynamics(tmp_path / "arm.xml", motion(), GRAVITY)

@@ -101,13 +101,15 @@ def test_a_column_has_one_unit() -> None:
         ([], "xls", "available: mat, csv, mcap"),
     ],
 )
-def test_what_is_not_there_is_told(results: Path, names: list[str], to: str, message: str) -> None:
+def test_what_is_not_there_is_reported(
+    results: Path, names: list[str], to: str, message: str
+) -> None:
     with pytest.raises(InputError, match=message):
         [*write_recordings(results, names, to)]
     assert not (results / "exported").exists()
 
 
-def test_a_missing_package_is_told(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_is_reported(results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mcap.writer", None)
     with pytest.raises(InputError, match="pip install --editable"):
         exported(results, "mcap")

@@ -51,7 +51,7 @@ def test_complete_frames_pass_unchanged() -> None:
 
 
 @pytest.mark.parametrize("cycle", [0.002, 0.008])
-def test_the_cycle_is_found_where_it_is_not_told(cycle: float) -> None:
+def test_the_cycle_is_found_where_it_is_not_reported(cycle: float) -> None:
     slots = sorted({*range(0, 100), *range(103, 400)} - {17, 203, 204})
     repaired, findings = repair(frames(slots, cycle), cycle=None)
     np.testing.assert_allclose(np.diff(repaired["time"]), cycle)
@@ -204,7 +204,7 @@ def test_impossible_frames_are_left_out() -> None:
         (lambda t: t[:1], "run.csv: contains only 1 complete frames; record at least a second"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_repaired_is_told(change: object, sentence: str) -> None:
+def test_what_cannot_be_repaired_is_reported(change: object, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         repair(change(frames()))  # type: ignore[operator]
 
@@ -244,11 +244,11 @@ def test_a_channel_may_be_missing_for_as_long_as_whole_frames(lost: int, filled:
     repaired, findings = repair(holes, max_gap=0.08)
     assert repaired["interpolated"].sum() == (lost if filled else 0)
     assert len(repaired) == COUNT - (0 if filled else lost)
-    told = [] if filled else ["split", "incomplete frames"]
-    assert list(findings) == ["missing cells", *told]
+    reported = [] if filled else ["split", "incomplete frames"]
+    assert list(findings) == ["missing cells", *reported]
 
 
-def test_the_pattern_of_lost_frames_is_told() -> None:
+def test_the_pattern_of_lost_frames_is_reported() -> None:
     """The three most frequent steps, the longest, and what was interpolated."""
     kept = sorted({*range(COUNT)} - {10, 20, 30, 31, 40, 41, 42, 50, 51, 52, 53})
     _, findings = repair(frames(kept), max_gap=0.025)
@@ -258,14 +258,14 @@ def test_the_pattern_of_lost_frames_is_told() -> None:
     )
 
 
-@pytest.mark.parametrize(("shake", "told"), [(4.5e-5, False), (5.5e-5, True)])
-def test_jitter_is_told_above_fifty_microseconds(shake: float, told: bool) -> None:
+@pytest.mark.parametrize(("shake", "reported"), [(4.5e-5, False), (5.5e-5, True)])
+def test_jitter_is_told_above_fifty_microseconds(shake: float, reported: bool) -> None:
     """Of the steps: every other frame is late, so that each step deviates by as much."""
     shaken = frames()
     shaken.loc[::2, "time"] += shake
     repaired, findings = repair(shaken)
-    assert list(findings) == ["jitter"] * told
-    if told:
+    assert list(findings) == ["jitter"] * reported
+    if reported:
         detail = "deviate from the 8 ms grid by 0.055 ms (median), 0.055 ms (99 %); snapped"
         assert detail in said(findings["jitter"])
     np.testing.assert_allclose(np.diff(repaired["time"]), CYCLE)

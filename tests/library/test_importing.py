@@ -56,7 +56,7 @@ def ur5e_data() -> Path:
 
 
 def entry_and_comments(*paths: Path, robot: str = "") -> tuple[dict[str, Any], str]:
-    """The entry of the first file, and all that is said about it."""
+    """The entry of the first file, and the comments on it."""
     (one, *_) = import_files(paths, [robot] if robot else [])
     return one.entry, "\n".join(one.comments)
 
@@ -73,32 +73,32 @@ def shuffled(made: Made, order: np.ndarray) -> Made:
 
 def test_what_names_and_numbers_tell_becomes_the_entry(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *made)
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert entry["robot"] == "ur5"
     assert entry["format"] == "hdf5"
     assert entry["channels"] == {"time": "run/time"} | {name: f"run/{name}" for name in made[1]}
     assert "joints" not in entry
-    assert "proven: run/actual_qd is the velocity of run/actual_q (6 joints move)" in said
-    assert "it puts the flange of ur5 within" in said
+    assert "proven: run/actual_qd is the velocity of run/actual_q (6 joints move)" in comments
+    assert "it puts the flange of ur5 within" in comments
 
 
 def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *shuffled(made, ORDER))
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
-    assert "elbow, shoulder lift, shoulder pan, wrist 1" in said
+    assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
     complete = entry | {"units": {}, "joints": entry["joints"]}
     table = read_recording(complete | {"time": "relative_s"}).robot.table
     np.testing.assert_allclose(table["actual_q_0"], made[1]["actual_q"][:, 0])
 
 
-def test_degrees_are_told(tmp_path: Path, made: Made) -> None:
+def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
     time, channels = made
     turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
     write_parquet(tmp_path / "run.parquet", time, channels | turned)
-    entry, said = entry_and_comments(tmp_path / "run.parquet")
+    entry, comments = entry_and_comments(tmp_path / "run.parquet")
     assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
-    assert "in degrees" in said
+    assert "in degrees" in comments
 
 
 def test_the_unit_of_efforts_is_told_by_gravity(tmp_path: Path, made: Made) -> None:
@@ -116,9 +116,9 @@ def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> Non
     kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
     free = {"effort": np.sign(channels["actual_qd"])}
     write_hdf5(tmp_path / "run.h5", time, kept | free)
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert "run/effort" not in entry["channels"].values()
-    assert "ambiguous: run/effort" in said
+    assert "ambiguous: run/effort" in comments
 
 
 def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]]:
@@ -144,9 +144,9 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     """Of four; ROS drivers publish flange axes and the force of the arm on its surroundings."""
     time, channels = touched(made, ur5, frame)
     write_hdf5(tmp_path / "run.h5", time, channels | {"force": sign * channels["force"]})
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert entry["role"] == "contact"
-    assert f"proven: run/force and run/torque in the {frame}'s frame" in said
+    assert f"proven: run/force and run/torque in the {frame}'s frame" in comments
     turned = {} if sign == 1 else {"units": dict.fromkeys(("ft_f", "ft_t"), "opposite")}
     if frame == "base":
         assert entry["channels"]["actual_TCP_force"] == ["run/force", "run/torque"]
@@ -165,18 +165,18 @@ def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur
     time, channels = touched(made, ur5, "flange")
     random = np.random.default_rng(2).normal(0, 5, channels["force"].shape)
     write_hdf5(tmp_path / "run.h5", time, made[1] | {"force": random, "torque": random / 50})
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert "actual_TCP_force" not in entry["channels"]
     assert "force_sensor" not in entry
-    assert "ambiguous: run/force and run/torque" in said
+    assert "ambiguous: run/force and run/torque" in comments
 
 
 def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:
     time, channels = made
     write_hdf5(tmp_path / "run.h5", time, channels | {"target_qdd": 0 * channels["actual_q"]})
-    entry, said = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
     assert "target_qdd" not in entry["channels"]
-    assert "run/target_qdd: zero throughout, so not recorded" in said
+    assert "run/target_qdd: zero throughout, so not recorded" in comments
 
 
 def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> None:
@@ -186,9 +186,9 @@ def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> No
     table = np.column_stack([time, *values, channels["actual_q"][:, 0]])
     head = ",".join(["timestamp", *names, "actual_q_0"])
     np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
-    entry, said = entry_and_comments(tmp_path / "run.csv")
+    entry, comments = entry_and_comments(tmp_path / "run.csv")
     assert entry["columns"] == ["time", "actual_q", "actual_qd", "actual_TCP_pose", "-"]
-    assert "actual_q_0 appears twice" in said
+    assert "actual_q_0 appears twice" in comments
 
 
 def test_velocities_in_another_order_are_refused(tmp_path: Path, made: Made) -> None:
@@ -212,9 +212,9 @@ def test_two_arms_that_fit_as_well_are_refused(tmp_path: Path, made: Made) -> No
     write_bag(tmp_path / "run.db3", made[0], kept)
     with pytest.raises(InputError, match=r"the arm is ambiguous: .* and .*; name it, as with"):
         import_files([tmp_path / "run.db3"], [])
-    entry, said = entry_and_comments(tmp_path / "run.db3", robot="ur5")
+    entry, comments = entry_and_comments(tmp_path / "run.db3", robot="ur5")
     assert entry["robot"] == "ur5"
-    assert "assumed: robot ur5, as given" in said
+    assert "assumed: robot ur5, as given" in comments
 
 
 def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
@@ -225,9 +225,9 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
         np.zeros((len(time), 6)) if columns[name] is None else columns[name] for name in NIST[1:]
     ]
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
-    entry, said = entry_and_comments(tmp_path / "run.csv")
+    entry, comments = entry_and_comments(tmp_path / "run.csv")
     assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
-    assert "NIST" in said
+    assert "NIST" in comments
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
     (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")  # as NIST's own files group them
@@ -282,22 +282,22 @@ def test_damaged_files_are_imported_right_or_refused(
 def test_demonstrations_of_a_ur5e(ur5e_data: Path) -> None:
     """Two layouts; the wrench is the controller's, in the base's frame, or too weak to tell."""
     for path in sorted(ur5e_data.glob("*.h5")):
-        entry, said = entry_and_comments(path)
+        entry, comments = entry_and_comments(path)
         assert entry["robot"] == "ur5e"
         assert "joints" not in entry
         assert entry["channels"]["actual_current"].endswith("joint_effort")
         weak = "2019" in path.name or "2020-07" in path.name
         assert ("actual_TCP_force" in entry["channels"]) == (not weak)
         assert entry["role"] == ("fit" if weak else "contact")
-        assert ("ambiguous" in said) == weak
+        assert ("ambiguous" in comments) == weak
 
 
 def test_a_bag_of_a_ur10() -> None:
     folder = shared_folder("ur10-bag", "it is a bag of a real UR10")
-    entry, said = entry_and_comments(folder / "ur10_exciting_trajectory.db3")
+    entry, comments = entry_and_comments(folder / "ur10_exciting_trajectory.db3")
     assert entry["robot"] == "ur10"
     assert entry["channels"]["actual_current_as_torque"] == "/joint_states/effort"
-    assert "effort in Nm: gravity on joint 2 is 0.997 Nm per unit" in said
+    assert "effort in Nm: gravity on joint 2 is 0.997 Nm per unit" in comments
 
 
 @pytest.mark.parametrize("kind", ["mat", "mcap"])
@@ -339,11 +339,11 @@ def test_joints_shuffled_at_random_are_found_or_refused(ur5e_data: Path, ur10e_d
             Block(b.names, b.rows[:, order], b.clock) if any(b is j for j in joints) else b
             for b in found.blocks
         ]
-        told = propose(replace(found, blocks=blocks)).order
-        np.testing.assert_array_equal(order[list(told)], range(6))
+        order_found = propose(replace(found, blocks=blocks)).order
+        np.testing.assert_array_equal(order[list(order_found)], range(6))
 
 
-def test_efforts_turned_into_newton_metres_are_told(ur5e_data: Path) -> None:
+def test_efforts_turned_into_newton_metres_are_reported(ur5e_data: Path) -> None:
     found = contents(ur5e_data / "recorded_demo_2022-06-25_15-20-01.h5")
     constants = load_robot(robot_path("ur5e")).maker_torque_constants()
     blocks = [

@@ -93,46 +93,48 @@ def strays(time: np.ndarray) -> list[int]:
     return np.flatnonzero(stray_times(time)).tolist()
 
 
-@pytest.mark.parametrize(("pause", "told"), [(59.0, False), (61.0, True)])
+@pytest.mark.parametrize(("pause", "reported"), [(59.0, False), (61.0, True)])
 @pytest.mark.parametrize("late", [True, False])
-def test_few_frames_a_minute_away_are_strays(pause: float, told: bool, late: bool) -> None:
+def test_few_frames_a_minute_away_are_strays(pause: float, reported: bool, late: bool) -> None:
     time = 0.01 * np.arange(1000)
     away, rest = (slice(-3, None), slice(-3)) if late else (slice(3), slice(3, None))
     time[away] += pause if late else -pause
-    assert strays(time) == (np.arange(1000)[away].tolist() if told else [])
-    kept = rest if told else slice(None)
+    assert strays(time) == (np.arange(1000)[away].tolist() if reported else [])
+    kept = rest if reported else slice(None)
     assert first_time(time) == time[kept].min()
 
 
-@pytest.mark.parametrize(("count", "told"), [(49, True), (50, False)])
-def test_a_twentieth_of_all_frames_is_a_part_of_the_recording(count: int, told: bool) -> None:
+@pytest.mark.parametrize(("count", "reported"), [(49, True), (50, False)])
+def test_a_twentieth_of_all_frames_is_a_part_of_the_recording(count: int, reported: bool) -> None:
     time = 0.01 * np.arange(1000)
     time[-count:] += 100.0
-    assert strays(time) == [*range(1000 - count, 1000)] * told
+    assert strays(time) == [*range(1000 - count, 1000)] * reported
 
 
-@pytest.mark.parametrize(("off", "told"), [(0.9, False), (1.1, True), (-0.9, False), (-1.1, True)])
+@pytest.mark.parametrize(
+    ("off", "reported"), [(0.9, False), (1.1, True), (-0.9, False), (-1.1, True)]
+)
 @pytest.mark.parametrize("count", [1, 2])
 def test_frames_that_contradict_their_neighbours_are_strays(
-    off: float, told: bool, count: int
+    off: float, reported: bool, count: int
 ) -> None:
     """By more than a second, one or two of them beside each other; three are a run of their own."""
     time = 0.01 * np.arange(1000)
     time[500 : 500 + count] += off
-    assert strays(time) == [*range(500, 500 + count)] * told
+    assert strays(time) == [*range(500, 500 + count)] * reported
     time[500:503] = 5 + off
     assert strays(time) == []
 
 
-@pytest.mark.parametrize(("count", "told"), [(5, True), (6, False)])
+@pytest.mark.parametrize(("count", "reported"), [(5, True), (6, False)])
 def test_frames_are_shuffled_if_more_than_a_twentieth_come_after_later_ones(
-    count: int, told: bool
+    count: int, reported: bool
 ) -> None:
-    """Of a hundred steps; then nothing is told of neighbours."""
+    """Of a hundred steps; then nothing is reported of neighbours."""
     time = 0.01 * np.arange(101)
     late = 10 + 15 * np.arange(count)
     time[late] += 1.5
-    assert strays(time) == late.tolist() * told
+    assert strays(time) == late.tolist() * reported
 
 
 def test_of_shuffled_frames_neighbours_say_nothing() -> None:

@@ -378,7 +378,7 @@ def test_one_message_is_enough(capture: Path) -> None:
         (b"0" * (1 << 24), "not a CSV"),
     ],
 )
-def test_what_is_no_capture_is_told(capture: Path, content: bytes, words: str) -> None:
+def test_what_is_no_capture_is_reported(capture: Path, content: bytes, words: str) -> None:
     capture.write_bytes(content)
     with pytest.raises(InputError, match=words) as error:
         read_stream(capture)
@@ -386,6 +386,6 @@ def test_what_is_no_capture_is_told(capture: Path, content: bytes, words: str) -
     assert "capture" in str(error.value).split(";")[1]
 
 
-def test_a_missing_file_is_told(tmp_path: Path) -> None:
+def test_a_missing_file_is_reported(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"nowhere\.csv cannot be read"):
         read_stream(tmp_path / "nowhere.csv")

@@ -315,7 +315,7 @@ def test_units_and_skipped_columns(tmp_path: Path) -> None:
         ({"columns": ["time", "actual_q"]}, "line 1: expected 7 numbers .*; correct `columns`"),
     ],
 )
-def test_a_wrongly_named_table_is_told(tmp_path: Path, change: dict, sentence: str) -> None:
+def test_a_wrongly_named_table_is_reported(tmp_path: Path, change: dict, sentence: str) -> None:
     write_table(tmp_path)
     columns = ["time", "actual_q", "actual_current"]
     entry = TABLE | {"folder": str(tmp_path), "file": "log.csv", "columns": columns} | change
@@ -385,7 +385,7 @@ def test_what_a_spreadsheet_program_made_is_named(tmp_path: Path, cell: str) -> 
         read_recording(entry)
 
 
-def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> None:
+def test_a_line_that_a_spreadsheet_program_changed_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "robot.csv"
     entry = write_rtde(tmp_path)
     path.write_text(path.read_text().replace("0.1", "01. Jan", 1))
@@ -394,7 +394,7 @@ def test_a_line_that_a_spreadsheet_program_changed_is_told(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("row", ["{t};{q}\t", "{t};{q}; ", "x;{q}", " ;{q};", "{t};{q};\t"])
-def test_whatever_ends_a_line_its_fault_is_told(tmp_path: Path, row: str) -> None:
+def test_whatever_ends_a_line_its_fault_is_reported(tmp_path: Path, row: str) -> None:
     entry = write_rtde(tmp_path, rows=20)
     text = (tmp_path / "robot.csv").read_text()
     for mark in (";", "\t", " ", ","):
@@ -411,7 +411,7 @@ def test_degrees_are_named(tmp_path: Path, ur5: Robot) -> None:
         read_and_repair(entry, ur5, 0.1)
 
 
-def test_times_without_their_last_digits_are_told(tmp_path: Path, ur5: Robot) -> None:
+def test_times_without_their_last_digits_are_reported(tmp_path: Path, ur5: Robot) -> None:
     entry = write_rtde(tmp_path, row="1.7E+09;{q}")
     with pytest.raises(
         InputError, match=r"step between timestamps is 0 s; check that .* has all its digits"
@@ -425,12 +425,12 @@ def test_a_sensor_file_with_other_columns_is_unusable(tmp_path: Path) -> None:
     entry = write_rtde(tmp_path) | {"imu": sensor | {"start_file": None, "start": "epoch_s"}}
     raw = read_recording(entry)
     assert "imu" not in raw.sensors
-    told = found(raw.findings, "unusable sensor")
-    assert (told.severity, told.count) == ("error", 1)
-    assert "(it has 7 cells)" in said(told)
+    reported = found(raw.findings, "unusable sensor")
+    assert (reported.severity, reported.count) == ("error", 1)
+    assert "(it has 7 cells)" in said(reported)
 
 
-def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
+def test_an_imu_in_the_place_of_a_force_sensor_is_reported() -> None:
     angle = np.linspace(0, 2 * np.pi, 400)
     turning = 9.81 * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * np.sin(3 * angle)])
     names = ["ft_fx", "ft_fy", "ft_fz"]
@@ -441,10 +441,10 @@ def test_an_imu_in_the_place_of_a_force_sensor_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "told"), [(1.9e-4, True), (2.1e-4, False), (0.99, False), (1.01, True)]
+    ("step", "reported"), [(1.9e-4, True), (2.1e-4, False), (0.99, False), (1.01, True)]
 )
-def test_a_step_of_no_recording_is_told(step: float, told: bool) -> None:
-    with pytest.raises(InputError, match="median step") if told else nullcontext():
+def test_a_step_of_no_recording_is_reported(step: float, reported: bool) -> None:
+    with pytest.raises(InputError, match="median step") if reported else nullcontext():
         check_pace(step * np.arange(9.0), "robot.csv")
 
 
@@ -466,7 +466,7 @@ def moving_robot() -> pd.DataFrame:
 
 
 def contradictions(table: pd.DataFrame) -> list[str]:
-    return [said(told) for told in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
+    return [said(reported) for reported in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
 
 
 def test_channels_that_agree_are_not_remarked() -> None:
@@ -487,9 +487,9 @@ def test_a_channel_that_keeps_still_is_no_derivative_of_one_that_moves(
     table = moving_robot()
     table[["actual_q_3", "actual_qd_3"]] *= side
     table[f"{still}_3"] = 0.0
-    (told,) = [one for one in contradictions(table) if "not the derivative" in one]
-    assert "actual_qd is not the derivative of actual_q " in told
-    assert "joint 4: " in told
+    (reported,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert "actual_qd is not the derivative of actual_q " in reported
+    assert "joint 4: " in reported
 
 
 @pytest.mark.parametrize(("channel", "factor"), [("qd", 1.2), ("qd", 0.85), ("q", 57.3)])
@@ -497,16 +497,16 @@ def test_a_derivative_in_another_unit_is_told_with_its_ratio(channel: str, facto
     table = moving_robot()
     table[f"actual_{channel}_1"] *= factor
     ratio = factor if channel == "q" else 1 / factor
-    (told,) = [one for one in contradictions(table) if "not the derivative" in one]
-    assert f"joint 2: {ratio:.3g})" in told
+    (reported,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert f"joint 2: {ratio:.3g})" in reported
 
 
-def test_currents_of_two_joints_that_changed_places_are_told() -> None:
+def test_currents_of_two_joints_that_changed_places_are_reported() -> None:
     table = moving_robot()
     pair = ["actual_current_1", "actual_current_4"]
     table[pair] = table[pair[::-1]].to_numpy()
-    (told,) = [one for one in contradictions(table) if "swapped" in one]
-    assert "of joint 2 follows target_current of joint 5 and vice versa" in told
+    (reported,) = [one for one in contradictions(table) if "swapped" in one]
+    assert "of joint 2 follows target_current of joint 5 and vice versa" in reported
 
 
 def test_a_current_written_twice_is_no_swap() -> None:
@@ -516,12 +516,16 @@ def test_a_current_written_twice_is_no_swap() -> None:
     assert not [one for one in contradictions(table) if "swapped" in one]
 
 
-@pytest.mark.parametrize(("factor", "told"), [(0.04, True), (0.06, False), (19, False), (21, True)])
-def test_a_current_of_another_size_than_its_target_is_told(factor: float, told: bool) -> None:
+@pytest.mark.parametrize(
+    ("factor", "reported"), [(0.04, True), (0.06, False), (19, False), (21, True)]
+)
+def test_a_current_of_another_size_than_its_target_is_reported(
+    factor: float, reported: bool
+) -> None:
     table = moving_robot()
     names = [f"actual_current_{joint}" for joint in range(6)]
     table[names] *= factor
-    assert any("which do not fit together" in one for one in contradictions(table)) == told
+    assert any("which do not fit together" in one for one in contradictions(table)) == reported
 
 
 def test_twins_that_part_are_told_by_joint() -> None:
@@ -538,20 +542,20 @@ def test_limits_are_each_joints_own() -> None:
     for name in names:
         table.loc[:4, name] = -6.5
     bounds = [6.3] * 6, [3.2] * 6
-    (told,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
-    assert told.count == 5
-    assert "(joint 3: up to 6.5 rad)" in said(told)
+    (reported,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+    assert reported.count == 5
+    assert "(joint 3: up to 6.5 rad)" in said(reported)
     bounds[0][2] = 6.5  # reached, not exceeded
     assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
 
 
-@pytest.mark.parametrize(("count", "told"), [(9, False), (10, True)])
-def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, told: bool) -> None:
+@pytest.mark.parametrize(("count", "reported"), [(9, False), (10, True)])
+def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, reported: bool) -> None:
     moving = {name: np.linspace(-20, 30, 100) for name in ("ft_fx", "ft_fy", "ft_fz")}
     table = pd.DataFrame({"time": np.arange(100.0), **moving})
     table.loc[: count - 1, "ft_fx"] = -40.0
     findings = check_force_sensor(table)
-    assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * told
+    assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * reported
     table.loc[: count + 4, "ft_fz"] = 40.0
     assert [one.count for one in check_force_sensor(table)] == [count + 5]
 
@@ -576,11 +580,13 @@ def test_an_imu_at_its_full_scale_is_saturated() -> None:
     assert [one.count for one in check_imu(accelerometer, scale)] == [4]
 
 
-@pytest.mark.parametrize(("size", "told"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)])
-def test_an_accelerometer_feels_gravity(size: float, told: bool) -> None:
+@pytest.mark.parametrize(
+    ("size", "reported"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)]
+)
+def test_an_accelerometer_feels_gravity(size: float, reported: bool) -> None:
     still = pd.DataFrame({"time": [0.0, 1.0], "imu_ax": 0.0, "imu_ay": 0.6 * size})
     still["imu_az"] = -0.8 * size
-    assert [one.finding for one in check_imu(still, None)] == ["no gravity"] * told
+    assert [one.finding for one in check_imu(still, None)] == ["no gravity"] * reported
 
 
 # RTDE
@@ -649,7 +655,7 @@ def test_a_byte_order_mark_takes_no_digit(tmp_path: Path) -> None:
     assert found(findings, "byte-order mark").severity == "note"
 
 
-def test_a_compressed_file_is_unpacked_and_told(recording: Path) -> None:
+def test_a_compressed_file_is_unpacked_and_reported(recording: Path) -> None:
     path = recording / "csv_files" / "log_q_actual.csv"
     path.write_bytes(gzip.compress(path.read_bytes()))
     raw = read(recording)
@@ -746,7 +752,7 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
         (FORCE_CHANNELS[:3], "unused wrench"),
     ],
 )
-def test_a_wrench_in_the_robot_s_file_is_used_or_told(
+def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
     tmp_path: Path, ur5: Robot, columns: list[str], finding: str
 ) -> None:
     names = ["timestamp", *(f"actual_q_{k}" for k in range(6)), *columns]

@@ -30,39 +30,43 @@ def read(path: Path) -> tuple[np.ndarray | None, dict[str, Finding]]:
     return time, {one.finding: one for one in findings}
 
 
-@pytest.mark.parametrize(("steps", "told"), [(3.9, False), (4.1, True)])
-def test_a_single_gap_is_told_from_four_steps_on(tmp_path: Path, steps: float, told: bool) -> None:
+@pytest.mark.parametrize(("steps", "reported"), [(3.9, False), (4.1, True)])
+def test_a_single_gap_is_told_from_four_steps_on(
+    tmp_path: Path, steps: float, reported: bool
+) -> None:
     time = 0.01 * np.arange(1000.0)
     time[500:] += 0.01 * (steps - 1)
     _, findings = read(write(tmp_path / "force.csv", time))
-    assert list(findings) == ["lost samples"] * told
-    if told:
+    assert list(findings) == ["lost samples"] * reported
+    if reported:
         assert findings["lost samples"].count == 3
         assert said(findings["lost samples"]) == "longest step 41 ms, median step 10.0 ms"
 
 
-@pytest.mark.parametrize(("gaps", "told"), [(10, False), (11, True)])
+@pytest.mark.parametrize(("gaps", "reported"), [(10, False), (11, True)])
 @pytest.mark.parametrize(("steps", "lost"), [(2.4, False), (2.6, True)])
 def test_many_short_gaps_are_told_from_a_hundredth_on(
-    tmp_path: Path, steps: float, lost: bool, gaps: int, told: bool
+    tmp_path: Path, steps: float, lost: bool, gaps: int, reported: bool
 ) -> None:
     """Of two samples and a half, which is beyond ordinary jitter; two are lost in each."""
     step = np.full(1999, 0.01)
     step[100 : 100 + 10 * gaps : 10] *= steps
     time = np.concatenate([[0.0], np.cumsum(step)])
     _, findings = read(write(tmp_path / "force.csv", time))
-    assert ("lost samples" in findings) == (told and lost)
-    if told and lost:
+    assert ("lost samples" in findings) == (reported and lost)
+    if reported and lost:
         assert findings["lost samples"].count == 2 * gaps
 
 
-@pytest.mark.parametrize(("still", "told"), [(10, False), (11, True)])
-def test_stale_stamps_are_told_from_a_hundredth_on(tmp_path: Path, still: int, told: bool) -> None:
+@pytest.mark.parametrize(("still", "reported"), [(10, False), (11, True)])
+def test_stale_stamps_are_told_from_a_hundredth_on(
+    tmp_path: Path, still: int, reported: bool
+) -> None:
     time = 0.01 * np.arange(1000.0)
     time[100 : 100 + 2 * still : 2] = time[99 : 99 + 2 * still : 2]
     times, findings = read(write(tmp_path / "force.csv", time))
-    assert ("stale stamps" in findings) == told
-    assert not told or findings["stale stamps"].count == still
+    assert ("stale stamps" in findings) == reported
+    assert not reported or findings["stale stamps"].count == still
     assert times is not None
     assert len(times) == 1000
 
@@ -175,12 +179,16 @@ def test_damaged_lines_are_located_however_long_a_file_is(tmp_path: Path, rows: 
     assert detail.startswith("t.csv, line 3, 4, 17, 30, 31 and 2 more (it has 3 cells)")
 
 
-@pytest.mark.parametrize(("damaged", "told"), [(5, "line 1, 2, 3, 4, 5 (it"), (6, "5 and 1 more")])
-def test_the_first_five_damaged_lines_are_named(tmp_path: Path, damaged: int, told: str) -> None:
+@pytest.mark.parametrize(
+    ("damaged", "reported"), [(5, "line 1, 2, 3, 4, 5 (it"), (6, "5 and 1 more")]
+)
+def test_the_first_five_damaged_lines_are_named(
+    tmp_path: Path, damaged: int, reported: str
+) -> None:
     findings: list[Finding] = []
     path = table(tmp_path / "t.csv", 50, [*range(1, damaged + 1)])
     read_numbers(Log(path, "robot", findings), ["a", "b"])
-    assert told in said(findings[0])
+    assert reported in said(findings[0])
 
 
 @pytest.mark.parametrize(("damaged", "refused"), [(25, False), (26, True)])
@@ -225,12 +233,12 @@ def test_lines_above_the_header_and_marks_are_skipped(tmp_path: Path) -> None:
     text = '# made by hand\r\n\r\n% of two columns\r\n"a";"b"\r\n1,5;2\r\n3;4\r\n'
     (tmp_path / "t.csv").write_bytes(b"\xef\xbb\xbf" + text.encode())
     (tmp_path / "t.gz").write_bytes(gzip.compress(text.encode()))
-    for name, told in (("t.csv", "byte-order mark"), ("t.gz", "compressed file")):
+    for name, reported in (("t.csv", "byte-order mark"), ("t.gz", "compressed file")):
         findings: list[Finding] = []
         numbers = read_numbers(Log(tmp_path / name, "robot", findings), None)
         assert list(numbers) == ["a", "b"]
         np.testing.assert_array_equal(numbers.to_numpy(), [[1.5, 2], [3, 4]])
-        assert [one.finding for one in findings] == [told, "decimal commas"]
+        assert [one.finding for one in findings] == [reported, "decimal commas"]
 
 
 @pytest.mark.parametrize(("place", "text"), [(999, False), (1000, True)])

@@ -1,4 +1,4 @@
-"""Stop signs: each wrong declaration is told, and no right recording gets one.
+"""Stop signs: each wrong declaration is reported, and no right recording gets one.
 
 On the recordings of real arms where they are at hand, and on the virtual test stand.
 """
@@ -84,7 +84,7 @@ SIMULATED = {
     "upright": {
         "trajectory": {"kind": "fourier", "posture": [0, -1.57, 0, -1.57, 0, 0], "draw": 2}
     },
-    "told": {
+    "reported": {
         "trajectory": {"kind": "fourier", "draw": 3},
         "payload": {"mass": 3.0, "center_of_mass": [0.0, 0.0, 0.06]},
     },
@@ -183,7 +183,7 @@ def test_made_up_recordings_are_right(tmp_path: Path) -> None:
     assert take(parse_study(raw, "study").recordings[0]).signs() == []
 
 
-# Each wrong declaration is told
+# Each wrong declaration is reported
 
 Spoil = Callable[[pd.DataFrame, Robot], pd.DataFrame]
 
@@ -211,12 +211,12 @@ def scaled(factor: float, *names: str) -> Spoil:
     return spoil
 
 
-def loaded(*told: str) -> Spoil:
-    """3 kg on the flange; told: channels of the controller that know of it."""
+def loaded(*reported: str) -> Spoil:
+    """3 kg on the flange; reported: channels of the controller that know of it."""
 
     def spoil(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
         torque = load_torque(arm, channel(table, "actual_q")) @ (3.0 * np.array([1, 0, 0, 0.05]))
-        for name in ("actual_current", *told):
+        for name in ("actual_current", *reported):
             constant = 1.0 if name == "target_moment" else TORQUE_CONSTANTS
             table[six(name)] += torque / constant
         return table
@@ -351,7 +351,7 @@ SPOILED = [
 ]
 
 
-def told(taken: Taken, corruption: str) -> Iterator[str]:
+def reported(taken: Taken, corruption: str) -> Iterator[str]:
     spoil, sentence = CORRUPTIONS[corruption]
     signs = taken.signs(spoil(taken.table.copy(), taken.arm))
     return (sign for sign in signs if sentence in sign)
@@ -367,10 +367,10 @@ def told(taken: Taken, corruption: str) -> Iterator[str]:
     ],
 )
 def test_real_recordings_tell_what_is_wrong(study: str, name: str, corruption: str) -> None:
-    assert any(told(real(study, name), corruption))
+    assert any(reported(real(study, name), corruption))
 
 
-# Joints that move alike, and joints that rest, are told apart by what their servos answer.
+# Joints that move alike, and joints that rest, are reported apart by what their servos answer.
 ANSWERED = [
     ("thesis", "Movement_No3_Acc", "currents of joints 5 and 6 exchanged"),
     ("thesis", "Movement_No5_Acc_slow_w_disturbance", "currents of joints 5 and 6 exchanged"),
@@ -381,7 +381,7 @@ ANSWERED = [
 
 @pytest.mark.parametrize(("study", "name", "corruption"), ANSWERED)
 def test_real_servos_tell_what_is_wrong(study: str, name: str, corruption: str) -> None:
-    assert any(told(real(study, name), corruption))
+    assert any(reported(real(study, name), corruption))
 
 
 def held(table: pd.DataFrame, arm: Robot) -> pd.DataFrame:
@@ -446,7 +446,7 @@ def corrupted_arms() -> Iterator[object]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("corruption", "robot"), [*corrupted_arms()])
 def test_simulated_recordings_tell_what_is_wrong(made: Path, robot: str, corruption: str) -> None:
-    assert any(told(simulated(made, "fast", robot, "floor"), corruption))
+    assert any(reported(simulated(made, "fast", robot, "floor"), corruption))
 
 
 @pytest.mark.parametrize(
@@ -483,7 +483,7 @@ def test_another_arm_is_told_with_the_one_that_fits(study: str, name: str) -> No
     assert f"`robot: {taken.arm.name}`" in sign
 
 
-def test_a_similar_arm_that_fits_much_better_is_told(made: Path) -> None:
+def test_a_similar_arm_that_fits_much_better_is_reported(made: Path) -> None:
     """As of two generations: here, an arm that differs by 0.5 kg at its end."""
     taken = simulated(made, "slow", "ur5", "floor")
     heavier = taken.arm.carrying(Payload(mass=0.5)).model_copy(update={"name": "heavier"})
@@ -491,7 +491,7 @@ def test_a_similar_arm_that_fits_much_better_is_told(made: Path) -> None:
     assert "`robot: ur5` would fit" in said(sign)
 
 
-def test_a_tool_that_leaves_the_flange_is_told(made: Path) -> None:
+def test_a_tool_that_leaves_the_flange_is_reported(made: Path) -> None:
     """Of another arm, without its torque."""
     taken = simulated(made, "fast", "ur5", "floor")
     bare = without("target_moment")(taken.table.copy(), taken.arm)
@@ -500,7 +500,7 @@ def test_a_tool_that_leaves_the_flange_is_told(made: Path) -> None:
     assert "the tool moves by" in sign
 
 
-def test_a_wrong_mounting_is_told(made: Path) -> None:
+def test_a_wrong_mounting_is_reported(made: Path) -> None:
     taken = simulated(made, "fast", "ur5", "wall")
     upright = Taken(taken.table, taken.arm.mounted(MOUNTINGS["floor"]), taken.entry)
     (sign,) = upright.signs()

@@ -142,17 +142,17 @@ def test_a_wrench_of_a_bag_has_its_own_stamps(tmp_path: Path, made: Made) -> Non
     np.testing.assert_allclose(sensor.drop(columns="time"), wrench)
 
 
-# What is wrong is told
+# What is wrong is reported
 
 
-def test_an_array_that_is_missing_is_told(tmp_path: Path, made: Made) -> None:
+def test_an_array_that_is_missing_is_reported(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *made)
     entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q", "target_q"])
     with pytest.raises(InputError, match=r"run.h5: target_q names run/target_q, which .*; correct"):
         read_recording(entry)
 
 
-def test_arrays_of_another_length_are_told(tmp_path: Path, made: Made) -> None:
+def test_arrays_of_another_length_are_reported(tmp_path: Path, made: Made) -> None:
     time, channels = made
     write_hdf5(tmp_path / "run.h5", time, channels | {"actual_qd": channels["actual_qd"][:-3]})
     entry = entry_of("hdf5", tmp_path / "run.h5", [*channels])
@@ -186,7 +186,7 @@ def test_a_package_that_is_not_installed_is_named(
         read_recording(entry)
 
 
-def test_a_block_that_was_never_written_is_told(tmp_path: Path, made: Made, ur5: Robot) -> None:
+def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, ur5: Robot) -> None:
     time, channels = made
     q = channels["actual_q"].copy()
     q[200:285] = 0.0
@@ -204,8 +204,8 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     kept = {"actual_q": channels["actual_q"], "actual_current_as_torque": torque}
     write_hdf5(tmp_path / "run.h5", time, kept)
     taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
-    told = {finding["finding"] for finding in taken.quality["findings"]}
-    assert {"no velocities", "currents from torques"} <= told
+    reported = {finding["finding"] for finding in taken.quality["findings"]}
+    assert {"no velocities", "currents from torques"} <= reported
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
 
 

@@ -13,7 +13,7 @@ CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
 
 
 def lost(columns: dict[str, np.ndarray]) -> tuple[np.ndarray, int]:
-    """Return which cells are not used (N, k), and how many rows are told; the others stay."""
+    """Return which cells are not used (N, k), and how many rows are reported; the others stay."""
     findings: list[Finding] = []
     table = pd.DataFrame(columns)
     kept = drop_zeroed(table, findings)
@@ -28,10 +28,10 @@ def test_positions_that_fall_to_zero_were_lost(rows: slice) -> None:
     q = np.linspace(1.0, 2.0, COUNT)
     fallen = q.copy()
     fallen[rows] = 0.0
-    wrong, told = lost({"actual_q_0": q, "actual_q_1": fallen, "actual_q_2": 0 * q})
+    wrong, reported = lost({"actual_q_0": q, "actual_q_1": fallen, "actual_q_2": 0 * q})
     np.testing.assert_array_equal(wrong[:, 1], fallen == 0.0)
     assert not wrong[:, [0, 2]].any()
-    assert told == (fallen == 0.0).sum()
+    assert reported == (fallen == 0.0).sum()
 
 
 def test_rows_that_lost_a_cell_are_counted_once() -> None:
@@ -96,6 +96,6 @@ def test_an_arm_without_power_has_no_current_for_long(rows: int) -> None:
     """For fifty rows and more; for fewer, all six were lost."""
     currents = NOISE.copy()
     currents[100 : 100 + rows] = 0.0
-    wrong, told = lost(dict(zip(CURRENTS, currents.T, strict=True)))
+    wrong, reported = lost(dict(zip(CURRENTS, currents.T, strict=True)))
     np.testing.assert_array_equal(wrong, (currents == 0.0) & (rows < 50))
-    assert told == (rows if rows < 50 else 0)
+    assert reported == (rows if rows < 50 else 0)

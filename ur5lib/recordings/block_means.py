@@ -40,7 +40,7 @@ class BlockMeans:
         return gravity_torque(arm, arm.chosen_model, self.q)
 
     def beside_inertia(self, torque: Array) -> Array:
-        """Return what of torques (M, 6) is not proportional to accelerations."""
+        """Return the part of torques (M, 6) that accelerations do not explain."""
         return torque - self.qdd @ np.linalg.lstsq(self.qdd, torque, rcond=None)[0]
 
     def log_likelihood(self, variance: Array) -> Array:

@@ -165,7 +165,7 @@ def delay_scores(robot: pd.DataFrame, arm: Robot, step: float, count: int, lags:
 
 
 def _beside(columns: Array, values: Array) -> Array:
-    """Return what columns (n, m) do not explain of values (n, ...)."""
+    """Return the residuals of values (n, ...) that columns (n, m) leave."""
     basis, _ = np.linalg.qr(columns)
     return np.asarray(values - basis @ (basis.T @ values))
 

@@ -35,41 +35,41 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most
     rows = rows[:: 1 + len(rows) // MOST]
     changes = _changes(channel(robot, CURRENT))
-    news = _innovations(changes)
-    if len(rows) < FEWEST or step > SLOWEST or not _as_sampled(changes[rows], news[rows]):
+    innovations = _innovations(changes)
+    if len(rows) < FEWEST or step > SLOWEST or not _as_sampled(changes[rows], innovations[rows]):
         return np.zeros((len(shifts), 6, 6))
     q = channel(robot, "actual_q")
     qd = channel(robot, "actual_qd") if "actual_qd_0" in robot else np.gradient(q, axis=0)
     near = _near(np.stack([_changes(q), _changes(qd)], axis=2), rows)
-    late = np.concatenate([news[rows + shift] for shift in shifts], axis=1)  # (n, 6 S)
+    late = np.concatenate([innovations[rows + shift] for shift in shifts], axis=1)  # (n, 6 S)
     gains = _gains(near, late).reshape(6, len(shifts), 6).transpose(1, 2, 0)
     return len(rows) / INDEPENDENT / 2 * gains
 
 
-def _as_sampled(changes: Array, news: Array) -> bool:
+def _as_sampled(changes: Array, innovations: Array) -> bool:
     """Return whether currents with these changes and innovations (n, 6) are neither held nor
     smoothed.
     """
     fresh = (changes != 0).any(axis=1).mean()
-    new = np.mean(news.var(axis=0) / (changes.var(axis=0) + TINY))
+    new = np.mean(innovations.var(axis=0) / (changes.var(axis=0) + TINY))
     return bool(fresh > FRESH and new > RAW)
 
 
 def _received(robot: pd.DataFrame) -> Mask:
-    """Return the frames that were received, as the ones before them."""
+    """Return which frames were received together with the frame before."""
     whole = ~robot["interpolated"].to_numpy(bool)
     whole[1:] &= whole[:-1] & (np.diff(robot["segment"]) == 0)
     return whole
 
 
 def _changes(values: Array) -> Array:
-    """Return the changes since the previous frame of (N, 6), but for jumps; zero if unknown."""
+    """Return the changes of (N, 6) since the previous frame, without jumps; zero if unknown."""
     changes = np.nan_to_num(np.diff(values, axis=0, prepend=values[:1]))
     return np.asarray(np.clip(changes, *np.quantile(changes, USUAL, axis=0)))
 
 
 def _innovations(changes: Array) -> Array:
-    """Return what the past of each column (N, 6) does not predict of it."""
+    """Return the part of each column (N, 6) that its own past does not predict."""
     past = np.stack([np.roll(changes, k, axis=0) for k in range(1, PAST + 1)], axis=2)
     own = [np.linalg.lstsq(past[:, j], changes[:, j], rcond=None)[0] for j in range(6)]
     return np.asarray(changes - np.einsum("njk,jk->nj", past, own))
@@ -83,17 +83,21 @@ def _near(motion: Array, rows: Labels) -> Array:
     return np.asarray(near / (np.linalg.norm(near, axis=0) + TINY))
 
 
-def _gains(near: Array, news: Array) -> Array:
+def _gains(near: Array, innovations: Array) -> Array:
     """Return ln(1 + F) (6, c) of what each joint explains of c currents (n, c) beyond the others.
 
     near: motions (n, m), joint after joint. F: by how much the sum of squares that all joints leave
     grows without this one, of itself; a Wald test by the inverse of the Gram matrix.
     """
     inverse = np.linalg.inv(near.T @ near + RIDGE * np.eye(near.shape[1]))
-    products = near.T @ news
+    products = near.T @ innovations
     solution = inverse @ products
-    left = np.einsum("nc,nc->c", news, news) - np.einsum("mc,mc->c", products, solution) + TINY
-    own, size = solution.reshape(6, -1, news.shape[1]), len(inverse) // 6
+    left = (
+        np.einsum("nc,nc->c", innovations, innovations)
+        - np.einsum("mc,mc->c", products, solution)
+        + TINY
+    )
+    own, size = solution.reshape(6, -1, innovations.shape[1]), len(inverse) // 6
     blocks = inverse.reshape(6, size, 6, size)[range(6), :, range(6)]  # of each joint's own
     beyond = np.linalg.solve(blocks, own)
     return np.asarray(np.log1p((own * beyond).sum(axis=1) / left))

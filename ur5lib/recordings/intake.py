@@ -123,4 +123,5 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
 
 
 def _some(names: list[str]) -> str:
+    """Return the first names, for a sentence."""
     return ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")

@@ -1,4 +1,4 @@
-"""Detection of what cannot be: shifted bytes, wrong units, absurd times, cells that a file lost."""
+"""Detection of impossible values: shifted bytes, wrong units, absurd times, lost cells."""
 
 import math
 from collections.abc import Collection

@@ -75,7 +75,7 @@ def gravity_orders() -> tuple[Order, ...]:
 def readings(
     means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot], orders: Sequence[Order]
 ) -> list[Reading]:
-    """Return the readings of some arms and orders, the likeliest first; of each effort, its unit.
+    """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
 
     means: `currents` holds the efforts, columns as in the file.
     """
@@ -190,7 +190,7 @@ def _motion(means: BlockMeans, column: int) -> Array:
 
 
 def _project(basis: Array, values: Array) -> Array:
-    """Return what of values (..., M) a basis (M, n) does not span."""
+    """Return the part of values (..., M) that a basis (M, n) does not span."""
     return values - (values @ basis) @ basis.T
 
 
