@@ -147,15 +147,13 @@ def identified_parameters(
         "torque_noise": model.get("noise"),
         "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
         "known_constants": currents.get("known_constants"),
-        "current_model": [_current_model(joint) for joint in fit["joints"]],
+        "current_model": [
+            {name: joint[name] for name in FITTED} | {"remarks": [*map(in_words, joint["remarks"])]}
+            for joint in fit["joints"]
+        ],
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
     }
-
-
-def _current_model(joint: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the fit of a joint, with its remarks in words."""
-    return {name: joint[name] for name in FITTED} | {"remarks": [*map(in_words, joint["remarks"])]}
 
 
 def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:

@@ -172,7 +172,8 @@ def _blocks(
             yield Block((name,), _possible(tall), clock)
         else:
             single.append(name)
-    groups = _by_place(single, len(arrays)) if nameless else [*grouped(single)]
+    sixes = [tuple(single[k : k + 6]) for k in range(0, len(single) - 5, 6)]
+    groups = sixes if nameless else [*grouped(single)]
     for names in groups:
         clock = _clock_of(names[0], arrays[names[0]].size, clocks)
         columns = [_possible(arrays[name].ravel()) for name in names]
@@ -184,11 +185,6 @@ def _possible(values: np.ndarray) -> Array:
     """Return values with NaN for impossible ones."""
     floats = values.astype(float)
     return np.where(np.abs(floats) < HUGE, floats, np.nan)
-
-
-def _by_place(names: list[str], count: int) -> list[tuple[str, ...]]:
-    """Return the columns of a table without a header, six by six."""
-    return [tuple(names[k : k + 6]) for k in range(0, len(names) - 5, 6)]
 
 
 def _clock_of(name: str, length: int, clocks: dict[str, Array]) -> str | None:

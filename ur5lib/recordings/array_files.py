@@ -172,7 +172,8 @@ def channel_file_arrays(
 def _read_rows(path: Path, findings: list[Finding]) -> np.ndarray:
     own: list[Finding] = []
     table = read_numbers(Log(path, "robot", own), _column_names(path))
-    if any(finding.finding == "damaged lines" for finding in own) or _has_blank_line(path):
+    blank = BLANK.search(path.read_bytes().strip())
+    if blank or any(finding.finding == "damaged lines" for finding in own):
         raise InputError(
             f"{path} has lines without a number, so that its rows can no longer be matched with "
             "those of the other files; correct these lines, or record it again"
@@ -186,7 +187,3 @@ def _column_names(path: Path) -> list[str]:
     with path.open("rb") as stream:
         cells = re.split(rb"[;,\t]\s*|\s+", stream.readline(4096).strip())
     return [str(index) for index in range(len(cells))]
-
-
-def _has_blank_line(path: Path) -> bool:
-    return BLANK.search(path.read_bytes().strip()) is not None

@@ -114,7 +114,7 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     The robot's table has its stamps as `received`, a sensor's are its `time`.
     """
     table, start = raw.robot.table, raw.robot.start
-    sensors = {name: one for name, one in raw.sensors.items() if on_host(one)}
+    sensors = {n: s for n, s in raw.sensors.items() if s.start and s.start.since == "host_s"}
     if not sensors or "received" not in table or start is None:
         return raw
     stamped = table[["time", "received"]].dropna()
@@ -127,11 +127,6 @@ def on_robot_clock(raw: RawRecording) -> RawRecording:
     together = min(begin for begin, _ in spans), max(end for _, end in spans)
     findings = robot_coverage(_span(raw.robot), together)
     return replace(raw, sensors=raw.sensors | placed, findings=raw.findings + findings)
-
-
-def on_host(sensor: DeviceRecord) -> bool:
-    """Return whether a sensor's stamps are those of the robot's host."""
-    return sensor.start is not None and sensor.start.since == "host_s"
 
 
 def _span(device: DeviceRecord) -> Span:

@@ -14,7 +14,6 @@ from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.quality import Device, Finding
-from ur5lib.recordings.recording import Stamp
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
@@ -52,7 +51,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
-    cycle, source, start = raw.cycle, raw.robot.source, _epoch(raw.robot.start)
+    cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # whose channels are freed while they are repaired
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, _endless_positions(arm))
     findings += repairs + remarks
@@ -70,11 +69,11 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         "period_s": timing.period,
         "longest_step_s": timing.longest_step,
         "jitter_s": {"median": timing.jitter_median, "99 %": timing.jitter_99},
-        "start_epoch_s": start,
+        "start_epoch_s": start.seconds if start and start.since == "epoch_s" else None,
         "devices": ["robot", *placed],
         "starts": {
-            device: {name: part for name, part in asdict(start).items() if part is not None}
-            for device, (_, start) in placed.items()
+            device: {name: part for name, part in asdict(offset).items() if part is not None}
+            for device, (_, offset) in placed.items()
         },
         "files": files,
         "findings": [finding.as_row() for finding in findings],
@@ -92,11 +91,6 @@ def _endless_positions(arm: Robot) -> list[str]:
     """Return the position channels of the joints that turn without limit."""
     joints = [joint - 1 for joint in arm.endless_joints or []]
     return [f"{name}_{joint}" for name in ("actual_q", "target_q") for joint in joints]
-
-
-def _epoch(start: Stamp | None) -> float | None:
-    """Return when the robot's clock read zero, in seconds since 1970; None where unknown."""
-    return start.seconds if start is not None and start.since == "epoch_s" else None
 
 
 def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, list[Finding]]:

@@ -128,7 +128,8 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """
     values = table.to_numpy(float)
     stray = (values != 0.0) & (np.abs(values) < SMALLEST)
-    fallen = [_fallen(values[:, k], _least(name)) for k, name in enumerate(table)]
+    least = [SLOW if "_qd_" in name else 0.0 for name in table]  # slow joints round to zero
+    fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
     wrong = stray | np.stack(fallen, axis=1)
     noisy = [k for k, name in enumerate(table) if name.startswith(NOISY)]
     if noisy:
@@ -138,11 +139,6 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     count = int(wrong.any(axis=1).sum())
     findings.append(Finding("robot", "zeroed cells", "warning", count))
     return table.mask(wrong)
-
-
-def _least(name: str) -> float:
-    """Return the smallest leap of a channel; slow joints have velocities of exactly zero."""
-    return SLOW if "_qd_" in name else 0.0
 
 
 def _fallen(column: Array, least: float) -> Mask:

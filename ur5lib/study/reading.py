@@ -87,8 +87,12 @@ def parse_study(raw: Raw, source: str) -> Study:
             problems += [*_different_arms(study), *_wrong_arms(study)]
     except ValidationError as error:
         schema = Study.model_json_schema()
-        unknown = [detail for detail in error.errors() if not _is_explained(raw, detail["loc"])]
-        problems = [explain(detail, schema) for detail in unknown] + problems
+        unknown = (
+            detail
+            for detail in error.errors()
+            if not (_is_renamed(raw, detail["loc"]) or _is_inherited_arm(raw, detail["loc"]))
+        )
+        problems = [*(explain(detail, schema) for detail in unknown), *problems]
     if problems:
         raise InputError("\n".join(f"{source}: {problem}" for problem in problems))
     return study
@@ -244,11 +248,6 @@ def _renamed_settings(raw: Raw) -> Iterator[str]:
         old = settings.get(step) if isinstance(settings, dict) else None
         for key in (key for key in (old if isinstance(old, dict) else {}) if key in keys):
             yield f"`settings.{step}.{key}` is now `settings.{keys[key]}`; move the value there"
-
-
-def _is_explained(raw: Raw, location: tuple[int | str, ...]) -> bool:
-    """Return whether an error is explained elsewhere: at its new name, or for the whole study."""
-    return _is_renamed(raw, location) or _is_inherited_arm(raw, location)
 
 
 def _is_inherited_arm(raw: Raw, location: tuple[int | str, ...]) -> bool:
