@@ -4,10 +4,166 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.library.test_recordings import PERIOD, contradictions, moving_robot
-from ur5lib.recordings.checks import check_force_sensor, check_robot, touched
+from tests.conftest import said
+from tests.synthetic import PERIOD
+from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot, touched
+from ur5lib.recordings.quality import Finding
+from ur5lib.robots.description import FullScale
 
 CURRENTS = [f"actual_current_{joint}" for joint in range(6)]
+
+
+def found(findings: list[Finding], name: str) -> Finding:
+    (finding,) = [finding for finding in findings if finding.finding == name]
+    return finding
+
+
+def moving_robot() -> pd.DataFrame:
+    """Half a minute of an arm whose joints swing, each at its own pace by its own current."""
+    time = np.arange(0, 30, PERIOD)
+    pace = np.linspace(0.5, 1.1, 6)
+    angle = pace * time[:, None]
+    channels = {"q": np.sin(angle), "qd": pace * np.cos(angle), "qdd": -(pace**2) * np.sin(angle)}
+    channels["current"] = channels["moment"] = np.linspace(1, 3, 6) * np.cos(2 * angle)
+    table = pd.DataFrame({"time": time, "segment": 0, "interpolated": False})
+    for name, values in channels.items():
+        for joint in range(6):
+            table[f"target_{name}_{joint}"] = table[f"actual_{name}_{joint}"] = values[:, joint]
+    return table
+
+
+def contradictions(table: pd.DataFrame) -> list[str]:
+    return [said(reported) for reported in check_robot(table, PERIOD, [6.3] * 6, [3.2] * 6)]
+
+
+def test_channels_that_agree_are_not_remarked() -> None:
+    table = moving_robot()
+    assert contradictions(table) == []
+    assert contradictions(table.assign(actual_q_0=table["actual_q_0"] + 0.04)) == []
+    table["segment"] = (table["time"] > 10).astype(int)  # where it went on elsewhere
+    table.loc[table["time"] > 10, ["actual_q_2", "target_q_2"]] += 1
+    assert contradictions(table) == []
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("still", ["actual_q", "actual_qd"])
+def test_a_channel_that_keeps_still_is_no_derivative_of_one_that_moves(
+    still: str, side: int
+) -> None:
+    """Though a joint that swings to and fro does not move on the whole."""
+    table = moving_robot()
+    table[["actual_q_3", "actual_qd_3"]] *= side
+    table[f"{still}_3"] = 0.0
+    (reported,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert "actual_qd is not the derivative of actual_q " in reported
+    assert "joint 4: " in reported
+
+
+@pytest.mark.parametrize(("channel", "factor"), [("qd", 1.2), ("qd", 0.85), ("q", 57.3)])
+def test_a_derivative_in_another_unit_is_told_with_its_ratio(channel: str, factor: float) -> None:
+    table = moving_robot()
+    table[f"actual_{channel}_1"] *= factor
+    ratio = factor if channel == "q" else 1 / factor
+    (reported,) = [one for one in contradictions(table) if "not the derivative" in one]
+    assert f"joint 2: {ratio:.3g})" in reported
+
+
+def test_currents_of_two_joints_that_changed_places_are_reported() -> None:
+    table = moving_robot()
+    pair = ["actual_current_1", "actual_current_4"]
+    table[pair] = table[pair[::-1]].to_numpy()
+    (reported,) = [one for one in contradictions(table) if "swapped" in one]
+    assert "of joint 2 follows target_current of joint 5 and vice versa" in reported
+
+
+def test_a_current_written_twice_is_no_swap() -> None:
+    """One of both joints still follows its own target, and not the other's."""
+    table = moving_robot()
+    table["actual_current_1"] = table["target_current_4"]
+    assert not [one for one in contradictions(table) if "swapped" in one]
+
+
+@pytest.mark.parametrize(
+    ("factor", "reported"), [(0.04, True), (0.06, False), (19, False), (21, True)]
+)
+def test_a_current_of_another_size_than_its_target_is_reported(
+    factor: float, reported: bool
+) -> None:
+    table = moving_robot()
+    names = [f"actual_current_{joint}" for joint in range(6)]
+    table[names] *= factor
+    assert any("which do not fit together" in one for one in contradictions(table)) == reported
+
+
+def test_twins_that_part_are_told_by_joint() -> None:
+    table = moving_robot()
+    table["actual_q_4"] += 0.06
+    assert contradictions(table) == [
+        "actual_q and target_q differ on joints 5; check columns and units"
+    ]
+
+
+def test_limits_are_each_joints_own() -> None:
+    table = moving_robot()
+    names = ("actual_q_2", "target_q_2")
+    for name in names:
+        table.loc[:4, name] = -6.5
+    bounds = [6.3] * 6, [3.2] * 6
+    (reported,) = [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+    assert reported.count == 5
+    assert "(joint 3: up to 6.5 rad)" in said(reported)
+    bounds[0][2] = 6.5  # reached, not exceeded
+    assert not [f for f in check_robot(table, PERIOD, *bounds) if f.finding == "joint limits"]
+
+
+@pytest.mark.parametrize(("count", "reported"), [(9, False), (10, True)])
+def test_a_force_that_stays_at_its_extreme_is_saturated(count: int, reported: bool) -> None:
+    moving = {name: np.linspace(-20, 30, 100) for name in ("ft_fx", "ft_fy", "ft_fz")}
+    table = pd.DataFrame({"time": np.arange(100.0), **moving})
+    table.loc[: count - 1, "ft_fx"] = -40.0
+    findings = check_force_sensor(table)
+    assert [(one.finding, one.count) for one in findings] == [("saturation", 10)] * reported
+    table.loc[: count + 4, "ft_fz"] = 40.0
+    assert [one.count for one in check_force_sensor(table)] == [count + 5]
+
+
+def test_an_imu_at_its_full_scale_is_saturated() -> None:
+    """Each sample once, whichever axis; the accelerometer's and the gyroscope's scales differ."""
+    scale = FullScale(acceleration=50.0, angular_rate_deg=300.0)
+    names = [f"imu_{quantity}{axis}" for quantity in "ag" for axis in "xyz"]
+    table = pd.DataFrame(0.0, index=range(100), columns=["time", *names])
+    table["imu_az"] = 9.81
+    table.loc[3:4, "imu_ax"], table.loc[4:6, "imu_ay"] = 50.0, -50.3
+    table.loc[10:16, "imu_gz"] = -np.deg2rad(300.0)
+    below = table.clip(-49.9, 49.9).assign(imu_gz=table["imu_gz"].clip(-5.2, 5.2))
+    assert check_imu(below, scale) == check_imu(table, None) == []
+    (one,) = check_imu(table, scale)
+    assert (one.device, one.finding, one.count) == ("imu", "saturation", 11)
+    assert one.severity == "warning"
+    for name in ("imu_ax", "imu_ay", "imu_gz"):
+        assert name in said(one)
+    assert "imu_az" not in said(one)
+    accelerometer = table.drop(columns=["imu_gx", "imu_gy", "imu_gz"])
+    assert [one.count for one in check_imu(accelerometer, scale)] == [4]
+
+
+@pytest.mark.parametrize(
+    ("size", "reported"), [(7.9, True), (8.1, False), (11.9, False), (12.1, True)]
+)
+def test_an_accelerometer_feels_gravity(size: float, reported: bool) -> None:
+    still = pd.DataFrame({"time": [0.0, 1.0], "imu_ax": 0.0, "imu_ay": 0.6 * size})
+    still["imu_az"] = -0.8 * size
+    assert [one.finding for one in check_imu(still, None)] == ["no gravity"] * reported
+
+
+def test_an_imu_in_the_place_of_a_force_sensor_is_reported() -> None:
+    angle = np.linspace(0, 2 * np.pi, 400)
+    turning = 9.81 * np.column_stack([np.cos(angle), np.sin(angle), 0.1 * np.sin(3 * angle)])
+    names = ["ft_fx", "ft_fy", "ft_fz"]
+    table = pd.DataFrame(turning, columns=names).assign(time=angle)
+    assert found(check_force_sensor(table), "size of gravity").severity == "warning"
+    assert check_force_sensor(table.assign(ft_fx=table["ft_fx"] + 5)) == []
+    assert check_force_sensor(table.iloc[:20]) == []  # a tool's weight on an arm at rest
 
 
 def reported(table: pd.DataFrame, words: str) -> list[str]:

@@ -1,5 +1,6 @@
 """Delimited tables: damage is located, whatever the size of the blocks."""
 
+import gzip
 from pathlib import Path
 
 import pytest
@@ -57,3 +58,67 @@ def test_a_last_line_without_end_is_whole_if_it_is_like_the_twenty_before_it(
     findings: list[Finding] = []
     assert len(read_numbers(Log(path, "robot", findings), ["time", "value"])) == 29 + whole
     assert [one.finding for one in findings] == ([] if whole else ["torn last line"])
+
+
+# Text files in blocks of whole lines
+
+
+def blocks(path: Path, content: bytes) -> tuple[list[bytes], list[Finding]]:
+    path.write_bytes(content)
+    findings: list[Finding] = []
+    return [*text_blocks.text_blocks(Log(path, "robot", findings))], findings
+
+
+@pytest.mark.parametrize(("size", "count"), [(2 << 20, 3), (5 << 20, 1), (8 << 20, 1)])
+@pytest.mark.parametrize("end", [b"\n", b""])
+def test_blocks_of_whole_lines_are_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int, count: int, end: bytes
+) -> None:
+    """Of 5.6 MiB; a rest of less than one joins the block before it."""
+    monkeypatch.setattr(text_blocks, "SIZE", size)
+    content = b"\n".join(b"%d,0.25" % number for number in range(500_000)) + end
+    found, _ = blocks(tmp_path / "long.csv", content)
+    assert b"".join(found) == content
+    assert len(found) == count
+    assert all(block.endswith(b"\n") for block in found[:-1])
+
+
+def test_an_empty_file_is_one_empty_block(tmp_path: Path) -> None:
+    assert blocks(tmp_path / "empty.csv", b"") == ([b""], [])
+
+
+@pytest.mark.parametrize(
+    ("content", "plain", "finding"),
+    [
+        (gzip.compress(b"1,2\n", mtime=0), b"1,2\n", "compressed file"),
+        (b"\xef\xbb\xbf1,2\n", b"1,2\n", "byte-order mark"),
+        (b'"1","2"\r\n3,4\r', b"1,2\n3,4\n", None),
+        (b"[1, 2], (3e-1)\n[4, 5], (6)\n", b"1, 2, 3e-1\n4, 5, 6\n", None),
+        (b"q[0],q(1)\n1,2\n", b"q[0],q(1)\n1,2\n", None),  # names
+        (b"(1),2\n[3],4\n", b"(1),2\n[3],4\n", None),
+    ],
+)
+def test_text_is_plain(tmp_path: Path, content: bytes, plain: bytes, finding: str | None) -> None:
+    found, findings = blocks(tmp_path / "some.csv", content)
+    assert found == [plain]
+    assert [(one.finding, one.severity, one.count) for one in findings] == (
+        [(finding, "note", 1)] if finding else []
+    )
+
+
+@pytest.mark.parametrize(
+    "content", [b"\xff\xfe" + "Ж;Д".encode("utf-16-le"), b"\xfe\xffabc", b"1,2\n\0\0\n"]
+)
+def test_what_is_no_text_is_refused(tmp_path: Path, content: bytes) -> None:
+    with pytest.raises(InputError, match=r"line 1: not a text file"):
+        blocks(tmp_path / "other.csv", content)
+
+
+def test_zeros_further_down_are_a_damaged_line(tmp_path: Path) -> None:
+    content = b"1,2\n" * 300 + b"\0\0\0\n"
+    assert blocks(tmp_path / "lost.csv", content)[0] == [content]
+
+
+def test_a_torn_archive_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="damaged gzip file"):
+        blocks(tmp_path / "torn.csv", gzip.compress(b"1,2\n" * 1000)[:-9])
