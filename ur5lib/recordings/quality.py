@@ -57,7 +57,7 @@ class Log:
             self.findings.append(Finding(self.device, finding, severity, int(count), named, code))
 
     def unless_unusable(self, read: Callable[[], T | None]) -> T | None:
-        """Return what a function reads of a sensor; where it raises InputError, None."""
+        """Return what a function reads of a sensor; None, and a finding, for an InputError."""
         try:
             return read()
         except InputError as error:
