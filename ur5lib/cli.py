@@ -3,14 +3,11 @@
 import math
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from ur5lib.errors import InputError
-
-if TYPE_CHECKING:
-    from ur5lib.robots.description import Robot
 
 Results = Annotated[Path, typer.Argument(help="results of a study: results/<study>")]
 RanStudy = Annotated[
@@ -70,10 +67,11 @@ def import_(
     ] = None,
 ) -> None:
     """Propose the study entry of recordings, with what is proven, assumed and ambiguous."""
+    from ur5lib.commands.exported import described
     from ur5lib.importing.files import as_entries, import_files, write_study
 
     if robot is not None:
-        _load(robot)
+        described(robot)
     imported = import_files(files, [robot] if robot else [])
     if write is None:
         typer.echo(as_entries(imported), nl=False)
@@ -303,10 +301,11 @@ def singularities(
     """Print the share of joint space near shoulder, elbow and wrist singularities."""
     from rich.console import Console
 
+    from ur5lib.commands.exported import described
     from ur5lib.dynamics.flange import flange_kinematics
     from ur5lib.force.singularities import map_singularities, sample_joints
 
-    arm = _load(robot)
+    arm = described(robot)
     q = sample_joints([_range(joint, within or []) for joint in range(1, 7)], count)
     with Console(stderr=True).status(f"trying {count} configurations"):
         singular = map_singularities(arm, q, flange_kinematics(arm, q)[2], least)
@@ -315,14 +314,6 @@ def singularities(
     worst = singular.sigma_min.argmin()
     place = ", ".join(f"{angle:.3f}" for angle in singular.q[worst])
     typer.echo(f"smallest singular value: {singular.sigma_min[worst]:.2g}, at q = {place} rad")
-
-
-def _load(robot: str) -> "Robot":
-    from ur5lib.robots.description import load_robot, robot_names, robot_path
-
-    if robot not in robot_names():
-        raise InputError(f"no description of `{robot}`; docs/robots.md shows how to add one")
-    return load_robot(robot_path(robot))
 
 
 def _range(joint: int, within: list[str]) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from ur5lib.recordings.quality import Device, Finding
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 RESET_RUN = 50  # frames; a jump back in time followed by fewer is disorder, not a clock reset
-MOVES = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
+TRAVEL = 1e-3  # rad a cycle, of all joints: ten times the noise of positions
 HALF = 0.5  # of a cycle, by which a frame must be late on both sides
 
 
@@ -115,7 +115,7 @@ def _one_cycle_late(
     for (time_0, q_0, qd_0), (time_1, q_1, qd_1) in ((before, here), (here, after)):
         velocity = (qd_0 + qd_1) / 2
         surplus, travel = q_1 - q_0 - velocity * (time_1 - time_0), velocity * cycle
-        square = np.maximum(np.sum(travel**2, axis=1), MOVES**2)
+        square = np.maximum(np.sum(travel**2, axis=1), TRAVEL**2)
         lateness.append(np.sum(surplus * travel, axis=1) / square)
     to_here, to_next = lateness
     return (to_here < -HALF) & (to_next > HALF)
