@@ -44,7 +44,7 @@ from ur5lib.pipeline.residual_fit import residual_summary
 from ur5lib.recordings.quality import contradiction
 from ur5lib.report.findings import worded
 from ur5lib.report.results import Results
-from ur5lib.report.views.findings import left_out_fits, stop_signs
+from ur5lib.report.views.first_screen import left_out_fits, stop_signs
 
 WRONG = "another arm"
 

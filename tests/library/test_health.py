@@ -28,7 +28,7 @@ from ur5lib.report.cells import days
 from ur5lib.report.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.verdicts.recordings import judge_drift
-from ur5lib.report.views import health
+from ur5lib.report.views import arm_state
 from ur5lib.robots.friction import BASE
 
 START = date(2026, 3, 3)
@@ -186,17 +186,22 @@ def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
     assert summary == {"dates": [], "changes": []}
     results = of_arm(summary)
     assert judge_drift(results) is None
-    assert health.dated(results) == [*health.sentences(results)] == [*health.steps(results)] == []
+    assert (
+        arm_state.dated(results)
+        == [*arm_state.changes(results)]
+        == [*arm_state.steps(results)]
+        == []
+    )
     assert health_figure([], []).data.empty
 
 
 def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
-    jump, slow = health.sentences(results)
+    jump, slow = arm_state.changes(results)
     assert jump.startswith("ur5, joint 4: Coulomb friction rose by 2")
     assert "% between 18 and 21 March 2026" in jump
     assert slow.startswith("ur5, joint 2: viscous friction slowly rose by ")
     assert "% from 3 March to 5 April 2026" in slow
-    assert [*health.steps(results)] == [
+    assert [*arm_state.steps(results)] == [
         "Fit ur5 only to what was recorded since 21 March 2026: Coulomb friction of joint 4 has "
         "changed."
     ]
@@ -221,7 +226,7 @@ def test_a_change_makes_the_arm_usable_and_none_makes_it_good(results: Results) 
 
 
 def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
-    (sentence,) = health.dates(results)
+    (sentence,) = arm_state.dates(results)
     assert [number.value for number in sentence.numbers] == [12, 2.0]
     assert "not recorded" not in sentence  # temperatures were
     table = shown_table("health.changes", results)

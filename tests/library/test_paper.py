@@ -17,9 +17,8 @@ from tests.latex import ERRORS, check_latex, compile_latex
 from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
 from ur5lib.report.document import Cell, Document, Picture, Section, Table
 from ur5lib.report.house_style import Drawing, save
-from ur5lib.report.paper import methods, paper, references, write_tables
+from ur5lib.report.paper import methods, paper, references, tex, tex_table, write_tables
 from ur5lib.report.results import Results
-from ur5lib.report.tex import tex, tex_table
 from ur5lib.report.traces import CURRENT, WRENCH, Traces, draw_traces
 from ur5lib.study.reading import parse_study
 

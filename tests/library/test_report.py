@@ -46,10 +46,10 @@ from ur5lib.report.views.contacts import (
     undetermined_moments,
 )
 from ur5lib.report.views.currents import remarks
-from ur5lib.report.views.findings import left_out_fits, loads_found, loads_taken_up
+from ur5lib.report.views.first_screen import left_out_fits, loads_found, loads_taken_up
 from ur5lib.report.views.forces import PUSHES, likely, pushes_found
 from ur5lib.report.views.models import contradictions
-from ur5lib.report.views.provenance import configuration, configuration_heading
+from ur5lib.report.views.recordings import configuration, configuration_heading
 
 HOSTILE = '<script>alert("x")</script> & #set page(width: 1mm) $x$ *y* \\ `z` {{ 7 * 7 }}'
 

@@ -26,7 +26,7 @@ from ur5lib.report.truth_table import (
     values,
     wrench_rows,
 )
-from ur5lib.report.views.findings import beside_truth
+from ur5lib.report.views.first_screen import beside_truth
 from ur5lib.timeseries.arrays import Array
 
 TRUTH: dict[str, Any] = {

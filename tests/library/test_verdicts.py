@@ -18,10 +18,15 @@ from ur5lib.report.verdicts.models import judge_constants, judge_currents, judge
 from ur5lib.report.verdicts.recordings import judge_files
 from ur5lib.report.views.contacts import claim, scores
 from ur5lib.report.views.currents import next_recordings
-from ur5lib.report.views.findings import findings, left_out
-from ur5lib.report.views.glance import current_drawn, force_drawn, torque_drawn
+from ur5lib.report.views.first_screen import (
+    current_drawn,
+    findings,
+    force_drawn,
+    left_out,
+    next_steps,
+    torque_drawn,
+)
 from ur5lib.report.views.models import identified
-from ur5lib.report.views.next_steps import steps
 
 EVERY_JOINT = "1 2 3 4 5 6"
 COLUMNS = {
@@ -363,7 +368,7 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
     (finding,) = findings(results)
     assert re.findall(r"\d[\d.]*", finding) == ["106.0", "40"]
     assert not [text for text in left_out(results) if "force sensor" in text]
-    assert not [text for text in steps(results) if "force sensor" in text]
+    assert not [text for text in next_steps(results) if "force sensor" in text]
     card = judge_force(results)
     assert (card.state, "106.0 N" in card.evidence) == ("not determined", True)
     assert force_drawn(results) == ["pushed"]
@@ -372,7 +377,7 @@ def test_a_contact_beside_a_sensor_is_not_denied() -> None:
 def test_without_a_search_no_contact_is_denied() -> None:
     assert findings(study(RESTING)) == [say("findings.unsearched")]
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
-    assert [text for text in steps(study(sensed=[quiet])) if "force sensor" in text]
+    assert [text for text in next_steps(study(sensed=[quiet])) if "force sensor" in text]
 
 
 def test_the_estimate_without_a_fit_is_never_called_good() -> None:
@@ -432,14 +437,16 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
         payload=[load],
         remarks=[remark | {"joint": joint} for joint in (1, 2, 3)],
     )  # fmt: skip
-    first, second, third = steps(results)
+    first, second, third = next_steps(results)
     assert first.startswith("Check fitted: its role is fit")
     assert second.endswith("the currents show 2.50 ± 0.10 kg on seen.")
     assert third.startswith("Look at the logging of seen: 50 % of the frames")
     quiet = study(force_mae=touched(1.0))
-    assert steps(quiet) == ["No finding asks for a correction or another recording."]
+    assert next_steps(quiet) == ["No finding asks for a correction or another recording."]
     asked = study(force_mae=touched(1.0), remarks=[remark | {"joint": i} for i in (1, 2, 3)])
-    assert steps(asked) == ["On ur5, joints 1 to 3 move along one path only: record another path."]
+    assert next_steps(asked) == [
+        "On ur5, joints 1 to 3 move along one path only: record another path."
+    ]
 
 
 def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:

@@ -30,27 +30,23 @@ from ur5lib.report.results import Results
 from ur5lib.report.sentences import say
 from ur5lib.report.tabulated import Body, tabulate
 from ur5lib.report.views import (
+    arm_state,
     audit,
     comparison,
     contacts,
     currents,
-    findings,
+    first_screen,
     forces,
-    glance,
-    health,
     models,
     motion,
-    next_steps,
-    observability,
-    provenance,
     recordings,
 )
 
 VIEWS: dict[str, ModuleType] = {
     module.__name__.rpartition(".")[2]: module
     for module in (
-        *(audit, comparison, contacts, currents, findings, forces, glance, health),
-        *(models, motion, next_steps, observability, provenance, recordings),
+        *(arm_state, audit, comparison, contacts, currents, first_screen, forces),
+        *(models, motion, recordings),
     )
 }
 MENTION = re.compile(r"@([a-z_]+(?:\.[a-z_]+)?)")

@@ -8,7 +8,7 @@ from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, capital, say
 from ur5lib.report.verdicts.baseline import bars
-from ur5lib.report.views import health
+from ur5lib.report.views import arm_state
 
 FILES, DRIFT = "Data quality", "Drift over time"  # topics
 LOST = "lost frames"
@@ -80,11 +80,11 @@ def judge_drift(results: Results) -> Verdict | None:
     dates = results.tables["health"]
     if dates.empty:
         return None
-    changes = health.ranked(results)
+    changes = arm_state.ranked(results)
     worst = changes.groupby("joint")["share"].max()
     sentence = say("health.unchanged")
     if len(changes):
-        sentence = capital(health.change(next(changes.itertuples())))
+        sentence = capital(arm_state.change(next(changes.itertuples())))
     return Verdict(
         topic=DRIFT,
         state="usable" if len(changes) else "good",

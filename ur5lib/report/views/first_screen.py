@@ -1,0 +1,297 @@
+"""The first screen: verdicts, one figure, the next steps for the user, and the findings."""
+
+from collections.abc import Callable, Iterator
+from itertools import islice
+
+import pandas as pd
+from scipy.special import bdtr, bdtrc
+
+from ur5lib.identification.samples import FEW
+from ur5lib.pipeline.estimators import ESTIMATES
+from ur5lib.report.document import MOST_SHOWN, Verdict
+from ur5lib.report.results import Results
+from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.tables.models import STOP
+from ur5lib.report.verdicts import force, models, recordings
+from ur5lib.report.verdicts.models import compare, named
+from ur5lib.report.verdicts.recordings import lost_shares
+from ur5lib.report.views import arm_state, comparison
+from ur5lib.report.views.audit import faults as wrist_sensor_faults
+from ur5lib.report.views.contacts import (
+    claim,
+    counted,
+    elsewhere,
+    quiet,
+    readings,
+    touched,
+    undetermined_moments,
+)
+from ur5lib.report.views.currents import loaded, predicted
+from ur5lib.report.views.forces import PUSHES, pushes_found, searched
+from ur5lib.report.views.models import compared
+
+VERDICTS: list[Callable[[Results], Verdict | None]] = [
+    recordings.judge_files,
+    models.judge_links,
+    models.judge_constants,
+    models.judge_currents,
+    force.judge_force,
+    models.judge_motion,
+    recordings.judge_drift,
+]
+
+
+def verdicts(results: Results) -> list[Verdict]:
+    """Return the verdicts, in the order of the pipeline."""
+    return [verdict for judge in VERDICTS if (verdict := judge(results))]
+
+
+def force_drawn(results: Results) -> list[str]:
+    """Return the recording of the first figure, if that shows forces."""
+    return _drawn(results, "forces")
+
+
+def current_drawn(results: Results) -> list[str]:
+    """Return the recording of the first figure, if that shows currents."""
+    return _drawn(results, "currents")
+
+
+def torque_drawn(results: Results) -> list[str]:
+    """Return the recording of the first figure, if that shows torques."""
+    return _drawn(results, "torques")
+
+
+def _drawn(results: Results, wanted: str) -> list[str]:
+    """Return the recording of the first figure, if that is the wanted one."""
+    kind, name = next(_figures(results), ("", ""))
+    return [name] if kind == wanted else []
+
+
+def _figures(results: Results) -> Iterator[tuple[str, str]]:
+    """Yield figures and their recordings, the most informative first.
+
+    Forces beside a sensor in contact; currents in motion, if possible without a load; torques in
+    motion; forces without a sensor.
+    """
+    for name in results.shown([*force.errors_in_contact(results)["recording"]]):
+        yield "forces", name
+    carrying = {*loaded(results)["recording"]}
+    for name in sorted(predicted(results), key=carrying.__contains__):
+        if results.moving(name):
+            yield "currents", name
+    for name in compared(results):
+        if results.moving(name):
+            yield "torques", name
+    for name in results.shown([*touched(results), *results.tables["contacts"]["recording"]]):
+        yield "forces", name
+
+
+MOST = 3  # steps that a reader remembers
+MANY_LOST = 0.1  # share of lost frames from which a recording is worth repeating
+CONTRADICTIONS = ("unlikely constant", "current against constant")  # codes of remarks
+ASKING = ("no motion", "one path", "few paths")  # codes of remarks that ask for a recording
+
+
+def next_steps(results: Results) -> list[str]:
+    """Return the most urgent steps: errors of the set-up first, then files, then recordings."""
+    return [*islice(_all(results), MOST)] or [say("steps.none")]
+
+
+def _all(results: Results) -> Iterator[Sentence]:
+    """Yield every step, the most urgent first."""
+    yield from corrections(results)
+    yield from touched_while_fitted(results)
+    yield from payloads(results)
+    yield from contradictions(results)
+    yield from lossy_files(results)
+    yield from doubted_sensors(results)
+    yield from arm_state.steps(results)
+    yield from missing_recordings(results)
+
+
+def corrections(results: Results) -> Iterator[Sentence]:
+    """Ask to correct the file or the entry that contradicts the study."""
+    for row in results.rows("quality", severity="stop")[:1].itertuples():
+        yield say("steps.stop recording", file=results.file_of(row.recording), row=row)
+    for row in results.rows("remarks", step=STOP)[:1].itertuples():
+        yield say("steps.stop arm", row=row)
+
+
+def touched_while_fitted(results: Results) -> Iterator[Sentence]:
+    """Name fit recordings on which the force sensor reads a contact."""
+    touched = results.rows("force_mae", during="contact")["recording"]
+    names = [name for name in results.with_role("fit") if name in {*touched}]
+    if names:
+        yield say("steps.touched", some=_some(names))
+
+
+def payloads(results: Results) -> Iterator[Sentence]:
+    """Ask for the payload that currents show and the study does not declare."""
+    loads = loaded(results)
+    for row in loads[:1].itertuples():
+        mass = {"mass": row.configured + row.mass, "std": row.std_error}
+        some = _some([*loads["recording"]])
+        yield say("steps.payload", some=some, recording=row.recording, **mass)
+
+
+def contradictions(results: Results) -> Iterator[Sentence]:
+    """Ask to check arms whose fitted constants contradict prior knowledge."""
+    rows = results.tables["remarks"].query("code in @CONTRADICTIONS")
+    for robot, part in rows.groupby("robot", sort=False):
+        yield say("steps.contradiction", robot=robot, numbers=part["joint"])
+
+
+def lossy_files(results: Results) -> Iterator[Sentence]:
+    """Name the recordings that lost many frames."""
+    lost = {name: share for name, share in lost_shares(results).items() if share >= MANY_LOST}
+    if lost:
+        names = sorted(lost, key=lambda name: -lost[name])
+        worst = {"share": lost[names[0]], "file": results.file_of(names[0])}
+        yield say("steps.lossy", some=_some(names), **worst)
+
+
+def doubted_sensors(results: Results) -> Iterator[Sentence]:
+    """Ask for a quiet start where the force sensor's bias is in doubt."""
+    rows = results.rows("quality", device="force", severity="warning")
+    doubts = [*rows.loc[rows["finding"] == "offset", "recording"]]
+    if doubts:
+        yield say("steps.doubted", some=_some(doubts))
+
+
+def missing_recordings(results: Results) -> Iterator[Sentence]:
+    """Ask for recordings that would determine the undetermined."""
+    for row in results.tables["excitation"].dropna(subset="motion").itertuples():
+        motion = row.motion[0].lower() + row.motion[1:]
+        yield say("steps.advised", robot=row.robot, motion=motion)
+    yield from other_motions(results)
+    if results.tables["friction"].empty and not results.with_role("fit"):
+        yield say("steps.fit")
+    if not results.with_role("validate"):
+        yield say("steps.validate")
+    if results.tables["force_mae"].empty and not touched(results):
+        yield say("steps.pushes")
+
+
+def other_motions(results: Results) -> Iterator[Sentence]:
+    """Ask for the motions that are missing by the remarks of the fits."""
+    rows = results.tables["remarks"].query("code in @ASKING")
+    for (robot, code), part in rows.groupby(["robot", "code"], sort=False):
+        words = {"robot": robot, "numbers": part["joint"], "several": len(part) > 1, "few": FEW}
+        yield say(f"steps.{code}", **words)
+
+
+def _some(names: list[str]) -> Sentence:
+    """Name the first recording, and count the others."""
+    return say("steps.some", names=names, more=len(names) - 1)
+
+
+IMPROBABLE = 0.025  # below this chance, the count of intervals that contain the truth is remarkable
+
+
+def findings(results: Results) -> list[Sentence]:
+    """Return the findings, one item each, or the sentence that there are none."""
+    sentences = [
+        *stop_signs(results),
+        *nearest_model(results),
+        *comparison.rebuilt(results),
+        *loads_found(results),
+        *counted(results),
+        *elsewhere(results),
+        *loads_taken_up(results),
+        *readings(results),
+        *_detection(results),
+        *claim(results),
+        *undetermined_moments(results.tables["force_mae"]),
+        *wrist_sensor_faults(results),
+        *beside_truth(results.rows("truth")),
+        *comparison.changes(results),
+    ]
+    looked = len(searched(results)) or len(results.tables["sensed"])
+    return sentences or [say("findings.none" if looked else "findings.unsearched")]
+
+
+def stop_signs(results: Results) -> Iterator[Sentence]:
+    """Report the contradictions because of which no forces are stated."""
+    rows = results.rows("quality", severity="stop")
+    for row in rows[:MOST_SHOWN].itertuples():
+        yield say("findings.stop recording", row=row)
+    if len(rows) > MOST_SHOWN:
+        yield say("findings.stop signs", count=len(rows))
+    for row in results.rows("remarks", step=STOP).itertuples():
+        yield say("findings.stop arm", row=row)
+
+
+def left_out(results: Results) -> list[Sentence]:
+    """Return the results that this study's data do not allow, with the reasons."""
+    return [*results.left_out, *left_out_fits(results), *_not_compared(results)]
+
+
+def left_out_heading(results: Results) -> list[Sentence]:
+    """Return the sentence above the list of `left_out`, if that has entries."""
+    return [say("findings.left out heading")] if left_out(results) else []
+
+
+def left_out_fits(results: Results) -> list[Sentence]:
+    """Return the fits that were not possible, with the reasons."""
+    remarks = results.tables["remarks"]
+    rows = remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples()
+    return [say("findings.left out fit", row=row) for row in rows]
+
+
+def _not_compared(results: Results) -> Iterator[Sentence]:
+    """Report estimates that cannot be compared, for want of recordings or of a sensor."""
+    if len(results.tables["friction"]) and not results.with_role("validate"):
+        yield say("findings.not predicted")
+    if len(searched(results)) and results.tables["sensed"].empty:
+        yield say("findings.not compared")
+
+
+def nearest_model(results: Results) -> Iterator[Sentence]:
+    """Report the model that is closest to the controller's torques, if the models differ."""
+    compared = compare(results)
+    if compared is None or compared.rows["model"].nunique() < 2:
+        return
+    if not compared.differ:
+        yield say("models.same")
+    else:
+        words = {"near": compared.near, "differ": compared.differ, "unseen": compared.unseen}
+        yield say("models.nearest", best=[*map(named, compared.best)], **words)
+
+
+def loads_found(results: Results) -> Iterator[Sentence]:
+    """Report the recordings with an undeclared load."""
+    for row in loaded(results)[:MOST_SHOWN].itertuples():
+        yield say("findings.load", row=row)
+
+
+def loads_taken_up(results: Results) -> Iterator[Sentence]:
+    """Report the loads that the arm picked up during a run."""
+    for row in results.rows("contacts", estimate="Fmap", kind="load")[:MOST_SHOWN].itertuples():
+        yield say("findings.load taken up", row=row)
+
+
+def _detection(results: Results) -> Iterator[Sentence]:
+    """Report the contacts found, the false alarms, and the smallest push detected."""
+    rows, name = results.rows("detection", estimate="Fmap"), ESTIMATES["Fmap"]
+    least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
+    if len(least):
+        found, count = (int(least[column].sum()) for column in ("found", "contacts"))
+        yield say("findings.contacts", name=name, found=found, count=count)
+    free = quiet(results)
+    if len(free):
+        yield say("findings.false alarms", name=name, rate=free["alarms_per_min"].mean())
+    smallest = pushes_found(results)[PUSHES].median(skipna=False)
+    if smallest.notna().all():
+        yield say("findings.hardest", axis=smallest.idxmax()[-1], force=smallest.max())
+
+
+def beside_truth(truth: pd.DataFrame) -> Iterator[Sentence]:
+    """Report how many stated intervals contain the simulated truth, and the expected count."""
+    stated = truth["within95"].dropna()
+    if len(stated):
+        count, held = len(stated), int((stated == "yes").sum())
+        yield say("findings.truth", count=count, held=held)
+        many, few = bdtrc(held - 1, count, 0.95), bdtr(held, count, 0.95)  # of independent values
+        chance = min(many, few)
+        surprise = {"chance": chance if chance < IMPROBABLE else None, "many": many < few}
+        yield say("findings.right intervals", count=count, **surprise)
