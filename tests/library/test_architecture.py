@@ -25,6 +25,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "robots": {"errors", "strict", "timeseries"},
     **dict.fromkeys(ROOMS, BASE),
     "recorder": BASE,
+    "doubles": BASE | {"recorder", "stand"},
     "comparing": BASE | {"finished"},
     "excitation": BASE | {"dynamics", "identification"},
     "pipeline": BASE | ROOMS,
@@ -33,7 +34,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "finished": {"errors", "pipeline", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
-    | {"excitation", "finished", "pipeline", "recorder", "report", "study"},
+    | {"doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
     "importing": BASE | {"commands", "recordings", "study"},
     "cli": BASE
     | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "study"},

@@ -13,6 +13,9 @@ import numpy as np
 import pytest
 
 from tests.entries import read_recording
+from ur5lib.doubles.controller import EmulatedController, Ports
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock
 from ur5lib.errors import InputError
 from ur5lib.recorder.arm_motion import ArmMotion, MotionError
 from ur5lib.recorder.arm_state import identify, read_state
@@ -20,9 +23,6 @@ from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.realtime_arm import RealtimeArm
 from ur5lib.recorder.rtde_arm import RtdeArm
 from ur5lib.robots.rtde_variables import columns
-from ur5lib.stand.lab.controller import EmulatedController, Ports
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock
 from ur5lib.stand.plan import POSTURE, Push, SimulatedRecording, Spring, Standstill
 from ur5lib.timeseries.arrays import Array
 

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from ur5lib.cli import app
 from ur5lib.commands import excite
+from ur5lib.doubles.controller import HOST, EmulatedController, Ports
 from ur5lib.errors import InputError
 from ur5lib.excitation import design as search
 from ur5lib.excitation.trajectory import Path as Motion
@@ -20,7 +21,6 @@ from ur5lib.recordings.entries import RtdeFiles
 from ur5lib.recordings.formats import read_rtde_csv
 from ur5lib.robots.collisions import Capsules, Surroundings
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.stand.trajectories import REST

@@ -10,15 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ur5lib.doubles import urscript
+from ur5lib.doubles.control_box import ControlBox
+from ur5lib.doubles.controller import EmulatedController, Ports
+from ur5lib.doubles.dashboard_server import answer
+from ur5lib.doubles.live_arm import JointMotion, LiveArm
+from ur5lib.doubles.truth import ForceReading, ImuReading, Truth
 from ur5lib.recorder.rtde_arm import RtdeClient
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.robots.rtde_variables import RuntimeState, SafetyMode
-from ur5lib.stand.lab import urscript
-from ur5lib.stand.lab.control_box import ControlBox
-from ur5lib.stand.lab.controller import EmulatedController, Ports
-from ur5lib.stand.lab.dashboard_server import answer
-from ur5lib.stand.lab.live_arm import JointMotion, LiveArm
-from ur5lib.stand.lab.truth import ForceReading, ImuReading, Truth
 from ur5lib.stand.plan import POSTURE, ForceSensor, Imu, SimulatedRecording, Spring
 from ur5lib.stand.rig import STEP
 from ur5lib.timeseries.arrays import Array

@@ -16,6 +16,9 @@ from tests.entries import read_recording
 from tests.examples import examples
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
+from ur5lib.doubles.controller import HOST, EmulatedController
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.errors import InputError
 from ur5lib.pipeline.records.truth import Truth
 from ur5lib.recorder import live
@@ -25,9 +28,6 @@ from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.collisions import collisions
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.rtde_variables import RuntimeState
-from ur5lib.stand.lab.controller import HOST, EmulatedController
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.net_ft_box import NetFTBox
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.study.reading import read_study
 from ur5lib.tables import read_json

@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock, Emulated
+from ur5lib.doubles.net_ft_box import NetFTBox
+from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
 from ur5lib.recorder.device import DeviceLost
 from ur5lib.recorder.net_ft import NetFT
 from ur5lib.recorder.xsens import Xsens
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock, Emulated
-from ur5lib.stand.lab.net_ft_box import NetFTBox
-from ur5lib.stand.lab.xsens_device import XsensDevice
 from ur5lib.timeseries.arrays import Array
 
 pytestmark = [pytest.mark.slow, pytest.mark.real_time]

@@ -18,6 +18,11 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.entries import read_recording
+from ur5lib.doubles.controller import HOST, EmulatedController, Ports
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.net_ft_box import NetFTBox
+from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
 from ur5lib.recorder.device import NewSamples
@@ -26,11 +31,6 @@ from ur5lib.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.recording import RawRecording
 from ur5lib.recordings.starts import place_sensors
-from ur5lib.stand.lab.controller import HOST, EmulatedController, Ports
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock
-from ur5lib.stand.lab.net_ft_box import NetFTBox
-from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.study.model import RtdeRecording
 from ur5lib.tables import read_json
 

@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.damage import DRAWS, damaged_stream, drawn
+from ur5lib.doubles.xsens_device import encode_message, encode_vector
 from ur5lib.recorder import xbus
 from ur5lib.recorder.mtdata import decode_mtdata, decode_mtdata2
 from ur5lib.recorder.xbus import Decoder, Message, encode
-from ur5lib.stand.lab.xsens_device import encode_message, encode_vector
 
 STREAMS = 1000
 

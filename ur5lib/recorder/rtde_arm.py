@@ -17,13 +17,12 @@ from typing import Any
 import numpy as np
 
 from ur5lib.recorder.device import DeviceLost, NewSamples, Silence, no_controller, receive
-from ur5lib.robots.rtde_variables import FORMATS, all_columns, layout
+from ur5lib.robots import rtde_variables as rtde
+from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
 
 PORT = 30004
 PATIENCE = 3.0  # s, for the controller to answer
-HEADER = struct.Struct(">HB")
 PROTOCOL = 2
-VERSION, SOFTWARE, SETUP_OUTPUTS, START, PAUSE, DATA = b"VvOSPU"
 OUTPUTS = (
     "timestamp",
     "target_q",
@@ -64,9 +63,9 @@ class RtdeClient:
         try:
             self._socket = socket.create_connection((address, port), PATIENCE)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if self._ask(VERSION, struct.pack(">H", PROTOCOL)) != b"\x01":
+            if self._ask(rtde.VERSION, struct.pack(">H", PROTOCOL)) != b"\x01":
                 raise ConnectionError("it does not speak version 2")
-            major, minor, bugfix, build = struct.unpack(">4I", self._ask(SOFTWARE))
+            major, minor, bugfix, build = struct.unpack(">4I", self._ask(rtde.SOFTWARE))
         except (OSError, struct.error) as error:
             raise no_controller("RTDE", address, port, error) from error
         self.software = int(major), int(minor), int(bugfix), int(build)
@@ -78,7 +77,7 @@ class RtdeClient:
         """
         try:
             names, kinds = self._set_up(names, rate)
-            if self._ask(START) != b"\x01":
+            if self._ask(rtde.START) != b"\x01":
                 raise ConnectionError("it does not start")
         except OSError as error:
             raise no_controller("RTDE", self._address, self._port, error) from error
@@ -98,7 +97,7 @@ class RtdeClient:
     def close(self) -> None:
         """Stop the packages and close the connection."""
         with contextlib.suppress(OSError):
-            self._socket.sendall(HEADER.pack(HEADER.size, PAUSE))
+            self._socket.sendall(HEADER.pack(HEADER.size, rtde.PAUSE))
         self._socket.close()
 
     def _packages(self) -> list[tuple[float, ...]]:
@@ -110,7 +109,7 @@ class RtdeClient:
                 raise DeviceLost(f"{self._address} does not send RTDE packages")
             if len(self._buffer) - start < size:
                 break
-            if kind == DATA and size == HEADER.size + 1 + self._layout.size:
+            if kind == rtde.DATA and size == HEADER.size + 1 + self._layout.size:
                 packages.append(self._layout.unpack_from(self._buffer, start + HEADER.size + 1))
             start += size
         self._buffer = self._buffer[start:]
@@ -120,7 +119,7 @@ class RtdeClient:
         """Request outputs; if the controller lacks some, request the others only."""
         for _ in range(2):
             content = struct.pack(">d", rate) + ",".join(names).encode()
-            kinds = self._ask(SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
+            kinds = self._ask(rtde.SETUP_OUTPUTS, content)[1:].decode("ascii", "replace").split(",")
             available = [name for name, kind in zip(names, kinds, strict=False) if kind in FORMATS]
             if len(available) == len(names):
                 return list(names), kinds

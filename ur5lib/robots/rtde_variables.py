@@ -1,4 +1,4 @@
-"""The variables of the Real-Time Data Exchange (RTDE) and their types.
+"""Packages, variables and modes of the Real-Time Data Exchange (RTDE).
 
 Source: Universal Robots' guide to RTDE, tables of robot controller outputs and inputs.
 """
@@ -7,6 +7,8 @@ import struct
 from enum import IntEnum
 from itertools import chain
 
+HEADER = struct.Struct(">HB")  # size and kind of a package
+VERSION, SOFTWARE, TEXT, SETUP_OUTPUTS, SETUP_INPUTS, START, PAUSE, DATA = b"VvMOISPU"  # kinds
 FORMATS = {  # of the types, as in the module `struct`
     "BOOL": "?",
     "UINT8": "B",

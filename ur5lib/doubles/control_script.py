@@ -13,9 +13,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ur5lib.doubles import urscript
+from ur5lib.doubles.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
 from ur5lib.robots.description import Payload
-from ur5lib.stand.lab import urscript
-from ur5lib.stand.lab.control_box import ControlBox, Program, UnsupportedCommandError, Watchdog
 from ur5lib.timeseries.arrays import Array
 
 NAME = "def rtde_control()"

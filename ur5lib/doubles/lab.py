@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ur5lib.doubles.controller import HOST, EmulatedController
+from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.net_ft_box import INTERNAL_RATE, NetFTBox
+from ur5lib.doubles.truth import ForceReading, ImuReading
+from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.robots.description import Robot
-from ur5lib.stand.lab.controller import HOST, EmulatedController
-from ur5lib.stand.lab.emulated import Clock
-from ur5lib.stand.lab.net_ft_box import INTERNAL_RATE, NetFTBox
-from ur5lib.stand.lab.truth import ForceReading, ImuReading
-from ur5lib.stand.lab.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.stand.plan import ForceSensor, Imu, SimulatedRecording
 from ur5lib.stand.rig import STEP, build_rig
 from ur5lib.stand.truth import write_truth

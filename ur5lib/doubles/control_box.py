@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.doubles.instruments import Instruments, Outputs
+from ur5lib.doubles.live_arm import LiveArm
 from ur5lib.robots.rtde_variables import INPUTS, OUTPUTS, RobotMode, RuntimeState, SafetyMode
-from ur5lib.stand.lab.instruments import Instruments, Outputs
-from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.rig import STEP
 
 Program = Iterator[None]  # advanced once per cycle, until it ends

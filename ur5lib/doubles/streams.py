@@ -1,7 +1,7 @@
-"""The controller's Real-Time Data Exchange (RTDE), port 30004.
+"""The controller's streams: RTDE, port 30004, and the realtime port 30003.
 
-Source: Universal Robots' guide to RTDE, protocol versions 1 and 2. A package is its size (uint16),
-its kind (uint8) and its content, big-endian; texts list variables separated by commas.
+Source of RTDE: Universal Robots' guide to RTDE, protocol versions 1 and 2. A package is its size
+(uint16), its kind (uint8) and its content, big-endian; texts list variables separated by commas.
 """
 
 import struct
@@ -10,13 +10,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ur5lib.robots.rtde_variables import FORMATS, INPUTS, OUTPUTS, exists, size
-from ur5lib.stand.lab.control_box import ControlBox
-from ur5lib.stand.lab.delivery import Faults, FaultyStream
+from ur5lib.doubles.control_box import ControlBox
+from ur5lib.doubles.control_script import run_programs
+from ur5lib.doubles.delivery import Faults, FaultyStream
+from ur5lib.robots import rtde_variables as rtde
+from ur5lib.robots.realtime_message import fields
+from ur5lib.robots.rtde_variables import FORMATS, HEADER, INPUTS, OUTPUTS, exists, size
 
-HEADER = struct.Struct(">HB")
-VERSION, SOFTWARE, TEXT, DATA = b"VvMU"
-SETUP_OUTPUTS, SETUP_INPUTS, START, PAUSE = b"OISP"
+STAMP = 4  # first byte of the controller's time in messages of the realtime port
 INFO = 2  # level of a text message
 SOURCE = b"URControl"
 
@@ -70,12 +71,12 @@ class RtdeClient:
         self._every = 1  # cycles between data packages
         self._recipes: list[np.dtype[np.void]] = []
         self._answers: dict[int, Callable[[bytes], bytes]] = {
-            VERSION: self._negotiate,
-            SOFTWARE: lambda _: struct.pack(">4I", *self.box.software),
-            SETUP_OUTPUTS: self._set_outputs,
-            SETUP_INPUTS: self._set_inputs,
-            START: self._start,
-            PAUSE: self._pause,
+            rtde.VERSION: self._negotiate,
+            rtde.SOFTWARE: lambda _: struct.pack(">4I", *self.box.software),
+            rtde.SETUP_OUTPUTS: self._set_outputs,
+            rtde.SETUP_INPUTS: self._set_inputs,
+            rtde.START: self._start,
+            rtde.PAUSE: self._pause,
         }
 
     @property
@@ -85,7 +86,7 @@ class RtdeClient:
 
     def handle(self, kind: int, content: bytes) -> None:
         """Answer a package."""
-        if kind == DATA:
+        if kind == rtde.DATA:
             self._write_inputs(content)
         elif kind in self._answers:
             self._stream.write(_package(kind, self._answers[kind](content)))
@@ -97,14 +98,14 @@ class RtdeClient:
         row, outputs = np.zeros((), self._outputs), self.box.outputs
         for name in self._outputs.names or ():
             row[name] = outputs.get(name, 0.0)
-        self._stream.send(_package(DATA, b"\x01" * (self._version > 1) + row.tobytes()))
+        self._stream.send(_package(rtde.DATA, b"\x01" * (self._version > 1) + row.tobytes()))
 
     def send_text(self, text: str) -> None:
         """Send a text message."""
         if self._started and self._version > 1:
             message = text.encode()[:255]
             parts = bytes([len(message)]), message, bytes([len(SOURCE)]), SOURCE, bytes([INFO])
-            self._stream.write(_package(TEXT, b"".join(parts)))
+            self._stream.write(_package(rtde.TEXT, b"".join(parts)))
 
     def _negotiate(self, content: bytes) -> bytes:
         version = int.from_bytes(content, "big")
@@ -155,6 +156,40 @@ class RtdeClient:
         watchdog = self.box.watchdog
         if watchdog is not None and watchdog.name in written:
             watchdog.last = self.box.time
+
+
+class RealtimeServer:
+    """All clients of the realtime port, which get each cycle's message and may send programs."""
+
+    def __init__(self, box: ControlBox, size: int, faults: Faults) -> None:
+        """size: of the messages [bytes], which decides on their layout."""
+        self._box, self._size, self._faults = box, size, faults
+        self._fields = fields(size) | {"timestamp": (STAMP, 1)}
+        self._streams: set[FaultyStream] = set()
+
+    async def serve(self, reader: StreamReader, writer: StreamWriter) -> None:
+        """Send to a client, and run its programs, until it hangs up."""
+        stream = FaultyStream(writer, self._faults)
+        self._streams.add(stream)
+        try:
+            await run_programs(self._box, reader)
+        finally:
+            self._streams.discard(stream)
+
+    def publish(self) -> None:
+        """Send the state of this cycle."""
+        if self._streams:
+            message = self.message()
+            for stream in self._streams:
+                stream.send(message)
+
+    def message(self) -> bytes:
+        """Return the state of this cycle: int32 size, then big-endian doubles."""
+        doubles = np.zeros((self._size - 4) // 8, ">f8")
+        for name, (first_byte, count) in self._fields.items():
+            place = (first_byte - 4) // 8
+            doubles[place : place + count] = self._box.outputs.get(name, 0.0)
+        return self._size.to_bytes(4, "big") + doubles.tobytes()
 
 
 def _names(content: bytes) -> list[str]:

@@ -10,28 +10,29 @@ import os
 import struct
 import tty
 
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock, Emulated, Reading
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock, Emulated, Reading
+from ur5lib.recorder import mtdata, xbus, xsens
 from ur5lib.timeseries.arrays import Array
 
-GO_TO_MEASUREMENT, GO_TO_CONFIG, WAKE_UP, ERROR = 0x10, 0x30, 0x3E, 0x42
-SET_PERIOD, SET_SKIP_FACTOR, SET_OUTPUT_MODE, SET_OUTPUT_SETTINGS = 0x04, 0xD4, 0xD0, 0xD2
-SET_OUTPUT_CONFIGURATION = 0xC0
-MTDATA, MTDATA2 = 0x32, 0x36
-COUNTER, TIME_FINE = 0x1020, 0x1060
-QUANTITIES = {0x4020: 0, 0x8020: 3, 0xC020: 6}  # index of the first number in a reading (9,)
+WAKE_UP = 0x3E
+# Index of the first number in a reading (9,).
+QUANTITIES = {vector: 3 * k for k, vector in enumerate(mtdata.VECTORS)}
 ANSWERS = {  # to requests for the device's identity
-    0x00: bytes.fromhex("07700ABC"),
-    0x12: bytes([1, 8, 2]),
-    0x1C: b"MTi-30-2A5G4        ",
+    xsens.REQUEST_DEVICE_ID: bytes.fromhex("07700ABC"),
+    xsens.REQUEST_FIRMWARE: bytes([1, 8, 2]),
+    xsens.REQUEST_PRODUCT_CODE: b"MTi-30-2A5G4        ",
 }
-FACTORY = {COUNTER: 0xFFFF, TIME_FINE: 0xFFFF, 0x4020: 100, 0x8020: 100, 0xC020: 100}
+FACTORY = {
+    mtdata.PACKET_COUNTER: xsens.WITH_EACH_SAMPLE,
+    mtdata.SAMPLE_TIME_FINE: xsens.WITH_EACH_SAMPLE,
+    **dict.fromkeys(mtdata.VECTORS, 100),
+}
 LEGACY_SETTINGS = {
-    SET_SKIP_FACTOR: b"\x00\x00",
-    SET_OUTPUT_MODE: b"\x00\x02",
-    SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
+    xsens.SET_SKIP_FACTOR: b"\x00\x00",
+    xsens.SET_OUTPUT_MODE: b"\x00\x02",
+    xsens.SET_OUTPUT_SETTINGS: b"\x00\x00\x00\x01",
 }
-PERIOD_CLOCK = 115_200  # Hz
 INVALID_MESSAGE, INVALID_PARAMETER = b"\x04", b"\x21"
 
 
@@ -90,11 +91,14 @@ class XsensDevice(Emulated):
         # The counter starts where the clock does: with the clock's offset.
         count = round(self.shown(sample) * self.rate_hz) % 2**16
         if self._is_legacy:
-            return encode_message(MTDATA, struct.pack(">9fH", *true, count))
+            return encode_message(mtdata.MTDATA, struct.pack(">9fH", *true, count))
         ticks = math.floor(self.shown(sample) * 10_000) % 2**32
-        stamps = {COUNTER: count.to_bytes(2, "big"), TIME_FINE: ticks.to_bytes(4, "big")}
+        stamps = {
+            mtdata.PACKET_COUNTER: count.to_bytes(2, "big"),
+            mtdata.SAMPLE_TIME_FINE: ticks.to_bytes(4, "big"),
+        }
         items = [(name, stamps.get(name) or encode_vector(name, true)) for name in self._outputs]
-        return encode_message(MTDATA2, b"".join(_item(*item) for item in items))
+        return encode_message(mtdata.MTDATA2, b"".join(_item(*item) for item in items))
 
     def send(self, part: bytes) -> None:
         """Write bytes; unread ones are lost, as on a serial line."""
@@ -112,8 +116,8 @@ class XsensDevice(Emulated):
         os.close(self._slave)
 
     def _obey(self, request: int, data: bytes) -> None:
-        if request in (GO_TO_CONFIG, GO_TO_MEASUREMENT):
-            self._is_measuring = request == GO_TO_MEASUREMENT
+        if request in (xsens.GO_TO_CONFIG, xsens.GO_TO_MEASUREMENT):
+            self._is_measuring = request == xsens.GO_TO_MEASUREMENT
             self.delivery.forget()
             self.send(encode_message(request + 1))
         elif self._is_measuring:
@@ -122,33 +126,36 @@ class XsensDevice(Emulated):
             self.send(encode_message(request + 1, ANSWERS[request]))
         elif self._is_legacy:
             self._set_legacy(request, data)
-        elif request == SET_OUTPUT_CONFIGURATION:
+        elif request == xsens.SET_OUTPUT_CONFIGURATION:
             self._set_outputs(data)
         else:
-            self.send(encode_message(ERROR, INVALID_MESSAGE))
+            self.send(encode_message(xbus.ERROR, INVALID_MESSAGE))
 
     def _set_legacy(self, request: int, data: bytes) -> None:
         """Accept the one mode and rate that the device offers."""
         offered = LEGACY_SETTINGS | {
-            SET_PERIOD: round(PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
+            xsens.SET_PERIOD: round(xsens.PERIOD_CLOCK / self.rate_hz).to_bytes(2, "big")
         }
         if request not in offered:
-            self.send(encode_message(ERROR, INVALID_MESSAGE))
+            self.send(encode_message(xbus.ERROR, INVALID_MESSAGE))
         elif data != offered[request]:
-            self.send(encode_message(ERROR, INVALID_PARAMETER))
+            self.send(encode_message(xbus.ERROR, INVALID_PARAMETER))
         else:
             self.send(encode_message(request + 1))
 
     def _set_outputs(self, data: bytes) -> None:
         """Configure the requested items at the device's rate, and confirm them."""
         wanted = [int.from_bytes(data[at : at + 2], "big") for at in range(0, len(data), 4)]
-        if any(name not in FACTORY and name & 0xFFF0 not in QUANTITIES for name in wanted):
-            self.send(encode_message(ERROR, INVALID_PARAMETER))
+        if any(name not in FACTORY and name & mtdata.GROUP not in QUANTITIES for name in wanted):
+            self.send(encode_message(xbus.ERROR, INVALID_PARAMETER))
             return
         rate = round(self.rate_hz)
-        self._outputs = {name: rate if name & 0xFFF0 in QUANTITIES else 0xFFFF for name in wanted}
+        rates = dict.fromkeys(QUANTITIES, rate)
+        self._outputs = {
+            name: rates.get(name & mtdata.GROUP, xsens.WITH_EACH_SAMPLE) for name in wanted
+        }
         accepted = [struct.pack(">HH", *item) for item in self._outputs.items()]
-        self.send(encode_message(SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
+        self.send(encode_message(xsens.SET_OUTPUT_CONFIGURATION + 1, b"".join(accepted)))
 
 
 def _item(name: int, data: bytes) -> bytes:
@@ -157,14 +164,14 @@ def _item(name: int, data: bytes) -> bytes:
 
 def encode_vector(name: int, reading: Array) -> bytes:
     """Return three numbers in the precision given by the last bits of an item's name."""
-    first = QUANTITIES[name & 0xFFF0]
+    first = QUANTITIES[name & mtdata.GROUP]
     numbers = [float(number) for number in reading[first : first + 3]]
-    if name & 3 == 1:
+    if name & mtdata.PRECISION == 1:
         return struct.pack(">3i", *(round(number * 2**20) for number in numbers))
-    if name & 3 == 2:
+    if name & mtdata.PRECISION == 2:
         fixed = [round(number * 2**32) % 2**48 for number in numbers]
         return b"".join(struct.pack(">IH", n % 2**32, n >> 32) for n in fixed)
-    return struct.pack(">3d" if name & 3 == 3 else ">3f", *numbers)
+    return struct.pack(">3d" if name & mtdata.PRECISION == 3 else ">3f", *numbers)
 
 
 def encode_message(identifier: int, data: bytes = b"") -> bytes:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Self
 
-from ur5lib.stand.lab.delivery import Delivery, Faults
+from ur5lib.doubles.delivery import Delivery, Faults
 from ur5lib.timeseries.arrays import Array
 
 NAP = 0.001  # s, shortest sleep: samples due meanwhile are sent together

@@ -6,8 +6,8 @@ Source: Universal Robots' dashboard server guide, CB-Series and e-Series.
 from asyncio import StreamReader, StreamWriter
 from collections.abc import Callable, Iterator
 
+from ur5lib.doubles.control_box import ControlBox
 from ur5lib.robots.rtde_variables import RobotMode, RuntimeState, SafetyMode
-from ur5lib.stand.lab.control_box import ControlBox
 
 WELCOME = "Connected: Universal Robots Dashboard Server"
 SERIAL_NUMBER = "20260000001"

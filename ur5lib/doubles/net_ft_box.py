@@ -1,7 +1,7 @@
 """An emulated Net F/T box: a force sensor that streams RDT records and has a page of settings.
 
-Source of the protocol: ATI Industrial Automation, Net F/T manual 9620-05-NET FT. Its encoding is
-written independently of the decoder in `recorder`, so that one proves the other.
+Source of the protocol: ATI Industrial Automation, Net F/T manual 9620-05-NET FT. Its
+records are encoded independently of the decoder in `recorder`, so that one proves the other.
 """
 
 import contextlib
@@ -12,14 +12,14 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock, Emulated, Reading
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock, Emulated, Reading
+from ur5lib.recorder import rdt
 from ur5lib.timeseries.arrays import Array
 
 HOST = "127.0.0.1"
 INTERNAL_RATE = 7000  # Hz, at which ft_sequence counts
-STOP, STREAM, BIAS = 0x0000, 0x0002, 0x0042
-GAUGES_SATURATED = 0x80020000  # error summary and saturation
+GAUGES_SATURATED = rdt.ERROR | rdt.SATURATED
 LARGEST = 2**31 - 1  # count
 
 PAGE = """<?xml version="1.0"?>
@@ -90,15 +90,17 @@ class NetFTBox(Emulated):
     def answer(self) -> None:
         """Obey a request: begin or end a stream, or set the bias."""
         data, sender = self._socket.recvfrom(64)
-        if len(data) != 8 or data[:2] != b"\x12\x34" or not self.is_powered():
+        if len(data) != rdt.REQUEST.size or not self.is_powered():
             return
-        command, count = int.from_bytes(data[2:4], "big"), int.from_bytes(data[4:], "big")
-        if command == STOP:
+        header, command, count = rdt.REQUEST.unpack(data)
+        if header != rdt.HEADER:
+            return
+        if command == rdt.STOP:
             self._client = None
-        elif command == STREAM:
+        elif command == rdt.STREAM:
             self._client, self._sequence = sender, 0
             self._last = count or None
-        elif command == BIAS:
+        elif command == rdt.SET_BIAS:
             self._zero = None
 
     def packet(self, sample: int) -> bytes | None:

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.doubles.control_box import ControlBox, Program, UnsupportedCommandError
 from ur5lib.robots.description import Payload
 from ur5lib.robots.urscript import Command, ToolPose, calls, parse, six
-from ur5lib.stand.lab.control_box import ControlBox, Program, UnsupportedCommandError
 from ur5lib.timeseries.arrays import Array
 
 

@@ -23,17 +23,16 @@ from typing import Any, Self
 
 import numpy as np
 
+from ur5lib.doubles import dashboard_server
+from ur5lib.doubles.control_box import ControlBox
+from ur5lib.doubles.control_script import run_programs
+from ur5lib.doubles.delivery import Faults
+from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.live_arm import LiveArm
+from ur5lib.doubles.streams import RealtimeServer, RtdeServer
+from ur5lib.doubles.truth import Truth
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.stand.lab import dashboard_server
-from ur5lib.stand.lab.control_box import ControlBox
-from ur5lib.stand.lab.control_script import run_programs
-from ur5lib.stand.lab.delivery import Faults
-from ur5lib.stand.lab.emulated import Clock
-from ur5lib.stand.lab.live_arm import LiveArm
-from ur5lib.stand.lab.realtime_server import RealtimeServer
-from ur5lib.stand.lab.rtde_server import RtdeServer
-from ur5lib.stand.lab.truth import Truth
 from ur5lib.stand.plan import SimulatedRecording, Standstill
 
 HOST = "127.0.0.1"

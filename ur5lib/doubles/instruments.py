@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
+from ur5lib.doubles.live_arm import LiveArm
 from ur5lib.stand.arm import FLANGE
 from ur5lib.stand.controller import (
     ForceEstimate,
@@ -15,7 +16,6 @@ from ur5lib.stand.controller import (
     poses,
     sensed,
 )
-from ur5lib.stand.lab.live_arm import LiveArm
 from ur5lib.stand.plan import WristSensor
 from ur5lib.stand.sensors import Wrist, declared_weight, in_base_axes
 from ur5lib.stand.trajectories import Targets
