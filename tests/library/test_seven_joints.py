@@ -1,5 +1,6 @@
 """An arm of seven joints: what counts joints counts those of the arm."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pinocchio
 import pytest
 
+from tests.library.current_study import make_record, prior, smooth, with_noise
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import InputError
@@ -22,7 +24,10 @@ from ur5lib.identification.base_parameters import (
     stack,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
+from ur5lib.identification.currents import fit_currents, predict
 from ur5lib.identification.identified_model import identified_model
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.regression import Normal
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
@@ -175,6 +180,28 @@ def test_a_wrench_is_estimated() -> None:
     assert (found.log_odds[:800] < 0).all()
     assert error[inner, :3].mean() < 5.0
     assert np.mean(error[inner, :3] < 1.96 * found.std[inner, :3]) > 0.9
+
+
+def seventh(values: Array) -> Array:
+    """With a copy of the first joint."""
+    return np.concatenate([values, values[..., :1]], axis=-1)
+
+
+def test_currents_are_fitted() -> None:
+    """A seventh joint with the motion and current of the first has its map."""
+    six = [with_noise(make_record(seed, 10.0), seed) for seed in range(2)]
+    names = ("q", "qd", "torque", "current")
+    records = [replace(r, **{name: seventh(getattr(r, name)) for name in names}) for r in six]
+    known = prior()
+    inverse = known.inverse_constant
+    precision = np.diag(seventh(np.diag(inverse.precision)))
+    wide = Prior(Normal(seventh(inverse.mean), precision), seventh(known.torque_max))
+    fit, expected = fit_currents(records, smooth, wide, ()), fit_currents(six, smooth, known, ())
+    assert len(fit.joints) == JOINTS
+    for own, other in zip(fit.joints, (*expected.joints, expected.joints[0]), strict=True):
+        np.testing.assert_allclose(own.estimate.coefficients, other.estimate.coefficients)
+    predicted = predict(fit, records[0])
+    np.testing.assert_allclose(predicted, seventh(predict(expected, six[0])))
 
 
 def test_recordings_of_such_an_arm_are_refused(tmp_path: Path) -> None:

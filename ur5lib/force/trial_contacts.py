@@ -62,7 +62,7 @@ def felt_push(
     for each push and joint. time: (N,) [s]; most: (6,) [Nm], that friction bears.
     """
     push = (time // (PUSH + PAUSE)).astype(np.int64)
-    bears = random.uniform(size=(push.max(initial=0) + 1, 6))[push] * most
+    bears = random.uniform(size=(push.max(initial=0) + 1, len(most)))[push] * most
     resting = torque - np.clip(torque, -bears, bears)
     moving = torque if gears is None else gears.where_moving(states).felt(torque)
     return np.where(states % STATES == STILL, resting, moving)

@@ -2,7 +2,7 @@
 
 Under feedback linearisation the model of the links cancels (2.70): each joint is a double
 integrator of its own, driven by a_q = q̈_d - K0 (q - q_d) - K1 (q̇ - q̇_d) (2.71). So the gains do
-not depend on the model, and the twelve gains are six problems of two.
+not depend on the model, and the gains of n joints are n problems of two.
 """
 
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ def simulate_closed_loop(
     drive = target_qdd + position_gains * target_q + velocity_gains * target_qd  # (N, 6)
     starts = np.stack([target_q[0], target_qd[0]], axis=1)
     steps = [_step(*gains, period) for gains in zip(position_gains, velocity_gains, strict=True)]
-    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]  # 6 of (2, N)
+    states = [_run(*joint) for joint in zip(steps, drive.T, starts, strict=True)]  # (2, N) each
     q, qd = np.stack(states, axis=2)
     return q, qd, drive - position_gains * q - velocity_gains * qd
 
@@ -123,7 +123,7 @@ def tracking_cost(
 
 
 def estimate_gains(tracking: Tracking) -> list[JointGains]:
-    """Estimate the gains of the six joints by nonlinear least squares (2.84), with 95 % ranges.
+    """Estimate the gains of each joint by nonlinear least squares (2.84), with 95 % ranges.
 
     The search range is what a recording can determine: natural frequencies from one radian over its
     longest stretch up to Nyquist's, critically damped (2.74). Least squares start from the deepest
@@ -239,7 +239,7 @@ def _joints(tracking: Tracking) -> list[_Joint]:
         raise ValueError("no two successive samples have both targets and measured motion")
     return [
         _Joint([np.stack([kind[rows, joint] for kind in kinds]) for rows in chosen], t.period)
-        for joint in range(6)
+        for joint in range(t.target_q.shape[1])
         for chosen in [
             _accelerated_most(complete, t.target_qdd[:, joint], round(ENOUGH / t.period))
         ]

@@ -98,7 +98,7 @@ def _noise(record: Record, smooth: Smooth) -> list[tuple[float, float]]:
     parts = [fast[rows] for rows in unbroken(blocks(record))]
     power = np.array([np.nanmean(part**2, axis=0) for part in parts if np.isfinite(part).any()])
     if len(power) < 2:
-        return [UNKNOWN] * 6
+        return [UNKNOWN] * record.current.shape[1]
     root = np.sqrt(power.mean(axis=0))
     error = power.std(axis=0, ddof=1) / np.sqrt(len(power)) / (2 * np.maximum(root, 1e-12))
     return [(float(a), float(b)) for a, b in zip(root, error, strict=True)]

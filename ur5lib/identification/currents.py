@@ -5,7 +5,7 @@ in 1/k, b/k and the friction coefficients over k, which are fitted to samples in
 friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -86,7 +86,7 @@ class JointFit:
 
 @dataclass(frozen=True)
 class CurrentFit:
-    """The maps of the six joints; units: number of paths, or of stretches if paths are few."""
+    """The maps of the joints; units: number of paths, or of stretches if paths are few."""
 
     joints: tuple[JointFit, ...]
     units: int
@@ -151,7 +151,7 @@ def too_small(fit: CurrentFit, prior: Prior) -> Mask:
 
 def _beside_known(fit: CurrentFit, prior: Prior) -> tuple[Array, Array, Array]:
     """Return 1/k (6,) [A/Nm] as fitted, as known, and the standard deviation of the latter."""
-    std = [prior.of_joint(joint).std for joint in range(6)]
+    std = [prior.of_joint(joint).std for joint in range(len(fit.joints))]
     return _inverse_constants(fit), prior.inverse_constant.mean, np.array(std)
 
 
@@ -168,10 +168,10 @@ def _fit_with(
     seed: int,
 ) -> CurrentFit:
     """Return the fit under a prior as it is."""
-    alone = [prior.of_joint(joint) for joint in range(6)]
+    alone = [prior.of_joint(joint) for joint in range(len(prior.torque_max))]
     # how the friction of each joint reverses, with the least error on paths left out
     ways = (*PRESLIDING, KARNOPP)
-    tried = [joint_samples(records, smooth, family, [way] * 6) for way in ways]
+    tried = [joint_samples(records, smooth, family, [way] * len(alone)) for way in ways]
     by_joint = zip(zip(*tried, strict=True), alone, strict=True)
     chosen = [choose_reversal(dahl, karnopp, own) for (*dahl, karnopp), own in by_joint]
     samples, errors = zip(*chosen, strict=True)
@@ -228,12 +228,11 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 
     Without its load-dependent part; at least LEAST_FRICTION.
     """
-    place = [names.index("coulomb") for names in (joint.names() for joint in fit.joints)]
-    torque = [
-        physical(joint.estimate.coefficients)[own]
-        for joint, own in zip(fit.joints, place, strict=True)
+    coulomb = [
+        physical(joint.estimate.coefficients)[joint.names().index("coulomb")]
+        for joint in fit.joints
     ]
-    return np.maximum(np.array(torque), LEAST_FRICTION)
+    return np.maximum(np.array(coulomb), LEAST_FRICTION)
 
 
 def torque_constants(fit: CurrentFit) -> Array:
@@ -249,20 +248,26 @@ def constants_doubt(fit: CurrentFit) -> Array:
 
 def predict(fit: CurrentFit, record: Record) -> Array:
     """Predict the current (N, 6) [A] of a motion without contact; ignores the record's current."""
-    currents = []
-    for joint, model in enumerate(fit.joints):
-        columns, held = design(record, joint, model.terms, model.presliding)
-        currents.append(columns @ model.estimate.coefficients + model.held * held)
+    currents = [
+        columns @ model.estimate.coefficients + model.held * held
+        for model, columns, held in _designs(fit, record)
+    ]
     return np.stack(currents, axis=1)
 
 
 def friction_current(fit: CurrentFit, record: Record) -> Array:
     """Return the part (N, 6) [A] of the predicted current that friction takes in motion."""
-    currents = []
-    for joint, model in enumerate(fit.joints):
-        columns, _ = design(record, joint, model.terms, model.presliding)
-        currents.append(columns[:, 2:] @ model.estimate.coefficients[2:])
+    currents = [
+        columns[:, 2:] @ model.estimate.coefficients[2:]
+        for model, columns, _ in _designs(fit, record)
+    ]
     return np.stack(currents, axis=1)
+
+
+def _designs(fit: CurrentFit, record: Record) -> Iterator[tuple[JointFit, Array, Array]]:
+    """Yield each joint's fit and its `design` of a motion."""
+    for joint, model in enumerate(fit.joints):
+        yield model, *design(record, joint, model.terms, model.presliding)
 
 
 def load_loss(fit: CurrentFit, record: Record) -> Array:
@@ -280,11 +285,8 @@ def band(fit: CurrentFit, record: Record, smooth: Smooth, friction: Array) -> Ar
     Beside what recordings that were left out show, friction differs from day to day; friction:
     low-passed `friction_current`.
     """
-    within, at_rest = (
-        np.array([getattr(joint, name) for joint in fit.joints])
-        for name in ("band_moving", "band_rest")
-    )
-    within = np.where(smoothed_moving(record, smooth), within, at_rest)
+    moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
+    within = np.where(smoothed_moving(record, smooth), moving, at_rest)
     return np.hypot(within, NORMAL95 * BETWEEN_DAYS * friction)
 
 

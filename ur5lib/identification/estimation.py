@@ -1,4 +1,4 @@
-"""Joint estimate of the six current-torque maps with a prior, and its uncertainty.
+"""Joint estimate of all current-torque maps with a prior, and its uncertainty.
 
 The joints are related through the prior of their torque constants only.
 """
@@ -42,13 +42,14 @@ class Estimate:
 def estimate_together(
     samples: Sequence[Samples], terms: Sequence[tuple[Term, ...]], prior: Prior, seed: int = 0
 ) -> tuple[list[Estimate], int]:
-    """Estimate the six joints; return the estimates and the number of units of the bootstrap.
+    """Estimate all joints; return the estimates and the number of units of the bootstrap.
 
     Units are paths, or stretches if paths are few.
     """
     # normal equations of each block: one Newton step from Huber's estimate
     count = 1 + max(int(joint.block.max(initial=0)) for joint in samples)
-    sums = [_normal_equations(samples[j], terms[j], prior.of_joint(j), count) for j in range(6)]
+    pairs = enumerate(zip(samples, terms, strict=True))
+    sums = [_normal_equations(*own, prior.of_joint(joint), count) for joint, own in pairs]
     whole, generator = prior.over(terms), np.random.default_rng(seed)
     unit = np.full(count, -1)  # of each block, -1 for one without samples
     for joint in samples:

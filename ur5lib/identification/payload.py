@@ -116,7 +116,7 @@ def joint_gains(external_torque: Array, load: Array, count: int) -> Array:
     """
     known = np.isfinite(external_torque + load).all(axis=1)
     external_torque, load = external_torque[known], load[known]
-    noise = external_torque.var(axis=0) if known.any() else np.ones(6)
+    noise = external_torque.var(axis=0) if known.any() else np.ones(load.shape[1])
     held = noise / JOINTS**2 * len(load) / max(1, count)
     return np.asarray((external_torque * load).sum(axis=0) / ((load**2).sum(axis=0) + held + 1e-12))
 
@@ -136,7 +136,7 @@ def estimate_payload(
     explained = np.stack(parts, axis=2)
     moving = smoothed_moving(record, smooth)[::every]
     rows = moving & np.isfinite(explained).all(axis=2) & np.isfinite(scale)
-    block = np.repeat(blocks(record)[::every, None], 6, axis=1)[rows]
+    block = np.repeat(blocks(record)[::every, None], rows.shape[1], axis=1)[rows]
     columns = (explained / scale[:, None])[rows]
 
     def solve(drawn: CurrentFit, start: Array, count: Labels, known: Array) -> Array:

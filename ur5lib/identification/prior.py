@@ -39,7 +39,7 @@ class JointPrior:
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of the six joints: of 1/k [A/Nm]; torque_max: of the motors (6,) [Nm].
+    """Prior of all joints: of 1/k [A/Nm]; torque_max: of the motors (6,) [Nm].
 
     pinned: joints 0 to 5 whose 1/k keeps the prior's mean, regardless of the data.
     """
@@ -84,8 +84,8 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
     At rest, the controller's current contains no friction, so the ratio is constant.
     """
     rest = (np.abs(qd) < STILL).all(axis=1) & np.isfinite(moment * current).all(axis=1)
-    constants = np.full(6, np.nan)
-    for joint in range(6):
+    constants = np.full(moment.shape[1], np.nan)
+    for joint in range(len(constants)):
         loaded = rest & (np.abs(moment[:, joint]) > LOAD) & (current[:, joint] != 0)
         if loaded.sum() > rest.sum() / 2:
             constants[joint] = np.median(moment[loaded, joint] / current[loaded, joint])
@@ -95,7 +95,7 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
 def torque_constant_prior(
     maker: Array, controller: Array, motors: Sequence[str], widths: tuple[float, float, float]
 ) -> Normal:
-    """Return the prior of 1/k [A/Nm] of the six joints from values (6,) [Nm/A], NaN if unknown.
+    """Return the prior of 1/k [A/Nm] of all joints from values (6,) [Nm/A], NaN if unknown.
 
     maker: at the joint's side of the gear; controller: see `standstill_ratio`; motors: their sizes.
     widths: relative standard deviations of the manufacturer's value, common to joints of one motor
@@ -109,7 +109,7 @@ def torque_constant_prior(
         raise RefusalError("unknown constant")
     # covariance of log k: common to a motor size, and of each joint
     wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
-    covariance = same * np.outer(wide, wide) + np.eye(6) * spread**2
+    covariance = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     precision = np.linalg.inv(covariance)
     right = precision @ np.log(np.where(known, maker, 1.0))
     # the controller's ratio as a measurement of log k

@@ -57,7 +57,7 @@ def fit_rotor_inertia(
 def _fit(parts: Sequence[Array]) -> Array:
     """Return the four terms of each joint, (4, 6); parts: (K, 6, 3) each."""
     samples = np.concatenate(parts)
-    return np.stack([_fit_joint(samples[:, joint]) for joint in range(6)], axis=1)
+    return np.stack([_fit_joint(samples[:, joint]) for joint in range(samples.shape[1])], axis=1)
 
 
 def _fit_joint(samples: Array) -> Array:

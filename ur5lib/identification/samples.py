@@ -137,7 +137,7 @@ def joint_samples(
     ]
     paths, days = record_paths(records), record_days(records)
     joints = []
-    for joint in range(6):
+    for joint in range(len(presliding)):
         rows = [part[joint] for part in parts]
         record = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
         columns, held, current, moving, block = (
@@ -204,8 +204,8 @@ def _record_samples(
     every = max(1, round(STEP / record.period))
     moving = record.once(smooth, lambda: smoothed_moving(record, smooth)[::every].copy())
     joints = []
-    for joint in range(6):
-        key = smooth, terms, joint, presliding[joint]
+    for joint, distance in enumerate(presliding):
+        key = smooth, terms, joint, distance
         smoothed = record.once(key, partial(_smoothed, record, *key, every))
         kept = np.isfinite(smoothed).all(axis=1)
         columns, (held, current) = smoothed[kept, :-2], smoothed[kept, -2:].T

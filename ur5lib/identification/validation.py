@@ -36,7 +36,10 @@ def coefficients_of_constants(
 
     torque_constant [Nm/A], offset [Nm] (Equation 6.6); coulomb [Nm], viscous [Nm s/rad] (6.2).
     """
-    return np.stack([np.ones(6), -offset, coulomb, viscous], axis=1) / torque_constant[:, None]
+    return (
+        np.stack([np.ones_like(offset), -offset, coulomb, viscous], axis=1)
+        / torque_constant[:, None]
+    )
 
 
 def least_squares_coefficients(records: Sequence[Record]) -> Array:
@@ -45,7 +48,10 @@ def least_squares_coefficients(records: Sequence[Record]) -> Array:
     current = np.concatenate([record.current for record in records])
     known = np.isfinite(columns).all(axis=(1, 2)) & np.isfinite(current).all(axis=1)
     return np.stack(
-        [np.linalg.lstsq(columns[known, joint], current[known, joint])[0] for joint in range(6)]
+        [
+            np.linalg.lstsq(columns[known, joint], current[known, joint])[0]
+            for joint in range(current.shape[1])
+        ]
     )
 
 
@@ -100,7 +106,7 @@ def fitted_on_tested_on(
 
     terms, presliding: those of the six `JointFit`s. NaN if a joint does not move in both.
     """
-    table = np.full((len(records), len(records), 6), np.nan)
+    table = np.full((len(records), len(records), len(terms)), np.nan)
     family = list(dict.fromkeys(term for joint in terms for term in joint[len(BASE) :]))
     for joint, samples in enumerate(joint_samples(records, smooth, family, presliding)):
         moving = samples.where(samples.moving)
