@@ -90,10 +90,13 @@ class WrenchEstimate:
         return self._at_all("least_squares_std")
 
     def _at_all(self, name: str) -> Array:
-        parts = [
-            _at_every_sample(getattr(own, name), self.every, rows.stop - rows.start)
-            for rows, own in self.stretches
-        ]
+        """Interpolate a quantity of the thinned estimate linearly at all samples."""
+        parts = []
+        for rows, own in self.stretches:
+            thinned: Array = getattr(own, name)
+            at, known = np.arange(rows.stop - rows.start), self.every * np.arange(len(thinned))
+            columns = interpolated(at, known, thinned.reshape(len(thinned), -1))
+            parts.append(columns.reshape(len(at), *thinned.shape[1:]))
         return np.concatenate(parts)
 
 
@@ -150,14 +153,6 @@ def estimate_wrench(
 def thinning(period: float) -> int:
     """Return the number of samples from one that is used to the next; period: [s]."""
     return max(1, round(STEP / period))
-
-
-def _at_every_sample(thinned: Array, every: int, count: int) -> Array:
-    """Interpolate a quantity of the thinned estimate linearly at all samples of a stretch."""
-    at, known = np.arange(count), every * np.arange(len(thinned))
-    if thinned.ndim == 1:
-        return np.interp(at, known, thinned)
-    return interpolated(at, known, thinned)
 
 
 def _estimate(seen: Observations, ablation: Ablation) -> StretchEstimate:

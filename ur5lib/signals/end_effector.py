@@ -8,6 +8,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 from scipy.spatial.transform import Rotation
 
+from ur5lib.robots.inertia import tensor
 from ur5lib.signals.imu_fusion import jacobian_derivative, point_jacobian
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.sampling import differentiate
@@ -34,7 +35,9 @@ def point_acceleration(
     """
     linear, angular = point_jacobian(rotation, jacobian, point), jacobian[:, 3:]
     linear_rate = np.matvec(jacobian_derivative(linear, angular), qd[:, None])
-    angular_rate = np.matvec(_axis_derivative(angular), qd[:, None])
+    # ∂J_w,i/∂q_j = J_w,j × J_w,i for j < i, else 0: (N, 3, i, j)
+    turned = np.cross(angular[:, :, None, :], angular[:, :, :, None], axis=1)
+    angular_rate = np.matvec(np.tril(turned, k=-1), qd[:, None])
     J = np.concatenate([linear, angular], axis=1)
     J_rate = np.concatenate([linear_rate, angular_rate], axis=1)
     return np.matvec(J, qdd) + np.matvec(J_rate, qd)
@@ -50,12 +53,6 @@ def felt_acceleration(
     """
     linear = np.matvec(rotation, accelerometer) - up
     return np.concatenate([linear, np.matvec(rotation, angular_acceleration)], axis=1)
-
-
-def _axis_derivative(axes: Array) -> Array:
-    """Return ∂J_w,i/∂q_j = J_w,j × J_w,i for j < i, else 0: (N, 3, i, j). axes: J_w (N, 3, 6)."""
-    turned = np.cross(axes[:, :, None, :], axes[:, :, :, None], axis=1)
-    return np.tril(turned, k=-1)
 
 
 NARROWEST = 0.1  # samples; a Gaussian below changes nothing
@@ -83,9 +80,8 @@ class ToolMotion:
 
         inertia: xx yy zz xy xz yz [kg m²] about the centre of mass, axes of frame 6.
         """
-        xx, yy, zz, xy, xz, yz = inertia
-        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        return self.spin @ tensor + np.cross(self.rate, self.rate @ tensor)
+        about = tensor(inertia)
+        return self.spin @ about + np.cross(self.rate, self.rate @ about)
 
 
 def tool_motion(

@@ -75,14 +75,10 @@ def _filtered(
                 ekf.x, ekf.P = np.zeros(18), np.diag(UNKNOWN**2)
             if known[k]:
                 ekf.update(measured, lambda _: H, lambda x: x[:12])
-            settled = bool(known[k]) and _has_settled(gain, ekf.K)
+            # converged, as the noise is fixed
+            change, size = (np.abs(of).max(axis=1) for of in (ekf.K - gain, ekf.K))
+            settled = bool(known[k]) and bool((change <= SETTLED * size).all())
         if known[k]:
             likelihood -= (ekf.y @ ekf.SI @ ekf.y + np.linalg.slogdet(ekf.S)[1]) / 2
         states[k] = ekf.x
     return states, likelihood
-
-
-def _has_settled(before: Array, gain: Array) -> bool:
-    """Return whether the gain (18, 12) of a filter with fixed noise has converged."""
-    change = np.abs(gain - before).max(axis=1)
-    return bool((change <= SETTLED * np.abs(gain).max(axis=1)).all())
