@@ -18,6 +18,7 @@ from ur5lib.identification.base_parameters import (
     BaseParameters,
     Estimate,
     base_parameters,
+    identified_model,
     identify,
     parameter_names,
     prior_width,
@@ -26,7 +27,6 @@ from ur5lib.identification.base_parameters import (
     total,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
-from ur5lib.identification.identified_model import identified_model
 from ur5lib.pipeline.controller_torque import torque_blocks
 from ur5lib.robots.description import (
     Robot,

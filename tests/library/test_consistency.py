@@ -5,7 +5,7 @@ import pytest
 
 from tests.library.test_base_parameters import columns, fit, parameters, sines
 from ur5lib.errors import RefusalError
-from ur5lib.identification.base_parameters import Estimate, torque_error
+from ur5lib.identification.base_parameters import Estimate, identified_model, torque_error
 from ur5lib.identification.consistency import (
     LENGTH,
     MARGIN,
@@ -13,7 +13,6 @@ from ur5lib.identification.consistency import (
     pseudo_inertias,
     smallest_eigenvalues,
 )
-from ur5lib.identification.identified_model import identified_model
 from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 
 

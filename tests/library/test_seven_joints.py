@@ -19,13 +19,13 @@ from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.wrench_estimate import estimate_wrench, used_rows
 from ur5lib.identification.base_parameters import (
     base_parameters,
+    identified_model,
     identify,
     prior_width,
     stack,
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.currents import fit_currents, predict
-from ur5lib.identification.identified_model import identified_model
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_yaml

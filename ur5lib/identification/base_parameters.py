@@ -1,4 +1,4 @@
-"""Inertial parameters of an arm from torques: base parameters, estimates and standard errors."""
+"""Inertial parameters of an arm from torques: base parameters, estimates, the model they give."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from ur5lib.errors import RefusalError
+from ur5lib.robots.description import Model, Robot
+from ur5lib.robots.inertia import link_tail, shift_inertia, tensor
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import mean_absolute_error
 
@@ -233,3 +235,31 @@ def _scatter(factors: Array, parameters: Array, spread: Array, width: Array) -> 
     changes = np.linalg.solve(remaining, gradient)[..., 0] @ spread.T
     from_prior = spread / width[:, None] @ spread.T
     return np.concatenate([changes * np.sqrt(1 - 1 / len(changes)), from_prior])
+
+
+def identified_model(robot: Robot, parameters: Array, description: str) -> Model:
+    """Return the model of an arm with inertial parameters π = parameters (P,).
+
+    π as in `ur5lib.dynamics.arm.inertial_parameters`, in the URDF's frames link_k; a payload
+    belongs to the last link. Raises ValueError if a mass or a rotor inertia is negative.
+    """
+    masses, centers, inertias = [], [], []
+    poses = robot.link_poses()
+    links, rotors = np.split(parameters, [10 * len(poses)])
+    for link, pose in zip(links.reshape(-1, 10), poses, strict=True):
+        mass, center = link[0], link[1:4] / link[0]
+        rotation, translation = link_tail(pose)
+        about_origin = tensor(link[[4, 6, 9, 5, 7, 8]].tolist())
+        inertia = rotation.T @ shift_inertia(about_origin, -mass, center) @ rotation
+        masses.append(float(mass))
+        centers.append(tuple((rotation.T @ (center - translation)).tolist()))
+        inertias.append(tuple(inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()))
+    return Model.model_validate(
+        {
+            "description": description,
+            "masses": tuple(masses),
+            "centers_of_mass": tuple(centers),
+            "inertias": tuple(inertias),
+            "rotor_inertias": tuple(rotors.tolist()),
+        }
+    )

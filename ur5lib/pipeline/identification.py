@@ -12,6 +12,7 @@ from ur5lib.identification.base_parameters import (
     Estimate,
     Stack,
     base_parameters,
+    identified_model,
     identify,
     prior_width,
     stack,
@@ -19,7 +20,6 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
-from ur5lib.identification.identified_model import identified_model
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
