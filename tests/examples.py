@@ -1,6 +1,7 @@
 """Examples in documents: where they stand, what kind they are, and whether they hold."""
 
 import ast
+import functools
 import re
 import shlex
 from collections.abc import Callable, Iterator
@@ -11,6 +12,7 @@ from typing import Any
 
 import typer
 import yaml
+from markdown_it import MarkdownIt
 from snakemake.cli import get_argument_parser
 
 from tests.conftest import PROJECT
@@ -19,16 +21,16 @@ from ur5lib.errors import InputError
 from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 
-FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-INDENTED = re.compile(r"(?<=\n)[ \t]*\n((?: {4}.*\n(?:[ \t]*\n(?= {4}))*)+)")
-SPAN = re.compile(r"(`+)(?!`)(.+?)(?<!`)\1(?!`)", re.DOTALL)
+MARKDOWN = MarkdownIt("commonmark").enable("table")
 COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", "sbatch", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
-KEY = re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)")
-CODE = re.compile(r"(?:import|from|def|class|>>>) ")
-WAY_POINT = re.compile(r"-?\d+\.\d+,")
-MOVE = re.compile(r"move[jl]\(")
-LISTED = re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S")
+FIRST = {  # what the first line of a block begins with
+    "python": re.compile(r"(?:import|from|def|class|>>>) "),
+    "yaml": re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)"),
+    "way-points": re.compile(r"-?\d+\.\d+,"),
+    "moves": re.compile(r"move[jl]\("),
+    "listing": re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S"),
+}
 ENTRY = {"name": "run", "robot": "ur5", "role": "fit", "folder": "raw/mine"}
 FORMATS: list[dict[str, Any]] = [
     {"format": "thesis-csv"},
@@ -64,35 +66,30 @@ class Example:
 def examples(page: Path) -> list[Example]:
     """All blocks of a page, and the spans that are commands or parts of a study."""
     text = page.read_text()
-    name = str(page.relative_to(PROJECT))
     if page.suffix == ".py":
-        text = (ast.get_docstring(ast.parse(text)) or "") + "\n"
-    found = []
-    for match in INDENTED.finditer(FENCE.sub(_blank, text)):
-        block = dedent(match[1])
-        found.append((match.start(1), block, kind_of(block)))
-    for match in FENCE.finditer(text):
-        found.append((match.start(2), match[2], kind_of(match[2])))
-    found += spans(FENCE.sub(_blank, INDENTED.sub(_blank, text)))
-    return [
-        Example(name, text.count("\n", 0, place) + 1, block, kind) for place, block, kind in found
-    ]
+        text = ast.get_docstring(ast.parse(text)) or ""
+    name = str(page.relative_to(PROJECT))
+    return [Example(name, line, part, kind) for line, part, kind in parts(text)]
 
 
-def _blank(match: re.Match[str]) -> str:
-    return re.sub(r"[^\n]", "x", match[0])
+def parts(text: str) -> Iterator[tuple[int, str, str]]:
+    """The line, text and kind of each example."""
+    for token in MARKDOWN.parse(text):
+        line = token.map[0] + 1 if token.map else 0
+        if token.type in ("fence", "code_block"):
+            block = dedent(token.content)
+            yield line, block, kind_of(block)
+        for child in token.children or []:
+            span = child.content
+            if child.type != "code_inline":
+                continue
+            if INLINE.match(span):
+                yield line, span, "shell"
+            elif re.match(r"[a-z_]+: ", span) and span.split(":")[0] in study_keys():
+                yield line, span, "yaml"
 
 
-def spans(text: str) -> Iterator[tuple[int, str, str]]:
-    """The spans of a text that are commands, or a study's keys with their values."""
-    for match in SPAN.finditer(text):
-        span = " ".join(match[2].split())
-        if INLINE.match(span):
-            yield match.start(), span, "shell"
-        elif re.match(r"[a-z_]+: ", span) and span.split(":")[0] in study_keys():
-            yield match.start(), span, "yaml"
-
-
+@functools.cache
 def study_keys() -> set[str]:
     """All keys that a study and its parts may have."""
     schema = Study.model_json_schema()
@@ -101,22 +98,13 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What an example is: shell, python, yaml, way-points, moves, files, equations, or unknown."""
-    first = block.splitlines()[0]
-    if CODE.match(first):
-        return "python"
-    if KEY.match(first):
-        return "yaml"
-    filled = [line for line in block.splitlines() if line.strip()]
-    if all(line.split()[0].removeprefix(".venv/bin/") in COMMANDS for line in filled):
+    """What a block is: shell, equation, one of FIRST, or unknown."""
+    lines = [line for line in block.splitlines() if line.strip()]
+    if all(line.split()[0].removeprefix(".venv/bin/") in COMMANDS for line in lines):
         return "shell"
-    if LISTED.match(first):
-        return "listing"
-    if WAY_POINT.match(first):
-        return "way-points"
-    if MOVE.match(first):
-        return "moves"
-    return "equation" if all(re.search(" [=∝] ", line) for line in filled) else "unknown"
+    kinds = [kind for kind, first in FIRST.items() if first.match(lines[0])]
+    equation = all(re.search(" [=∝] ", line) for line in lines)
+    return next(iter(kinds), "equation" if equation else "unknown")
 
 
 # Shell
