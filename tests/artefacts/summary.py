@@ -1,355 +1,320 @@
-"""The numbers expected on a report's first screen, computed from its tables in plain Python."""
+"""States and numbers expected on a report's first screen, computed from its tables."""
 
-import csv
-import html
-import math
-import re
-from collections import Counter, defaultdict
 from collections.abc import Iterator
 from pathlib import Path
-from statistics import mean, median
 from typing import Any, NamedTuple
 
-Row = dict[str, str]
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import binom
+
+from ur5lib.tables import read_csv, read_json
+
 ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "static", "Fu", "F", "F*")
 MOST_WORDS = 180
-FORCES = ("Fx", "Fy", "Fz")
-FIXED = ["10 N", "probability of 95 %", "95 % interval", "95 % band", "(95 %:"]
-SEVERITIES = ("stop", "error", "warning", "note")
+FORCES = ["Fx", "Fy", "Fz"]
+SEVERITIES = ["stop", "error", "warning", "note"]
+SMALL = 5e-5  # Nm or A, below which nothing acts and no models differ
+Rounded = tuple[float, int]  # a number, and the decimals with which it is shown
+
+
+class Number(NamedTuple):
+    """A number of a verdict: where it is, and the error of an estimate of zero there."""
+
+    value: float
+    place: str
+    baseline: float = np.nan
+
+
+class Verdict(NamedTuple):
+    """What a verdict must state; share: of zero's error, in per cent, with which it begins."""
+
+    state: str
+    numbers: list[Number]
+    share: float = np.nan
 
 
 class Study(NamedTuple):
-    """A study's tables by name, the role of each recording, and the joints that move on it."""
+    """A study's tables by name, and the role of each recording."""
 
-    tables: dict[str, list[Row]]
-    roles: dict[str, str]
-    files: dict[str, str]
+    tables: dict[str, pd.DataFrame]
+    roles: pd.Series
 
-    def moving(self, recording: str) -> set[str]:
-        (row,) = [row for row in self.tables["recordings"] if row["recording"] == recording]
-        return {f"{float(joint):.0f}" for joint in row["moving_joints"].split()}
+    def moving(self) -> dict[str, list[int]]:
+        """The joints that move on each recording."""
+        rows = self.tables["recordings"].set_index("recording")["moving_joints"].dropna()
+        return {
+            name: [int(float(joint)) for joint in str(own).split()] for name, own in rows.items()
+        }
 
-    def of_role(self, role: str) -> list[str]:
-        return [name for name, other in self.roles.items() if other == role]
+    def loads(self) -> pd.DataFrame:
+        payload = self.tables["payload"]
+        return payload[payload["taken"] == "yes"]
 
-    def loads(self) -> list[Row]:
-        return [row for row in self.tables["payload"] if row["taken"] == "yes"]
-
-    def quiet(self) -> set[str]:
-        """Validate recordings without an undeclared load."""
-        return {*self.of_role("validate")} - {row["recording"] for row in self.loads()}
+    def quiet(self) -> pd.Index:
+        """Recordings to validate on that carry no undeclared load."""
+        return self.roles.index[self.roles == "validate"].difference(self.loads()["recording"])
 
 
 def check_summary(report: Path, study: dict[str, Any]) -> None:
-    """Every number of every verdict and of every finding, in order; short sentences."""
-    entries = study["recordings"]
-    known = Study(
-        {path.stem: read(path) for path in (report.parent / "tables").glob("*.csv")},
-        {entry["name"]: entry["role"] for entry in entries},
-        {entry["name"]: entry.get("file", "") for entry in entries},
-    )
-    text = html.unescape(report.read_text())
-    (summary,) = re.findall(r"<h3>Findings</h3>\s*<ul>(.*?)</ul>", text, re.DOTALL)
-    sentences = re.findall(r"<li>(.*?)</li>", summary, re.DOTALL)
-    told = [numbers(sentence, known) for sentence in sentences]
-    assert told == [*findings(known)]
-    assert sum(len(sentence.split()) for sentence in sentences) <= MOST_WORDS
-    assert max(map(len, told), default=0) <= 2
-    cards = re.findall(r"<article class=\"verdict ([\w-]+)\">\s*<h3>(.*?) <.*?</h3>(.*?)</article>",
-                       text, re.DOTALL)  # fmt: skip
-    shown = {}
-    for state, topic, card in cards:
-        words = " ".join(re.findall(r"<p[^>]*>(.*?)</p>", card, re.DOTALL))
-        shown[topic] = state, numbers(words, known)
-    expected = verdicts(known)
-    assert {topic: shown[topic] for topic in expected} == expected
+    """Every verdict's state, numbers and places, and every finding's numbers in order."""
+    roles = pd.Series({own["name"]: own["role"] for own in study["recordings"]})
+    tables = {path.stem: read_csv(path) for path in (report.parent / "tables").glob("*.csv")}
+    known, told = Study(tables, roles), read_json(report.parent / "results.json")
+    (listed,) = (own["sentences"] for own in told["lists"] if own["heading"] == "Findings")
+    shown = [[own["value"] for own in stated(sentence)] for sentence in listed]
+    for numbers, expected in zip(shown, findings(known), strict=True):
+        assert len(numbers) == len(expected) <= 2
+        for number, (value, digits) in zip(numbers, expected, strict=True):
+            assert number == pytest.approx(value, abs=0.501 * 10**-digits)
+    assert sum(len(own["text"].split()) for own in listed) <= MOST_WORDS
+    cards = {own["topic"]: own for own in told["verdicts"]}
+    for topic, judge in VERDICTS.items():
+        if verdict := judge(known):
+            check_verdict(cards[topic], verdict)
+    check_quality(cards["Data quality"], known)
 
 
-def numbers(sentence: str, study: Study) -> list[str]:
-    """A sentence's numbers, without the digits of names and of what is fixed."""
-    names = [*study.roles, *filter(None, study.files.values())]
-    for words in [*sorted(names, key=len, reverse=True), *FIXED]:
-        sentence = sentence.replace(words, "")
-    return re.findall(r"(?<![\w.,])\d[\d,]*(?:\.\d+)?", sentence)
+def stated(sentence: dict[str, Any]) -> Iterator[dict[str, float]]:
+    """A sentence's numbers, errors among them."""
+    for number in sentence["numbers"]:
+        yield {"value": number["value"]}
+        if number["std_error"] is not None:
+            yield {"value": number["std_error"]}
+
+
+def check_verdict(card: dict[str, Any], expected: Verdict) -> None:
+    assert card["state"] == expected.state
+    shown = [Number(own["value"], own["place"], own["baseline"]) for own in card["numbers"]]
+    assert [own.place for own in shown] == [own.place for own in expected.numbers]
+    for own, right in zip(shown, expected.numbers, strict=True):
+        assert own.value == pytest.approx(right.value, rel=1e-5)
+        assert own.baseline is None or own.baseline == pytest.approx(right.baseline, rel=1e-5)
+    if np.isfinite(expected.share):
+        assert card["sentence"]["numbers"][0]["value"] == pytest.approx(expected.share, abs=0.501)
+
+
+def check_quality(card: dict[str, Any], study: Study) -> None:
+    """How many findings of each severity, and on how many recordings there are serious ones."""
+    rows = study.tables["quality"]
+    counts = rows["severity"].value_counts().reindex(SEVERITIES, fill_value=0)
+    assert [own["value"] for own in card["numbers"]] == [*counts]
+    serious = rows[rows["severity"] != "note"]
+    by_severity = "do not use" if counts["stop"] else "usable" if len(serious) else "good"
+    assert card["state"] == by_severity
+    places = [serious["recording"].nunique(), len(study.tables["recordings"])]
+    expected = [*counts[counts > 0], *(places if len(serious) else [])]
+    assert [own["value"] for own in stated(card["evidence"])] == expected
 
 
 # Verdicts
 
 
-def verdicts(study: Study) -> dict[str, tuple[str, list[str]]]:
-    """The state and the numbers of the verdicts that have some."""
-    judged = {
-        "Data quality": quality(study),
-        "Link model": link_model(study),
-        "Torque constants": torque_constants(study.tables["friction"]),
-        "Friction and currents": currents(study),
-        "Force in contact": force(study),
-        "Motion": motion(study.tables["acceleration_mae"]),
-    }
-    return {topic: found for topic, found in judged.items() if found}
-
-
 def state(error: float, zero: float, good: bool = True) -> str:
     if error >= zero:
-        return "do-not-use"
+        return "do not use"
     return "good" if error < zero / 2 and good else "usable"
 
 
-def averages(rows: list[Row], key: str, value: str) -> dict[str, list[float]]:
-    """Values by a key, in the order in which its values come."""
-    groups: dict[str, list[float]] = defaultdict(list)
-    for row in rows:
-        groups[row[key]].append(float(row[value]))
-    return groups
+def largest(rows: pd.DataFrame, prefix: str, key: str, error: str, zero: str) -> Number:
+    """The largest single error."""
+    row = rows.loc[rows[error].idxmax()]
+    return Number(row[error], f"{prefix}{row[key]} on {row['recording']}", row[zero])
 
 
-def worst(rows: list[Row], key: str, error: str, zero: str) -> tuple[str, list[float], float]:
-    """The name of the largest error beside zero, its errors, and the mean error of zero."""
-    errors, zeros = averages(rows, key, error), averages(rows, key, zero)
-    acting = [name for name in errors if mean(zeros[name]) > 5e-5]
-    name = max(acting, key=lambda name: mean(errors[name]) / mean(zeros[name]))
-    return name, errors[name], mean(zeros[name])
+def worst(rows: pd.DataFrame, key: str, error: str, zero: str) -> tuple[Any, float, float]:
+    """Where the mean error is largest beside that of zero, and both."""
+    means = rows.groupby(key, sort=False)[[error, zero]].mean()
+    acting = means[means[zero] > SMALL]
+    name = (acting[error] / acting[zero]).idxmax()
+    return name, *acting.loc[name, [error, zero]]
 
 
-def largest(rows: list[Row], name: str, error: str, zero: str, digits: int) -> list[str]:
-    """The largest single error, its place if that is a number, and the error of zero there."""
-    row = max(rows, key=lambda row: float(row[error]))
-    place = [row[name]] if row[name].isdigit() else []
-    return [shown(float(row[error]), digits), *place, shown(float(row[zero]), digits)]
-
-
-def percent(errors: list[float], zero: float) -> str:
-    return shown(100 * mean(errors) / zero, 0)
-
-
-def spread(errors: list[float], zero: float, digits: int) -> list[str]:
-    """An error, its range and number of recordings if several, and the error of zero."""
-    ends = [shown(end, digits) for end in (min(errors), max(errors))]
-    several = [*(ends if ends[0] != ends[1] else []), str(len(errors))] if errors[1:] else []
-    return [shown(mean(errors), digits), *several, shown(zero, digits)]
-
-
-def compared(study: Study) -> list[Row]:
+def compared(study: Study) -> pd.DataFrame:
     """Torque errors in motion, unseen if possible, at the first motion."""
-    rows = [row for row in study.tables["torque_mae"] if row["mae"]]
-    rows = [row for row in rows if study.moving(row["recording"])]
-    rows = [row for row in rows if study.roles[row["recording"]] != "fit"] or rows
-    return [row for row in rows if row["motion"] == rows[0]["motion"]]
+    rows = study.tables["torque_mae"].dropna(subset="mae")
+    rows = rows[rows["recording"].isin([*study.moving()])]
+    unseen = rows[rows["recording"].map(study.roles) != "fit"]
+    rows = unseen if len(unseen) else rows
+    return rows[rows["motion"] == rows["motion"].iloc[0]] if len(rows) else rows
 
 
-def nearest(rows: list[Row]) -> tuple[list[str], int, int]:
-    """The models that are closest most often, on how many joints, of how many that differ."""
-    models = sorted({row["model"] for row in rows})
-    errors = [averages([r for r in rows if r["model"] == m], "joint", "mae") for m in models]
-    joints = [[mean(own[joint]) for own in errors] for joint in errors[0]]
-    differ = [values for values in joints if max(values) - min(values) > 5e-5]
-    wins = [sum(values[i] - min(values) <= 5e-5 for values in differ) for i in range(len(models))]
-    best = [model for model, count in zip(models, wins, strict=True) if count == max(wins)]
-    return best, max(wins), len(differ)
+def nearest(rows: pd.DataFrame) -> tuple[str, int, int]:
+    """The model that is closest most often, on how many joints, of how many that differ."""
+    means = rows.pivot_table("mae", "joint", "model")
+    differ = means[means.max(axis=1) - means.min(axis=1) > SMALL]
+    wins = differ.sub(differ.min(axis=1), axis=0).le(SMALL).sum()
+    return str(wins.idxmax()), int(wins.max()), len(differ)
 
 
-def quality(study: Study) -> tuple[str, list[str]]:
-    """Of the most serious finding, on the recording of which it concerns most frames."""
-    rows = study.tables["quality"]
-    frames = {row["recording"]: int(row["frames"]) for row in study.tables["recordings"]}
-    counts = Counter(row["severity"] for row in rows)
-    told = [str(counts[name]) for name in SEVERITIES if counts[name]]
-    serious = [row for row in rows if row["severity"] != "note"]
-    if not serious:
-        return "good", told
-    bad = {row["recording"] for row in serious}
-    groups: dict[tuple[str, ...], list[Row]] = defaultdict(list)
-    for row in serious:
-        groups[row["severity"], row["recording"], row["device"], row["finding"]].append(row)
-    count = {key: sum(int(row["count"]) for row in part) for key, part in groups.items()}
-    ranked = sorted(groups, key=lambda x: (SEVERITIES.index(x[0]), -count[x] / frames[x[1]]))
-    first = ranked[0]
-    about = [f"{count[first]:,}", f"{frames[first[1]]:,}"]
-    if first[3] not in ("lost frames", "impossible frames"):
-        about = numbers(groups[first][0]["detail"].partition("; ")[0], study)
-    found = "do-not-use" if first[0] == "stop" else "usable"
-    return found, [*about, *told, str(len(bad)), str(len(frames))]
-
-
-def link_model(study: Study) -> tuple[str, list[str]] | None:
-    if not (rows := compared(study)):
+def link_model(study: Study) -> Verdict | None:
+    if (rows := compared(study)).empty:
         return None
-    (best, *_), _, _ = nearest(rows)
-    own = [row for row in rows if row["model"] == best]
-    joint, errors, zero = worst(own, "joint", "mae", "zero_mae")
-    unseen = study.roles[rows[0]["recording"]] != "fit"
-    told = [percent(errors, zero), joint, joint, *spread(errors, zero, 3)]
-    told += largest(own, "joint", "mae", "zero_mae", 3)
-    return state(mean(errors), zero, unseen), told
+    own = rows[rows["model"] == nearest(rows)[0]]
+    joint, error, zero = worst(own, "joint", "mae", "zero_mae")
+    most = largest(own, "joint ", "joint", "mae", "zero_mae")
+    unseen = study.roles[own["recording"].iloc[0]] != "fit"
+    numbers = [Number(error, f"joint {joint}", zero), most]
+    return Verdict(state(error, zero, unseen), numbers, 100 * error / zero)
 
 
-def listed(joints: list[str]) -> list[str]:
-    """The numbers of “joints 1 to 6”, or of “joints 1, 2, 4”, commas included."""
-    if len(joints) > 2 and int(joints[-1]) - int(joints[0]) == len(joints) - 1:
-        return [joints[0], joints[-1]]
-    return [f"{joint}," for joint in joints[:-1]] + joints[-1:]
-
-
-def torque_constants(rows: list[Row]) -> tuple[str, list[str]] | None:
-    """The constant that is the largest factor off the known one, on the joints named first."""
-    rows = [row for row in rows if row["parameter"] == "torque_constant"]
-    if not rows:
+def torque_constants(study: Study) -> Verdict | None:
+    """The constant that is the largest factor off the known one."""
+    rows = study.tables["friction"]
+    rows = rows[rows["parameter"] == "torque_constant"]
+    if rows.empty:
         return None
-    factors = [math.exp(abs(math.log(float(row["value"]) / float(row["known"])))) for row in rows]
-    row = rows[max(range(len(rows)), key=factors.__getitem__)]
-    known = [row["joint"] for row in rows if row["determined"] == "yes"]
-    refused = [row["joint"] for row in rows if row["contradicted"]]
-    told = [*listed(known), *listed(refused), f"{row['joint']},"]
-    told += [shown(float(row[name]), 2) for name in ("value", "std_error", "known", "known_std")]
-    return "good" if len(known) == len(rows) and not refused else "usable", told
+    row = rows.loc[np.log(rows["value"] / rows["known"]).abs().idxmax()]
+    known = (rows["determined"] == "yes").all() and rows["contradicted"].isna().all()
+    number = Number(row["value"], f"joint {row['joint']}", row["known"])
+    return Verdict("good" if known else "usable", [number])
 
 
-def currents(study: Study) -> tuple[str, list[str]] | None:
-    rows = [
-        row | {"zero": str(float(row["rmse_2hz"]) / math.sqrt(1 - float(row["r2"])))}
-        for row in study.tables["current_rmse"]
-        if row["model"] == "fitted"
-        and row["recording"] in study.quiet()
-        and row["joint"] in study.moving(row["recording"])
+def currents(study: Study) -> Verdict | None:
+    rows, moving = study.tables["current_rmse"], study.moving()
+    rows = rows[(rows["model"] == "fitted") & rows["recording"].isin(study.quiet())]
+    moves = [own.joint in moving.get(own.recording, []) for own in rows.itertuples()]
+    rows = rows[np.array(moves, bool)]
+    if rows.empty:
+        return None
+    rows = rows.assign(zero=rows["rmse_2hz"] / np.sqrt(1 - rows["r2"]))
+    joint, error, zero = worst(rows, "joint", "rmse_2hz", "zero")
+    least = rows.loc[rows["coverage95"].idxmin()]
+    numbers = [
+        Number(error, f"joint {joint}", zero),
+        largest(rows, "joint ", "joint", "rmse_2hz", "zero"),
+        Number(100 * least["coverage95"], f"joint {least['joint']} on {least['recording']}"),
     ]
-    if not rows:
+    return Verdict(state(error, zero, least["coverage95"] >= 0.9), numbers, 100 * error / zero)
+
+
+def motion(study: Study) -> Verdict | None:
+    rows = study.tables["acceleration_mae"]
+    rows = rows[rows["estimate"] == "encoders"]
+    if rows.empty:
         return None
-    joint, errors, zero = worst(rows, "joint", "rmse_2hz", "zero")
-    least = min(rows, key=lambda row: float(row["coverage95"]))
-    held = float(least["coverage95"])
-    told = [percent(errors, zero), joint, joint, *spread(errors, zero, 2)]
-    told += largest(rows, "joint", "rmse_2hz", "zero", 2)
-    told += [least["joint"], f"{100 * held:.0f}"]
-    return state(mean(errors), zero, held >= 0.9), told
+    component, error, zero = worst(rows, "component", "mae", "zero_mae")
+    along = rows[rows["component"] == component]
+    most = largest(along, "", "component", "mae", "zero_mae")
+    return Verdict(state(error, zero), [Number(error, component, zero), most], 100 * error / zero)
 
 
-def motion(rows: list[Row]) -> tuple[str, list[str]] | None:
-    rows = [row for row in rows if row["estimate"] == "encoders"]
-    if not rows:
-        return None
-    component, errors, zero = worst(rows, "component", "mae", "zero_mae")
-    along = [row for row in rows if row["component"] == component]
-    told = [percent(errors, zero), *spread(errors, zero, 3)]
-    return state(mean(errors), zero), told + largest(along, "component", "mae", "zero_mae", 3)
-
-
-def force(study: Study) -> tuple[str, list[str]] | None:
+def force(study: Study) -> Verdict | None:
     """Of the leading estimate, the largest error on recordings with contact that no fit has seen,
     the recording that is worst beside zero, and where the band holds least.
     """
-    rows = [
-        r for r in in_contact(study.tables["force_mae"]) if study.roles[r["recording"]] != "fit"
-    ]
-    rows = [row for row in rows if row["component"] in FORCES]
-    if not rows:
+    rows = in_contact(study.tables["force_mae"])
+    unseen = rows["recording"].map(study.roles) != "fit"
+    rows = rows[unseen & rows["component"].isin(FORCES)]
+    if rows.empty:
         return None
-    row = max(rows, key=lambda row: float(row["mae"]))
-    mae, low, high, zero = (
-        row[name] and f"{float(row[name]):.1f}"
-        for name in ("mae", "mae_low", "mae_high", "mean_force")
-    )
-    errors, zeros = (averages(rows, "recording", name) for name in ("mae", "mean_force"))
-    means = {name: (mean(errors[name]), mean(zeros[name])) for name in errors}
-    part = max(means.values(), key=lambda pair: pair[0] / pair[1])
-    bands = [float(row["coverage95"]) for row in rows if row["coverage95"]]
-    told = [mae, zero, mae, *([low, high] if low else []), zero, *(f"{x:.1f}" for x in part)]
-    told += [f"{100 * min(bands):.0f}" for _ in bands[:1]]
-    good = (not bands or min(bands) >= 0.9) and bool(low) and row["estimate"] != "static"
-    share = max(part[0] / part[1], float(row["mae"]) / float(row["mean_force"]))
-    return state(share, 1.0, good), told
+    most = rows.loc[rows["mae"].idxmax()]
+    name, error, zero = worst(rows, "recording", "mae", "mean_force")
+    numbers = [
+        Number(most["mae"], place(most), most["mean_force"]),
+        Number(error, f"{name}, mean over x, y, z, in contact", zero),
+    ]
+    bands = rows["coverage95"].dropna()
+    if len(bands):
+        least = rows.loc[bands.idxmin()]
+        numbers.append(Number(100 * least["coverage95"], place(least)))
+    held = bands.empty or bands.min() >= 0.9
+    good = held and pd.notna(most["mae_low"]) and most["estimate"] != "static"
+    share = max(error / zero, most["mae"] / most["mean_force"])
+    return Verdict(state(share, 1.0, good), numbers)
 
 
-def in_contact(rows: list[Row]) -> list[Row]:
+def place(row: pd.Series) -> str:
+    return f"{row['recording']}, along {row['component'][1]}, in contact"
+
+
+def in_contact(rows: pd.DataFrame) -> pd.DataFrame:
     """The errors of the leading estimate in contact."""
-    rows = [row for row in rows if row["kind"] == "compensated" and row["during"] == "contact"]
-    lead = next((name for name in ESTIMATES if any(r["estimate"] == name for r in rows)), "")
-    return [row for row in rows if row["estimate"] == lead]
+    rows = rows[(rows["kind"] == "compensated") & (rows["during"] == "contact")]
+    lead = next((name for name in ESTIMATES if name in {*rows["estimate"]}), None)
+    return rows[rows["estimate"] == lead]
+
+
+VERDICTS = {
+    "Link model": link_model,
+    "Torque constants": torque_constants,
+    "Friction and currents": currents,
+    "Force in contact": force,
+    "Motion": motion,
+}
 
 
 # Findings
 
 
-def findings(study: Study) -> Iterator[list[str]]:
+def findings(study: Study) -> Iterator[list[Rounded]]:
     """The numbers of each sentence."""
-    force = study.tables["force_mae"]
-    if (rows := compared(study)) and len({row["model"] for row in rows}) > 1:
+    tables = study.tables
+    if len(rows := compared(study)) and {*rows["model"]} > {rows["model"].iloc[0]}:
         _, near, differ = nearest(rows)
-        yield [str(near), str(differ)] if differ else []
-    if printed := [row["status"] for row in study.tables.get("printed", [])]:
-        yield [str(printed.count("equal")), str(len(printed))]
-    for row in study.loads()[:4]:
-        yield [f"{abs(float(row[name])):.2f}" for name in ("mass", "std_error")]
+        yield [(near, 0), (differ, 0)] if differ else []
+    if "printed" in tables and len(printed := tables["printed"]["status"]):
+        yield [((printed == "equal").sum(), 0), (len(printed), 0)]
+    for row in study.loads()[:4].itertuples():
+        yield [(abs(row.mass), 2), (row.std_error, 2)]
     yield from contacts(study)
-    for row in [] if study.tables["friction"] else study.tables["sensed"][:4]:
-        reads, share = float(row["largest_force_n"]), 100 * float(row["share_in_contact"])
-        yield [f"{reads:.1f}", f"{share:.0f}"]
+    if tables["friction"].empty:
+        for row in tables["sensed"][:4].itertuples():
+            yield [(row.largest_force_n, 1), (100 * row.share_in_contact, 0)]
     yield from detected(study)
     yield from claimed(study)
-    moments = [row for row in in_contact(force) if row["component"] not in FORCES]
-    if {row["component"] for row in moments if row["determined"] == "yes"} < {
-        row["component"] for row in moments
-    }:
+    moments = in_contact(tables["force_mae"])
+    moments = moments[~moments["component"].isin(FORCES)]
+    if (moments["determined"] == "yes").groupby(moments["component"]).any().eq(False).any():
         yield []
-    stated = [row["within95"] for row in study.tables.get("truth", []) if row["within95"]]
-    if stated:
-        yield from truths(len(stated), stated.count("yes"))
+    if "truth" in tables and len(within := tables["truth"]["within95"].dropna()):
+        yield from truths(len(within), int((within == "yes").sum()))
 
 
-def truths(count: int, held: int) -> Iterator[list[str]]:
+def truths(count: int, held: int) -> Iterator[list[Rounded]]:
     """How many intervals hold the truth, how many should, and the chance where that is small."""
-    chances = [math.comb(count, k) * 0.95**k * 0.05 ** (count - k) for k in range(count + 1)]
-    chance = min(sum(chances[held:]), sum(chances[: held + 1]))
-    yield [str(count), str(held)]
-    expected = f"{0.95 * count:.0f}"
-    yield [expected, shown(100 * chance, 1)] if chance < 0.025 else [expected]
+    by_chance = binom(count, 0.95)
+    chance = min(by_chance.sf(held - 1), by_chance.cdf(held))
+    yield [(count, 0), (held, 0)]
+    yield [(0.95 * count, 0), *([(100 * chance, 1)] if chance < 0.025 else [])]
 
 
-def contacts(study: Study) -> Iterator[list[str]]:
+def contacts(study: Study) -> Iterator[list[Rounded]]:
     """Contacts by recording without a sensor, and loads taken up."""
-    sensed = {row["recording"] for row in study.tables["force_mae"]}
-    searched = {row["recording"] for row in study.tables["detection"]} - sensed
-    found = [row for row in study.tables["contacts"] if row["estimate"] == "Fmap"]
-    counts = Counter(row["recording"] for row in found if row["kind"] == "contact")
-    for name in [name for name in study.of_role("contact") if name in searched][:4]:
-        yield [str(counts[name])] if counts[name] else []
-    for row in [row for row in found if row["kind"] == "load"][:4]:
-        yield [f"{float(row[name]):.2f}" for name in ("load_mass", "load_mass_std")]
+    searched = {*study.tables["detection"]["recording"]} - {*study.tables["force_mae"]["recording"]}
+    found = study.tables["contacts"]
+    found = found[found["estimate"] == "Fmap"]
+    counts = found.loc[found["kind"] == "contact", "recording"].value_counts()
+    touched = study.roles.index[study.roles == "contact"]
+    for name in touched[touched.isin(searched)][:4]:
+        yield [(counts[name], 0)] if name in counts else []
+    for row in found[found["kind"] == "load"][:4].itertuples():
+        yield [(row.load_mass, 2), (row.load_mass_std, 2)]
 
 
-def detected(study: Study) -> Iterator[list[str]]:
+def detected(study: Study) -> Iterator[list[Rounded]]:
     """Contacts found, false alarms, and the smallest push along the worst axis."""
-    rows = [row for row in study.tables["detection"] if row["estimate"] == "Fmap"]
-    if classes := [float(row["force_class_n"]) for row in rows if row["force_class_n"]]:
-        least = [
-            r for r in rows if r["force_class_n"] and float(r["force_class_n"]) == min(classes)
-        ]
-        yield [f"{sum(float(row[name]) for row in least):.0f}" for name in ("found", "contacts")]
-    if quiet := [row for row in rows if row["recording"] in study.quiet()]:
-        yield [f"{mean(float(row['alarms_per_min']) for row in quiet):.1f}"]
-    loaded = {row["recording"] for row in study.loads()}
-    columns = [f"smallest_force_95_{axis}" for axis in "xyz"]
-    free = [row for row in rows if row["recording"] not in loaded]
-    pushes = [row for row in free if any(map(row.get, columns))]
-    if pushes and all(row[column] for row in pushes for column in columns):
-        yield [f"{max(median(float(row[c]) for row in pushes) for c in columns):.0f}"]
+    rows = study.tables["detection"]
+    rows = rows[rows["estimate"] == "Fmap"]
+    least = rows[rows["force_class_n"] == rows["force_class_n"].min()]
+    if len(least):
+        yield [(least[name].sum(), 0) for name in ("found", "contacts")]
+    quiet = rows[rows["recording"].isin(study.quiet())]
+    if len(quiet):
+        yield [(quiet["alarms_per_min"].mean(), 1)]
+    free = rows[~rows["recording"].isin(study.loads()["recording"])]
+    pushes = free[[f"smallest_force_95_{axis}" for axis in "xyz"]].dropna(how="all")
+    if len(pushes) and pushes.notna().all(axis=None):
+        yield [(pushes.median().max(), 0)]
 
 
-def claimed(study: Study) -> Iterator[list[str]]:
+def claimed(study: Study) -> Iterator[list[Rounded]]:
     """Pushes of the thesis's recording that its threshold of 10 N along z misses."""
-    printed = {row["recording"] for row in study.tables["force_mae"] if row["printed_mae"]}
-    rows = [row for row in study.tables["fixed_threshold"] if row["component"] == "Fz"]
-    if pushed := [row for row in rows if row["recording"] in printed and row["estimate"] == "F*"]:
-        pushes, found = (sum(int(row[name]) for row in pushed) for name in ("pushes", "found"))
+    errors, rows = study.tables["force_mae"], study.tables["fixed_threshold"]
+    printed = errors.loc[errors["printed_mae"].notna(), "recording"]
+    own = rows["recording"].isin(printed) & (rows["estimate"] == "F*") & (rows["component"] == "Fz")
+    if own.any():
+        pushes, found = rows.loc[own, ["pushes", "found"]].sum()
         assert found < pushes
-        yield [str(pushes - found), str(pushes)]
-
-
-def shown(value: float, digits: int = 3) -> str:
-    """A value, or the bound that stands for a small one."""
-    least = 10**-digits
-    return f"{least if 0 < value < least / 2 else value:.{digits}f}"
-
-
-def read(path: Path) -> list[Row]:
-    with path.open(encoding="utf-8") as lines:
-        return [*csv.DictReader(lines)]
+        yield [(pushes - found, 0), (pushes, 0)]
