@@ -156,7 +156,9 @@ class Workflow:
         return warm_snakemake.run(self.folder, self.environment, arguments)
 
     def build(self, *arguments: str) -> None:
-        done = self.run("--quiet", "rules", *arguments)
+        """Run; among other processes of tests by one worker, which loads all packages once."""
+        cores = ("--cores", "1") if "PYTEST_XDIST_WORKER" in os.environ else ()
+        done = self.run("--quiet", "rules", *cores, *arguments)
         assert done.returncode == 0, done.stdout
 
     def ur5(self, *arguments: str) -> str:

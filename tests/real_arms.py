@@ -1,9 +1,10 @@
 """Recordings of the real arms, taken through the workflow's steps up to the contact force.
 
 Studies are the workflow's own, arms as they are described: no link model is identified anew. What
-takes seconds, the smoother, is kept in a folder for all tests of a session.
+takes seconds, the smoother and fits of currents, is kept in a folder for all tests of a session.
 """
 
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -49,7 +50,7 @@ from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import as_record
+from ur5lib.tables import as_record, read_json, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -152,7 +153,7 @@ class RealStudy:
     """A study with what its recordings give."""
 
     def __init__(self, study: Study, kept: Path) -> None:
-        """kept: where smoothed motion is put."""
+        """kept: where smoothed motion and fits are put."""
         self.study, self.kept = study, kept
         self.entries = {recording.name: recording for recording in self.study.recordings}
         self.recording = cache(self._recording)
@@ -204,10 +205,14 @@ class RealStudy:
 
         shown: those that show the controller's torque constants, by default the same.
         """
-        ones = self.recordings(names)
-        terms, records = self.study.settings.friction.terms, [one.record for one in ones]
-        friction = friction_summary(records, self.prior(shown or names), self.smooth, terms)
-        return Fitted(ones, friction, self.currents_lowpass)
+        ones, terms = self.recordings(names), self.study.settings.friction.terms
+        key = zlib.crc32(repr((names, shown)).encode())
+        file = self.kept / self.study.study / f"friction_{key}.json"
+        if not file.exists():
+            records = [one.record for one in ones]
+            prior = self.prior(shown or names)
+            write_json(friction_summary(records, prior, self.smooth, terms), file)
+        return Fitted(ones, read_json(file), self.currents_lowpass)
 
 
 @dataclass(frozen=True)

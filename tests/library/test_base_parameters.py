@@ -230,7 +230,7 @@ def test_intervals_hold_the_truth(ur5: Robot) -> None:
     widths; noise like a current's: correlated over a fifth of a second.
     """
     random, groups = np.random.default_rng(0), ur5_base().groups
-    rows, prior = columns("ur5", *sines(100, still=(5,))), parameters(ur5, "C")
+    rows, prior = columns("ur5", *sines(60, still=(5,))), parameters(ur5, "C")
     truth = prior + random.normal(size=66) * prior_width(66)
     size = np.array([0.15, 0.15, 0.15, 0.06, 0.06, 0.06])  # Nm
     exact = fit(rows, rows @ truth, prior)

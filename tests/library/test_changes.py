@@ -68,7 +68,9 @@ def arm(seed: int) -> list[Series]:
 @pytest.fixture(scope="module")
 def found() -> list[list[list[Change]]]:
     """The changes of each joint of twenty arms."""
-    return [[find_changes(own, LEVEL) for own in arm(seed)] for seed in range(SEEDS)]
+    with pytest.MonkeyPatch.context() as fewer:
+        fewer.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
+        return [[find_changes(own, LEVEL) for own in arm(seed)] for seed in range(SEEDS)]
 
 
 def test_a_drift_is_found_with_its_size(found: list[list[list[Change]]]) -> None:
@@ -95,18 +97,15 @@ def test_intervals_hold_the_size_as_often_as_stated(monkeypatch: pytest.MonkeyPa
         assert 90 <= sum(one.low < size < one.high for one in found) <= 99
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.5])
-def test_intervals_hold_the_size_among_slow_noise(
-    correlation: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_intervals_hold_the_size_among_slow_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 200)
     for change in (drifting, jumping):
-        series = [change(slow(seed, correlation), 0.3) for seed in range(100)]
+        series = [change(slow(seed, WORST), 0.3) for seed in range(100)]
         found = [find_changes(own, LEVEL)[0] for own in series]
         assert 90 <= sum(one.low < 0.3 < one.high for one in found) <= 99
 
 
-@pytest.mark.parametrize(("correlation", "most"), [(0.0, 5), (0.3, 5), (0.5, 10)])
+@pytest.mark.parametrize(("correlation", "most"), [(0.0, 5), (0.5, 10)])
 def test_slow_noise_makes_false_changes_on_few_arms(
     correlation: float, most: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -114,7 +113,7 @@ def test_slow_noise_makes_false_changes_on_few_arms(
 
     With the slowest noise, that is the chance: more than ten have one of 1 %.
     """
-    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 2000)
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
     arms = [[slow(1000 + 3 * arm + k, correlation) for k in range(3)] for arm in range(100)]
     assert sum(any(find_changes(own, 0.05 / 3) for own in arm) for arm in arms) <= most
 
@@ -133,8 +132,9 @@ def test_the_other_joints_have_not_changed(found: list[list[list[Change]]]) -> N
     assert sum(quiet) <= 3  # two thirds of one expected; four or more have a chance of 0.5 %
 
 
-def test_what_temperature_explains_is_no_change() -> None:
+def test_what_temperature_explains_is_no_change(monkeypatch: pytest.MonkeyPatch) -> None:
     """A hundred quiet series that warm up over time: at 5 %, some five false changes."""
+    monkeypatch.setattr("ur5lib.timeseries.changes.DRAWS", 1000)
     false = 0
     for seed in range(100):
         series = made_up(seed)

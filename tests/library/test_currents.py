@@ -283,7 +283,7 @@ def test_nothing_runs_across_a_gap(study: list[Record]) -> None:
 
 
 def test_rows_that_were_not_received_are_left_out(study: list[Record]) -> None:
-    holed = [replace(record, current=record.current.copy()) for record in study]
+    holed = [replace(record, current=record.current.copy()) for record in study[:5]]
     for record in holed:
         record.current[300:320] = np.nan
     values = constants_of(fit_currents(holed, smooth, prior(), SMALL))

@@ -132,7 +132,7 @@ def _after_gear(size: str) -> float:
 # A UR3 whose currents hardly show inertia
 
 
-@pytest.mark.parametrize("names", [("id1", "id2", "circle"), ("id1",), ("circle",)])
+@pytest.mark.parametrize("names", [("id1", "id2", "circle"), ("circle",)])
 def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
     real_ur3: RealStudy, names: tuple[str, ...]
 ) -> None:

@@ -38,10 +38,10 @@ PAYLOAD = Payload(
     inertia=(0.011, 0.012, 0.007, 0.001, -0.002, 0.0015),
 )
 CASES = [
-    (name, model, loaded)
-    for name, models in {"ur5": ["A", "B", "C", "C+rotors"], "ur10e": ["maker+rotors"]}.items()
-    for model in models
-    for loaded in (False, True)
+    ("ur5", "A", False),
+    ("ur5", "C", True),
+    ("ur5", "C+rotors", False),
+    ("ur10e", "maker+rotors", True),
 ]
 
 

@@ -262,8 +262,7 @@ def hidden_of(run: Free) -> np.ndarray:
     return hiding(run.states, Noise.of(run.states, MODEL, PRIOR, np.zeros(run.torque.shape)))
 
 
-@pytest.mark.parametrize("off", [FLANGE, TOOL], ids=["at the flange", "15 cm off"])
-@pytest.mark.parametrize("axis", range(3))
+@pytest.mark.parametrize(("axis", "off"), [(0, FLANGE), (1, TOOL), (2, TOOL)], ids=["x", "y", "z"])
 def test_a_sustained_push_is_told_at_any_size(ur5: Robot, axis: int, off: np.ndarray) -> None:
     run = free_run(ur5, seed=30 + axis)
     on = between(run.time, 5.0, 20.0)
@@ -290,8 +289,7 @@ def test_a_weak_push_that_lasts_is_not_taken_for_background(ur5: Robot) -> None:
     assert 5 < np.mean(told) < 12
 
 
-@pytest.mark.parametrize("factor", [0.2, 5.0])
-@pytest.mark.parametrize("moving", [True, False], ids=["moving", "resting"])
+@pytest.mark.parametrize(("moving", "factor"), [(True, 5.0), (False, 0.2)])
 def test_the_answer_is_not_the_priors(ur5: Robot, moving: bool, factor: float) -> None:
     """Its force times or divided by five moves no force in contact beyond the stated band."""
     prior = replace(PRIOR, force=factor * PRIOR.force)
