@@ -10,7 +10,6 @@ results/figaroh/<study>_<robot>/ for `benchmarks/figaroh/identification.py`, who
 scored, too, where they lie there already.
 """
 
-import argparse
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -23,7 +22,7 @@ import pandas as pd
 import yaml
 from numpy.typing import NDArray
 
-from benchmarks.harness.options import built
+from benchmarks.harness.options import built, study_options
 from benchmarks.harness.prediction import (
     CONSTANT,
     FIGAROH,
@@ -52,7 +51,6 @@ from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import nearest, place
 
-STUDIES = ["thesis", "ur10e"]
 RESULTS = Path("results")
 TABLE, FOR_FIGAROH = RESULTS / "current_prediction.csv", RESULTS / "figaroh"
 LEAST = 1.0  # s of samples, below which nothing is judged
@@ -93,10 +91,7 @@ class Known:
 
 def main() -> None:
     """Write and print the errors."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("studies", nargs="*", default=STUDIES, help="names of built studies")
-    options.add_argument("--quick", action="store_true", help="as without: it takes seconds")
-    given = options.parse_args()
+    given = study_options(__doc__).parse_args()
     folders = built(RESULTS / name for name in given.studies)
     arms = [arm for folder in folders for arm in read_arms(folder)]
     for arm in arms:

@@ -5,13 +5,11 @@ ratios to Pinocchio's loop. What is called in a Python loop is given at most LOO
 time a state does not depend on their number.
 """
 
-import argparse
 import os
 import resource
 import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,6 +18,8 @@ import numpy as np
 import pinocchio
 import torch
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import seconds
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.rigid_body import inertia_matrix, inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -50,10 +50,7 @@ Contender = Callable[[States], Callable[[], object]]
 
 def main() -> None:
     """Print the tables; each number of threads has a process of its own."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument(
-        "--quick", action="store_true", help="small sizes: only shows that it runs"
-    )
+    options = options_of(__doc__)
     options.add_argument("--threads", type=int, help="measure in this process, on so many")
     given = options.parse_args()
     robot, effort = load_robot(robot_path("ur5")), QUICK if given.quick else Effort()
@@ -192,13 +189,6 @@ def random_states(size: int) -> States:
     """Return random q, qd, qdd of a fixed seed."""
     random = np.random.default_rng(0)
     return [random.uniform(-3, 3, (size, 6)) for _ in range(3)]
-
-
-def seconds(call: Callable[[], object]) -> float:
-    """Return the time of a call [s]."""
-    start = time.perf_counter()
-    call()
-    return time.perf_counter() - start
 
 
 def print_memory(robot: Robot, effort: Effort) -> None:

@@ -9,14 +9,14 @@ and singularities. `--cells` designs in random cells instead, and counts the tra
 all limits at 1 kHz.
 """
 
-import argparse
-import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path as File
 
 import numpy as np
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import timed
 from ur5lib.commands.excite import ExciteOptions, task_of
 from ur5lib.errors import InputError
 from ur5lib.excitation.design import RATE, Effort, design, free_postures, random_path
@@ -51,8 +51,7 @@ class Motion:
 
 def main() -> None:
     """Print the table of each arm, or the count of cells."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
+    options = options_of(__doc__)
     options.add_argument("--random", type=int, default=RANDOM, help="random trajectories")
     options.add_argument("--cells", type=int, default=0, help="random cells to design in")
     options.add_argument("--other", type=File, help="CSV of another's trajectory: time, q1..q6")
@@ -75,9 +74,8 @@ def free(task: Task) -> Task:
 
 def compared(robot: str, task: Task, effort: Effort, count: int, other: File | None) -> None:
     """Print what each trajectory is worth, and the errors after a fit to it."""
-    started = time.perf_counter()
-    ours = along(design(task, 0, effort).path)
-    took = time.perf_counter() - started
+    took, found = timed(lambda: design(task, 0, effort))
+    ours = along(found.path)
     rivals = random_motions(task, count)
     motions = {"designed": ours, "way-points": one_joint_after_the_other(task)}
     if other is not None:

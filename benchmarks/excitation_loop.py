@@ -9,7 +9,6 @@ that are least determined before each next recording, with the standard errors t
 and those that the study then states. The study is built in results/excitation-loop.
 """
 
-import argparse
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,6 +17,7 @@ from typing import Any
 
 import yaml
 
+from benchmarks.harness.options import options_of
 from ur5lib.commands.excite import KEPT, ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.problem import PER_JOINT
@@ -35,10 +35,9 @@ IDENTIFIED = "fit_friction"  # the last step that the next design needs
 
 def main() -> None:
     """Print what each recording of the loop determines."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options = options_of(__doc__)
     options.add_argument("robot", nargs="?", default="ur5e", help="name of an arm")
     options.add_argument("--precision", type=float, default=PRECISION, help="share of the prior's")
-    options.add_argument("--quick", action="store_true", help="a short search, two recordings")
     given = options.parse_args()
     effort, most = (QUICK, 2) if given.quick else (USUAL, MOST)
     recordings: list[dict[str, Any]] = []

@@ -6,15 +6,15 @@ with the states there already; on the GPU with the states brought there and the 
 torque of its joint.
 """
 
-import argparse
 import platform
 import statistics
-import time
 from collections.abc import Callable
 
 import torch
 from torch import Tensor
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import timed
 from ur5lib.dynamics.arm import Arm, build_arm
 from ur5lib.dynamics.rigid_body import inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -25,11 +25,7 @@ VALUES = 24  # read and written for each state: q, qd, qdd and the torque
 
 def main() -> None:
     """Print the table, or that no GPU is at hand."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument(
-        "--quick", action="store_true", help="small sizes: only shows that it runs"
-    )
-    quick = options.parse_args().quick
+    quick = options_of(__doc__).parse_args().quick
     if not torch.cuda.is_available():
         return print("no GPU is at hand")
     sizes = (1_000,) if quick else (10_000, 100_000, 1_000_000, 10_000_000)
@@ -103,11 +99,13 @@ def medians(calls: list[Callable[[], object]], rounds: int) -> list[float]:
 
 def seconds(call: Callable[[], object]) -> float:
     """Return the time of a call [s], until the GPU has finished."""
+
+    def finished() -> None:
+        call()
+        torch.cuda.synchronize()
+
     torch.cuda.synchronize()
-    start = time.perf_counter()
-    call()
-    torch.cuda.synchronize()
-    return time.perf_counter() - start
+    return timed(finished)[0]
 
 
 if __name__ == "__main__":

@@ -12,7 +12,6 @@ the page already has them.
 `--quick` takes four estimators: it only shows that it runs.
 """
 
-import argparse
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +25,7 @@ from benchmarks.estimators.ours import OURS
 from benchmarks.harness import page
 from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.options import built
+from benchmarks.harness.options import built, study_options
 from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
 from benchmarks.harness.sections import sections
@@ -34,7 +33,6 @@ from benchmarks.harness.study import Arm, read_arms
 from ur5lib.errors import InputError
 from ur5lib.tables import write_csv, write_text
 
-STUDIES = ["thesis", "ur10e"]
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 RESULTS = Path("results")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
@@ -49,10 +47,8 @@ class Entry(NamedTuple):
 
 def main() -> None:
     """Learn, score, print and write."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("studies", nargs="*", default=STUDIES, help="names of built studies")
+    options = study_options(__doc__)
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
-    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
     given = options.parse_args()
     folders = built(RESULTS / name for name in given.studies)
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers

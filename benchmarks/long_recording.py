@@ -5,7 +5,6 @@ periodic, so that it goes on smoothly from each repetition to the next. The reco
 are computed before, and not counted. Processor time hardly depends on what else runs.
 """
 
-import argparse
 import sys
 import tempfile
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any
 
 import pandas as pd
 
+from benchmarks.harness.options import options_of
 from benchmarks.study import snakemake
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
@@ -26,8 +26,7 @@ ENTRY = {"robot": "ur5e", "format": "rtde-csv"}
 
 def main() -> None:
     """Print wall and processor time of each length, then these and the memory of each step."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--quick", action="store_true", help="plan the run of a minute only")
+    options = options_of(__doc__)
     options.add_argument("minutes", type=int, nargs="*", help="lengths; default: 10 30 60")
     given = options.parse_args()
     plan, lengths = (["--dry-run"], [1]) if given.quick else ([], given.minutes or [10, 30, 60])

@@ -1,15 +1,14 @@
 """An hour of a robot at 500 Hz as CSV, side by side in one run: this reader and pyarrow alone."""
 
-import argparse
 import statistics
 import tempfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pyarrow.csv as pacsv
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import seconds
 from ur5lib.recordings.delimited import read_numbers
 from ur5lib.recordings.quality import Finding, Log
 
@@ -32,20 +31,9 @@ def write_recording(path: Path, count: int) -> None:
             )
 
 
-def seconds(function: Callable[[], object]) -> float:
-    """Return the time of a call [s]."""
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
-
-
 def main() -> None:
     """Print both times and their ratio."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument(
-        "--quick", action="store_true", help="small sizes: only shows that it runs"
-    )
-    quick = options.parse_args().quick
+    quick = options_of(__doc__).parse_args().quick
     count, repeats = (2 * BLOCK, 1) if quick else (RATE * SECONDS, ROUNDS)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "hour.csv"

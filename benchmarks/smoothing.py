@@ -4,9 +4,7 @@ Joints and IMU, 10,000 samples, the same noise for all. The loops compute the ki
 sample at a time, with this library's functions and with Pinocchio's, the fastest there is.
 """
 
-import argparse
 import statistics
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,6 +13,8 @@ import pinocchio
 import torch
 from filterpy.kalman import ExtendedKalmanFilter
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import timed
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import jacobian, link_frames
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -65,11 +65,7 @@ class Recording:
 
 def main() -> None:
     """Print the times, the ratios and how far the states are apart."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument(
-        "--quick", action="store_true", help="small sizes: only shows that it runs"
-    )
-    quick = options.parse_args().quick
+    quick = options_of(__doc__).parse_args().quick
     torch.set_num_threads(1)
     robot = load_robot(robot_path("ur5"))
     recording = made_up(200 if quick else SAMPLES)
@@ -184,13 +180,6 @@ def first_two(robot: Robot, kinematics: Kinematics, own: Recording) -> LinearSys
     two, model = own.first(2), linearised(robot, kinematics, own.q[:1], own.qd[:1])
     system = add_imu(two.joints(), two.time, two.readings, lambda _: model, two.imu_noise)
     return LinearSystem(*(values[:, 0] for values in vars(system(slice(None))).values()))
-
-
-def timed(run: Callable[[], Array]) -> tuple[float, Array]:
-    """Return the time of a call [s] and its result."""
-    start = time.perf_counter()
-    result = run()
-    return time.perf_counter() - start, result
 
 
 if __name__ == "__main__":

@@ -1,19 +1,19 @@
 """An hour of the realtime port, side by side in one run: this reader against struct in a loop."""
 
-import argparse
 import csv
 import multiprocessing
 import resource
 import statistics
 import struct
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
+from benchmarks.harness.options import options_of
+from benchmarks.harness.timing import timed
 from ur5lib.recordings.realtime_stream import read_stream
 from ur5lib.robots.realtime_message import fields
 from ur5lib.stand.faults import SPLIT
@@ -72,20 +72,14 @@ def read_by_library(path: Path) -> pd.DataFrame:
 
 def measure(read: Callable[[Path], pd.DataFrame], path: Path) -> tuple[float, float, float]:
     """Return seconds, peak memory of the process [GB], and a checksum of the data."""
-    start = time.perf_counter()
-    frames = read(path)
-    seconds = time.perf_counter() - start
+    seconds, frames = timed(lambda: read(path))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
     return seconds, peak, float(frames.sum().sum())
 
 
 def main() -> None:
     """Print the table; each reader has a process of its own."""
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument(
-        "--quick", action="store_true", help="small sizes: only shows that it runs"
-    )
-    quick = options.parse_args().quick
+    quick = options_of(__doc__).parse_args().quick
     count, repeats = (10_000, 1) if quick else (FRAMES, ROUNDS)
     readers = {"ours": read_by_library, "struct": read_by_struct}
     rounds: dict[str, list[tuple[float, float, float]]] = {name: [] for name in readers}

@@ -6,7 +6,6 @@ its jobs load Python and its packages. `--growth 50 100` adds so many copies of 
 under other names, and prints the time for each of them.
 """
 
-import argparse
 import atexit
 import resource
 import shutil
@@ -19,6 +18,7 @@ from typing import Any
 
 import yaml
 
+from benchmarks.harness.options import options_of
 from ur5lib.tables import read_csv
 
 COPY, FILES = "copy_{}", Path("raw/benchmark")  # a copy's name, and the folder of its files
@@ -34,8 +34,7 @@ RUNS: dict[str, tuple[int, list[str]]] = {  # copies of the last recording, opti
 def main() -> None:
     """Print wall and processor time of each run, then of each step, then by copies."""
     atexit.register(shutil.rmtree, FILES, ignore_errors=True)
-    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    options.add_argument("--quick", action="store_true", help="plan the runs, but do none")
+    options = options_of(__doc__)
     options.add_argument("--growth", type=int, nargs="*", default=[], help="numbers of copies")
     options.add_argument("study", nargs="?", default="config.yaml", help="its configuration")
     given = options.parse_args()

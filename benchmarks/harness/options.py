@@ -6,6 +6,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+STUDIES = ["thesis", "ur10e"]
+
 
 class Asked(NamedTuple):
     """How many seeds; quick: whether the run is only to show that it runs."""
@@ -14,25 +16,37 @@ class Asked(NamedTuple):
     quick: bool
 
 
+def options_of(about: str) -> argparse.ArgumentParser:
+    """Return the option that every benchmark has; about: of the benchmark."""
+    options = argparse.ArgumentParser(description=about.splitlines()[0])
+    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
+    return options
+
+
 def asked(about: str, seeds: int, first: int = 0) -> Asked:
     """Return the options of the command line; about: of the benchmark; seeds: unless stated; first:
     seed of a run.
     """
-    options = argparse.ArgumentParser(description=about.splitlines()[0])
+    options = options_of(about)
     options.add_argument(
         "seeds", nargs="?", type=int, default=seeds, help=f"how many, from {first} on"
     )
-    options.add_argument("--quick", action="store_true", help="short: only shows that it runs")
     given = options.parse_args()
     return Asked(1 if given.quick else given.seeds, given.quick)
 
 
 def arm_options(about: str) -> argparse.ArgumentParser:
     """Return the options of a benchmark of one arm of a built study; about: of the benchmark."""
-    options = argparse.ArgumentParser(description=about.splitlines()[0])
+    options = options_of(about)
     options.add_argument("study", nargs="?", default="demo", help="the name of a built study")
     options.add_argument("robot", nargs="?", default="ur5", help="one of its arms")
-    options.add_argument("--quick", action="store_true", help="a part: only shows that it runs")
+    return options
+
+
+def study_options(about: str) -> argparse.ArgumentParser:
+    """Return the options of a benchmark of built studies; about: of the benchmark."""
+    options = options_of(about)
+    options.add_argument("studies", nargs="*", default=STUDIES, help="names of built studies")
     return options
 
 
