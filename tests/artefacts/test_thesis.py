@@ -279,6 +279,16 @@ def test_rotors_predict_recordings_they_were_not_fitted_on(torque: pd.DataFrame)
     assert (unseen["mae"] <= limit).all()
 
 
+def test_the_identified_model_predicts_recordings_it_was_not_fitted_on(
+    torque: pd.DataFrame,
+) -> None:
+    """As the controller does, to a millinewton metre."""
+    rows = torque.query("motion == 'target' and model == 'identified'")
+    unseen = rows[rows["recording"].str.contains("No8|No9|No10|w_dist")]
+    assert unseen["recording"].nunique() >= 7
+    assert unseen["mae"].max() < 0.001
+
+
 CURRENT_LIMITS = {  # plain Coulomb + viscous + offset, computed independently [A]
     "Movement_No8_Singularity_Free_1": [0.171, 0.169, 0.102, 0.079, 0.050, 0.106],
     TABLE_5_7: [0.198, 0.450, 0.105, 0.083, 0.063, 0.106],
@@ -295,6 +305,8 @@ def test_currents_are_predicted_better_than_by_a_plain_fit(
     limits = np.array(CURRENT_LIMITS[recording])
     assert (rows["rmse_2hz"].to_numpy() <= limits).all()
     assert rows["rmse_2hz"].mean() <= 0.75 * limits.mean()
+    plain = table.query("recording == @recording and model == 'least_squares'")
+    assert rows["rmse_2hz"].mean() <= 0.75 * plain["rmse_2hz"].mean()
 
 
 FORCE_LIMITS = {  # MAE in x, y, z over the whole run [N]

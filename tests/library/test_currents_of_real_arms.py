@@ -10,7 +10,6 @@ from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification.currents import (
     CurrentFit,
     band,
-    fit_currents,
     fit_for,
     friction_current,
     parameters,
@@ -21,14 +20,8 @@ from ur5lib.identification.payload import Load, estimate_payload, judge
 from ur5lib.identification.samples import Record, Smooth, smoothed_moving
 from ur5lib.identification.validation import Scores, baseline_current, score
 from ur5lib.robots.description import joint_sizes, load_robot, robot_path
-from ur5lib.robots.friction import FAMILY, KINDS, JointMotion, Term
 from ur5lib.timeseries.arrays import Array
 
-# Coulomb, viscous friction and an offset, fitted on the same recordings: RMSE at 2 Hz [A].
-PLAIN = {
-    "Movement_No8_Singularity_Free_1": [0.171, 0.169, 0.102, 0.079, 0.050, 0.106],
-    "Movement_No9_Singularity_Free_NoDist": [0.198, 0.450, 0.105, 0.083, 0.063, 0.106],
-}
 UR10E_FITTED = ["ur-20_02_12-50sec_12harm", "ur-20_02_19_14harm50sec"]
 UR10E_LEFT_OUT = "ur-20_02_12-40sec_12harm"
 UR10E_LOADED = [
@@ -61,25 +54,6 @@ def ur5_fit(ur5_fitted: Fitted) -> CurrentFit:
     return ur5_fitted.whole
 
 
-@pytest.mark.parametrize("name", PLAIN)
-def test_the_ur5_is_predicted_better_than_plainly(
-    real_ur5: RealStudy, ur5_fit: CurrentFit, name: str
-) -> None:
-    record = real_ur5.recording(name).record
-    rmse = scores(ur5_fit, record, real_ur5.smooth).rmse_lowpassed
-    assert (rmse <= PLAIN[name]).all()
-    assert rmse.mean() <= 0.75 * np.mean(PLAIN[name])
-
-
-@pytest.mark.parametrize("name", PLAIN)
-def test_and_better_than_least_squares_on_the_same_columns(
-    real_ur5: RealStudy, ur5_fitted: Fitted, name: str
-) -> None:
-    record, smooth = real_ur5.recording(name).record, real_ur5.smooth
-    ours = scores(ur5_fitted.whole, record, smooth).rmse_lowpassed
-    assert ours.mean() <= 0.75 * by_least_squares(ur5_fitted, record, smooth).mean()
-
-
 def test_what_misses_on_joint_2_is_the_standstill(real_ur5: RealStudy, ur5_fit: CurrentFit) -> None:
     """Its first three seconds at rest, where friction holds 11 Nm; in motion little is missed."""
     record = real_ur5.recording("Movement_No9_Singularity_Free_NoDist").record
@@ -97,19 +71,6 @@ def test_friction_of_the_ur5(ur5_fit: CurrentFit) -> None:
     rows = {(row.joint, row.name): row for row in parameters(ur5_fit)}
     assert rows[2, "torque_constant"].determined
     assert rows[2, "torque_constant"].value == pytest.approx(10.8, abs=0.2)
-
-
-def test_nonsense_changes_nothing_on_the_ur5(
-    real_ur5: RealStudy, ur5_fit: CurrentFit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def nonsense(motion: JointMotion, frequency: float) -> list[Array]:
-        return [np.sin(frequency * motion.q + motion.torque)]
-
-    monkeypatch.setitem(KINDS, "nonsense", nonsense)
-    family, names = (*FAMILY, *(Term("nonsense", f) for f in (3, 5, 17))), real_ur5.names("fit")
-    records = [one.record for one in real_ur5.recordings(names)]
-    fit = fit_currents(records, real_ur5.smooth, real_ur5.prior(names), family)
-    assert [joint.terms for joint in fit.joints] == [joint.terms for joint in ur5_fit.joints]
 
 
 def test_motors_of_a_cb_arm_have_the_constants_of_the_e_series(ur5_fit: CurrentFit) -> None:
