@@ -294,7 +294,7 @@ def test_the_controllers_parameters_are_determined_and_become_bodies(controller:
     assert controller.determined(ur5_base().groups).all()
     bodies = consistent(controller)
     rows = columns("ur5", *random_states())
-    np.testing.assert_allclose(rows @ bodies, rows @ controller.parameters, atol=0.01)
+    np.testing.assert_allclose(rows @ bodies, rows @ controller.parameters, atol=0.001)
     smallest = [smallest_eigenvalues(own).min() for own in (controller.parameters, bodies)]
     assert smallest[0] < 0 < smallest[1]
 

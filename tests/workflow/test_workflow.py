@@ -163,8 +163,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
     [
         ("ur5lib/timeseries/lowpass.py",
          jobs(*FROM_CLOCKS) | ALL_ELSE),
-        ("ur5lib/signals/clock.py",
-         jobs("align_signals", *FROM_SIGNALS) | DRIFTS | ARM | REPORT),
+        ("ur5lib/signals/clock.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
          jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
