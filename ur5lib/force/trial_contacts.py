@@ -13,8 +13,9 @@ from ur5lib.force.force_input import ForceInput, Gears
 from ur5lib.force.gate import Observations
 from ur5lib.force.missed_contacts import hiding, largest_missed
 from ur5lib.force.residual_model import MISSED_TO, ResidualModel
-from ur5lib.force.wrench_estimate import STEP, thinning, used_rows
+from ur5lib.force.wrench_estimate import thinning, used_rows
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.sampling import STEP
 
 LEAST, MOST = 5.0, 100.0  # N, of trial pushes
 

@@ -24,10 +24,9 @@ from ur5lib.force.missed_contacts import (
 )
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
-from ur5lib.timeseries.sampling import interpolated
+from ur5lib.timeseries.sampling import STEP, interpolated
 from ur5lib.timeseries.segments import marked, unbroken
 
-STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
 OPENS, CLOSES = 0.5, 0.1  # probability that a contact reaches, and above which it lasts
 MARGIN = 0.15  # s, by which a contact is extended at both ends
 INSIDE = 0.999  # least probability inside a contact

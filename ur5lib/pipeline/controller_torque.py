@@ -7,14 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.force.wrench_estimate import STEP
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
-from ur5lib.timeseries.sampling import differentiate
+from ur5lib.timeseries.sampling import STEP, differentiate
 from ur5lib.timeseries.segments import BLOCK, by_segment, unbroken
 
 

@@ -4,6 +4,8 @@ import numpy as np
 
 from ur5lib.timeseries.arrays import Array, Labels
 
+STEP = 0.032  # s between the samples used: torques contain nothing above some 2 Hz
+
 
 def differentiate(values: Array, period: float) -> Array:
     """Return the derivative of uniform samples by central differences, one-sided at the ends.
