@@ -1,7 +1,8 @@
 """The arm of a file and the order of its joints: by names, a pose, or gravity."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -72,39 +73,49 @@ def _misses(
     return sorted(poses, key=lambda pose: pose.miss)
 
 
-def identified(
-    file: Contents,
-    moving: ImportedMotion,
-    means: BlockMeans,
-    efforts: Sequence[str],
-    names: Sequence[str],
-    evidence: Evidence,
-) -> Reading:
+@dataclass(frozen=True)
+class Case:
+    """What identifies an arm: a file, its motion, means over blocks, and its efforts' names."""
+
+    file: Contents
+    moving: ImportedMotion
+    means: BlockMeans
+    efforts: Sequence[str]
+    evidence: Evidence
+
+
+def identified(case: Case, names: Sequence[str]) -> Reading:
     """Return the arm and the column of each joint.
 
     names: possible arms, empty for all described ones. Raises InputError with the alternatives and
     a remedy where they are ambiguous.
     """
     arms = [described(name) for name in names or robot_names()]
-    by_name = names_order(moving.position, file)
+    by_name = names_order(case.moving.position, case.file)
     orders = [IN_ORDER] if by_name else readings.all_orders()
-    by_pose = _by_pose(file, moving, arms, orders, evidence)
-    weighed = efforts and (by_name or not by_pose)
-    likely = readings.likeliest(means, efforts, arms) if weighed else []
+    by_pose = _by_pose(case, arms, orders)
+    weighed = case.efforts and (by_name or not by_pose)
+    likely = readings.likeliest(case.means, case.efforts, arms) if weighed else []
     if by_name:
-        evidence.proven.append(f"the joints' order, by their names in {moving.position.title}")
-        _expect_agreement(likely, file)
+        title = case.moving.position.title
+        case.evidence.proven.append(f"the joints' order, by their names in {title}")
+        _expect_agreement(likely, case.file)
     if by_pose:
-        return _of_pose(file, by_pose, means, efforts, evidence)
+        return _of_pose(case, by_pose)
     if by_name:
         order = IN_ORDER
     elif likely:
-        order = _by_gravity(file, likely, means, efforts, evidence)
+        order = _by_gravity(case, likely)
     else:
         raise ambiguous(
-            file, "the joints' order", "base to wrist", "any other", "name the joints in the file"
+            case.file,
+            "the joints' order",
+            "base to wrist",
+            "any other",
+            "name the joints in the file",
         )
-    return _sure_arm(file, readings.readings(means, efforts, arms, [order]), bool(names), evidence)
+    likely = readings.readings(case.means, case.efforts, arms, [order])
+    return _sure_arm(case, likely, bool(names))
 
 
 def ambiguous(file: Contents, what: str, best: str, rival: str, remedy: str) -> InputError:
@@ -136,14 +147,9 @@ def _expect_agreement(likely: Sequence[Reading], file: Contents) -> None:
         )
 
 
-def _by_pose(
-    file: Contents,
-    moving: ImportedMotion,
-    arms: Sequence[Robot],
-    orders: Sequence[Order],
-    evidence: Evidence,
-) -> list[Placed]:
+def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
     """Return the readings whose flange agrees with a recorded pose, none without a pose."""
+    file, moving, evidence = case.file, case.moving, case.evidence
     clock = moving.position.clock
     pose = next((block for block in file.blocks if block.meaning() == "actual_TCP_pose"), None)
     if pose is None or len(pose.rows) != len(moving.position.rows):
@@ -164,75 +170,61 @@ def _by_pose(
     return good
 
 
-def _of_pose(
-    file: Contents,
-    good: Sequence[Placed],
-    means: BlockMeans,
-    efforts: Sequence[str],
-    evidence: Evidence,
-) -> Reading:
+def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
     """Return the reading that fits a pose; among several, the one that gravity prefers."""
     arms, orders = ({getattr(reading, key) for reading in good} for key in ("arm", "order"))
-    likely = readings.readings(means, efforts, [described(a) for a in sorted(arms)], [*orders])
+    robots = [described(arm) for arm in sorted(arms)]
+    likely = readings.readings(case.means, case.efforts, robots, [*orders])
     allowed = {(reading.arm, reading.order) for reading in good}
     likely = [reading for reading in likely if (reading.arm, reading.order) in allowed]
     if len(orders) > 1:
-        _expect_gap(file, "the joints' order", likely, lambda reading: in_words(reading.order))
+        _expect_gap(case.file, likely)
     if len(arms) == 1:
-        evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
+        case.evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
         return likely[0]
-    return _sure_arm(file, likely, False, evidence)
+    return _sure_arm(case, likely, False)
 
 
-def _by_gravity(
-    file: Contents,
-    likely: list[Reading],
-    means: BlockMeans,
-    efforts: Sequence[str],
-    evidence: Evidence,
-) -> Order:
+def _by_gravity(case: Case, likely: list[Reading]) -> Order:
     """Return the order that explains the efforts."""
     order = likely[0].order
-    _expect_gap(file, "the joints' order", likely, lambda reading: in_words(reading.order))
-    base = readings.base_first(means, efforts, order)
+    swapped = (order[5], *order[1:5], order[0])
+    _expect_gap(case.file, likely)
+    base = readings.base_first(case.means, case.efforts, order)
     if base is None:
-        swapped = (order[5], *order[1:5], order[0])
         raise ambiguous(
-            file,
+            case.file,
             "which of two joints is the base",
             in_words(order),
             in_words(swapped),
             "record both with accelerations, or a TCP pose, or name the joints",
         )
     if not base:
-        order = (order[5], *order[1:5], order[0])
-    evidence.proven.append(
+        order = swapped
+    case.evidence.proven.append(
         f"the joints' order, {in_words(order)}: in no other does gravity explain the efforts as "
         "well; joint 1 bears the larger rotor"
     )
     return order
 
 
-def _expect_gap(
-    file: Contents, what: str, likely: Sequence[Reading], words: Callable[[Reading], str]
-) -> None:
-    """Raise InputError where a reading with other words is about as likely as the best."""
+def _expect_gap(file: Contents, likely: Sequence[Reading]) -> None:
+    """Raise InputError where a reading with another order is about as likely as the best."""
     best = likely[0]
-    rival = next((reading for reading in likely if words(reading) != words(best)), None)
+    rival = next((reading for reading in likely if reading.order != best.order), None)
     if rival and best.score - rival.score < SURE:
         raise ambiguous(
             file,
-            what,
-            words(best),
-            words(rival),
+            "the joints' order",
+            in_words(best.order),
+            in_words(rival.order),
             "record a motion that turns all joints, or a TCP pose, or name the joints",
         )
 
 
-def _sure_arm(
-    file: Contents, likely: Sequence[Reading], named_by_user: bool, evidence: Evidence
-) -> Reading:
-    best = likely[0]
+def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Reading:
+    """Return the likeliest reading. Raises InputError where another arm is about as likely."""
+    file, evidence, best = case.file, case.evidence, likely[0]
     rival = next((reading for reading in likely if reading.arm != best.arm), None)
     if rival is None and named_by_user:
         evidence.assumed.append(f"robot {best.arm}, as given")

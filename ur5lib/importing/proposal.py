@@ -10,7 +10,7 @@ from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents, Evidence
 from ur5lib.importing.efforts import Frame, name_efforts, wrench_frame
-from ur5lib.importing.identity import identified
+from ur5lib.importing.identity import Case, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans, block_means
@@ -63,7 +63,7 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
     efforts = {f"effort{k}": block for k, block in enumerate(_efforts(file, moving))}
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
-    reading = identified(file, moving, means, [*efforts], arms, evidence)
+    reading = identified(Case(file, moving, means, [*efforts], evidence), arms)
     channels = moving.channels()
     named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
     channels |= {name: [block] for name, block in named.items()}
