@@ -9,8 +9,8 @@ from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Evidence
 from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, BlockMeans, size
-from ur5lib.recordings.checks import SMOOTHER, roughness
 from ur5lib.recordings.readings import SURE, Order, own_order, slopes, unit_scores
+from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array

@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Contents, Evidence
-from ur5lib.recordings.block_means import MOVES
+from ur5lib.recordings.checks import MOVES
 from ur5lib.timeseries.arrays import Array
 
 AGREE = 0.9  # least correlation of a slope with its velocity

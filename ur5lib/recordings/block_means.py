@@ -11,7 +11,6 @@ from ur5lib.robots.statics import gravity_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels
 
-MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 BLOCK = 0.1  # s
 INDEPENDENT = 0.4  # s between errors that count as independent
 FILLED = 0.6  # share of a block's frames that may have been lost; in some recordings, half are

@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.errors import remark
-from ur5lib.recordings.block_means import MOVES
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import FullScale
 from ur5lib.tables import channel
-from ur5lib.timeseries.arrays import Array, Mask
 
+MOVES = 0.05  # rad/s; slower joints do not show their velocities nor their friction
 DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("actual_q", "actual_qd"),
     ("target_q", "target_qd"),
@@ -40,14 +39,6 @@ GRAVITY = 9.81  # m/s²
 STUCK = 10  # samples at exactly the same extreme value indicate saturation
 UPRIGHT = (8.0, 12.0)  # m/s², the median specific force that an IMU may measure
 TURNED = 3.0  # m/s²; a component of gravity changes at least this much where an IMU turns
-FEWEST = 20  # frames
-CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
-SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
-EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targets
-    ("actual_q", "target_qd"): ("q",),
-    ("target_q", "actual_qd"): ("qd",),
-    ("actual_q", "actual_qd"): ("q", "qd"),
-}
 
 
 def check_robot(
@@ -146,7 +137,7 @@ def _gravity(table: pd.DataFrame) -> Iterator[Finding]:
 
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
-        if _recorded(robot, below, above):
+        if recorded(robot, below, above):
             slopes = _slopes(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 names = {"name": above, "position": below}
@@ -162,7 +153,7 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
 def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     """Find velocities in another unit or column than their positions; period: [s]."""
     for below, above in DERIVATIVES[:2]:
-        if _recorded(robot, below, above):
+        if recorded(robot, below, above):
             slopes = [*_slopes(robot, below, above, period).values()]
             wrong = [slope for slope in slopes if slope <= MISREAD[0] or slope >= MISREAD[1]]
             if len(wrong) > len(slopes) / 2:
@@ -190,7 +181,7 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
 
 def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
     for one, other, bound in TWINS:
-        if _recorded(robot, one, other):
+        if recorded(robot, one, other):
             apart = np.nanmedian(np.abs(channel(robot, one) - channel(robot, other)), axis=0)
             wrong = np.flatnonzero(apart > bound)
             if len(wrong):
@@ -201,7 +192,7 @@ def _twins(robot: pd.DataFrame) -> Iterator[Finding]:
 def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
     """Find channels whose overall level shows that their unit is wrong."""
     for one, other, least, most in RATIOS:
-        if _recorded(robot, one, other):
+        if recorded(robot, one, other):
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
@@ -210,7 +201,7 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     """Find pairs of joints that follow each other's targets instead of their own."""
-    if not _recorded(robot, one, other):
+    if not recorded(robot, one, other):
         return
     values, targets = channel(robot, one), channel(robot, other)
     apart = np.array(
@@ -226,7 +217,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
 def _limits(
     robot: pd.DataFrame, name: str, bounds: Sequence[float], unit: str
 ) -> Iterator[Finding]:
-    if not _recorded(robot, name):
+    if not recorded(robot, name):
         return
     values = np.abs(channel(robot, name))
     beyond = values > np.asarray(bounds)
@@ -241,63 +232,11 @@ def _inconsistent(count: int, values: Mapping[str, object], code: str) -> Findin
     return Finding("robot", "inconsistent channels", "warning", count, values, code)
 
 
-def _recorded(robot: pd.DataFrame, *channels: str) -> bool:
+def recorded(robot: pd.DataFrame, *channels: str) -> bool:
+    """Return whether all of some channels were recorded."""
     return all(f"{name}_0" in robot for name in channels)
 
 
 def _level(robot: pd.DataFrame, name: str) -> float:
     """Return the root mean square over all joints."""
     return float(np.sqrt(np.nanmean(channel(robot, name) ** 2)))
-
-
-def exchanged_channels(robot: pd.DataFrame) -> Iterator[Finding]:
-    """Find targets and measurements of a repaired robot table that are exchanged."""
-    for name in [*_motion(robot), *_current(robot)]:
-        yield contradiction("exchanged channels", name=name)
-
-
-def _received(robot: pd.DataFrame, name: str) -> Array:
-    """Return a channel of the frames that were received."""
-    return channel(robot, name)[~robot["interpolated"].to_numpy()]
-
-
-def _motion(robot: pd.DataFrame) -> tuple[str, ...]:
-    """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
-    if not _recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
-        return ()
-    measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
-    moves = (measured > MOVES) & (target > MOVES)
-    moving = moves.sum(axis=0) >= FEWEST
-    if not moving.any():
-        return ()
-    own = _apart(robot, moves, "target_q", "target_qd")[moving]
-    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED}
-    best = min(others, key=lambda pair: float(np.median(others[pair])))
-    return EXCHANGED[best] if np.mean(others[best] < CLOSER * own) > 0.5 else ()
-
-
-def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
-    """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
-
-    moves: (N, 6), the frames that count; NaN for joints without any.
-    """
-    step = np.diff(robot["time"].to_numpy()[~robot["interpolated"].to_numpy()])[:, None]
-    rate = _received(robot, velocity)
-    slope = np.diff(_received(robot, position), axis=0) / step
-    apart = np.where(moves[1:], np.abs(slope - (rate[1:] + rate[:-1]) / 2), np.nan)
-    apart[:, ~moves[1:].any(axis=0)] = 0.0
-    return np.asarray(np.nanmedian(apart, axis=0))
-
-
-def _current(robot: pd.DataFrame) -> Iterator[str]:
-    if _recorded(robot, "actual_current", "target_current"):
-        kinds = ("actual", "target")
-        measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
-        known = (measured > 0) | (target > 0)
-        if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
-            yield "current"
-
-
-def roughness(values: Array) -> Array:
-    """Return the median size (6,) of third differences of (N, 6): noise more than motion."""
-    return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))

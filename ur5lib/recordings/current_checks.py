@@ -15,12 +15,12 @@ from scipy.optimize import nnls
 
 from ur5lib.recordings.block_means import (
     INDEPENDENT,
-    MOVES,
     BlockMeans,
     combination,
     fitted_load,
     size,
 )
+from ur5lib.recordings.checks import MOVES
 from ur5lib.recordings.innovations import CURRENT, innovation_likelihoods
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Robot

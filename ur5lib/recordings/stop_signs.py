@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from itertools import islice
 
+import numpy as np
 import pandas as pd
 
 from ur5lib.recordings.arm_checks import (
@@ -13,7 +14,7 @@ from ur5lib.recordings.arm_checks import (
     tool_off_flange,
 )
 from ur5lib.recordings.block_means import block_means
-from ur5lib.recordings.checks import exchanged_channels, misread_velocities
+from ur5lib.recordings.checks import MOVES, misread_velocities, recorded
 from ur5lib.recordings.current_checks import (
     foreign_currents,
     is_driven,
@@ -21,9 +22,10 @@ from ur5lib.recordings.current_checks import (
     strange_currents,
     undeclared_load,
 )
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_names
-from ur5lib.tables import columns
+from ur5lib.tables import channel, columns
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import period
 
 CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
@@ -32,6 +34,14 @@ CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recor
 )
 LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
 FEWEST = 30  # blocks of a recording that can contradict an arm
+FRAMES = 20  # in which a joint moves, from which its channels are compared
+CLOSER = 0.5  # a pair closer by this factor than the targets; in right recordings, none is by 0.95
+SMOOTHER = 0.3  # actual_current is at least 15 times as rough as target_current in right recordings
+EXCHANGED = {  # which quantities are exchanged, by the pair that fits like targets
+    ("actual_q", "target_qd"): ("q",),
+    ("target_q", "actual_qd"): ("qd",),
+    ("actual_q", "actual_qd"): ("q", "qd"),
+}
 
 
 def stop_signs(
@@ -79,3 +89,56 @@ def _contradictions(
         yield from strange_currents(robot, means, loaded, step, driven)
     if fitted:  # elsewhere, the fit finds an undeclared load
         yield from undeclared_load(means, arm.carrying(configured), loaded)
+
+
+def exchanged_channels(robot: pd.DataFrame) -> Iterator[Finding]:
+    """Find targets and measurements of a repaired robot table that are exchanged."""
+    for name in [*_motion(robot), *_current(robot)]:
+        yield contradiction("exchanged channels", name=name)
+
+
+def _received(robot: pd.DataFrame, name: str) -> Array:
+    """Return a channel of the frames that were received."""
+    return channel(robot, name)[~robot["interpolated"].to_numpy()]
+
+
+def _motion(robot: pd.DataFrame) -> tuple[str, ...]:
+    """Return which of q and qd are exchanged: another pair is closer than that of the targets."""
+    if not recorded(robot, "actual_q", "actual_qd", "target_q", "target_qd"):
+        return ()
+    measured, target = (np.abs(_received(robot, f"{kind}_qd")) for kind in ("actual", "target"))
+    moves = (measured > MOVES) & (target > MOVES)
+    moving = moves.sum(axis=0) >= FRAMES
+    if not moving.any():
+        return ()
+    own = _apart(robot, moves, "target_q", "target_qd")[moving]
+    others = {pair: _apart(robot, moves, *pair)[moving] for pair in EXCHANGED}
+    best = min(others, key=lambda pair: float(np.median(others[pair])))
+    return EXCHANGED[best] if np.mean(others[best] < CLOSER * own) > 0.5 else ()
+
+
+def _apart(robot: pd.DataFrame, moves: Mask, position: str, velocity: str) -> Array:
+    """Return the median difference (6,) [rad/s] between a position's slope and a velocity.
+
+    moves: (N, 6), the frames that count; NaN for joints without any.
+    """
+    step = np.diff(robot["time"].to_numpy()[~robot["interpolated"].to_numpy()])[:, None]
+    rate = _received(robot, velocity)
+    slope = np.diff(_received(robot, position), axis=0) / step
+    apart = np.where(moves[1:], np.abs(slope - (rate[1:] + rate[:-1]) / 2), np.nan)
+    apart[:, ~moves[1:].any(axis=0)] = 0.0
+    return np.asarray(np.nanmedian(apart, axis=0))
+
+
+def _current(robot: pd.DataFrame) -> Iterator[str]:
+    if recorded(robot, "actual_current", "target_current"):
+        kinds = ("actual", "target")
+        measured, target = (roughness(_received(robot, f"{kind}_current")) for kind in kinds)
+        known = (measured > 0) | (target > 0)
+        if known.any() and np.mean(measured[known] < SMOOTHER * target[known]) > 0.5:
+            yield "current"
+
+
+def roughness(values: Array) -> Array:
+    """Return the median size (6,) of third differences of (N, 6): noise more than motion."""
+    return np.asarray(np.nanmedian(np.abs(np.diff(values, 3, axis=0)), axis=0))
