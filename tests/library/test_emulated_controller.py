@@ -14,8 +14,7 @@ import pytest
 
 from tests.entries import read_recording
 from ur5lib.doubles.controller import EmulatedController, Ports
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.emulated import Clock, Faults
 from ur5lib.errors import InputError
 from ur5lib.recorder.arm_motion import ArmMotion, MotionError
 from ur5lib.recorder.arm_state import identify, read_state

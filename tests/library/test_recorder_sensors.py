@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock, Emulated
+from ur5lib.doubles.emulated import Clock, Emulated, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError

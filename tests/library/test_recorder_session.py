@@ -19,8 +19,7 @@ import pytest
 from tests.conftest import PROJECT
 from tests.entries import read_recording
 from ur5lib.doubles.controller import HOST, EmulatedController, Ports
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.emulated import Clock, Faults
 from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError

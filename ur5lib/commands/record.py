@@ -11,8 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.live import Live
 
-from ur5lib.commands.named_lab import arm_of, checked_name, lab_of
-from ur5lib.commands.recorded_entry import enter, entry_of
+from ur5lib.commands.recorded_study import arm_of, checked_name, enter, entry_of, lab_of
 from ur5lib.doubles.lab import TRUTH, emulated_lab
 from ur5lib.errors import InputError
 from ur5lib.recorder import live

@@ -26,8 +26,7 @@ import numpy as np
 from ur5lib.doubles import dashboard_server
 from ur5lib.doubles.control_box import ControlBox
 from ur5lib.doubles.control_script import run_programs
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock
+from ur5lib.doubles.emulated import Clock, Faults
 from ur5lib.doubles.live_arm import LiveArm
 from ur5lib.doubles.streams import RealtimeServer, RtdeServer
 from ur5lib.doubles.truth import Truth

@@ -12,8 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock, Emulated, Reading
+from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
 from ur5lib.recorder import rdt
 from ur5lib.timeseries.arrays import Array
 

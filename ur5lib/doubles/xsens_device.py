@@ -10,8 +10,7 @@ import os
 import struct
 import tty
 
-from ur5lib.doubles.delivery import Faults
-from ur5lib.doubles.emulated import Clock, Emulated, Reading
+from ur5lib.doubles.emulated import Clock, Emulated, Faults, Reading
 from ur5lib.recorder import mtdata, xbus, xsens
 from ur5lib.timeseries.arrays import Array
 
