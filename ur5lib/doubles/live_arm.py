@@ -55,6 +55,7 @@ class LiveArm:
         for _ in range(steps):
             self._step()
             self._truth.append(self.states[-1])
+        self._truth.flush()
 
     def touch(self, contact: Contact) -> None:
         """Add a contact; its start counts like `time`."""

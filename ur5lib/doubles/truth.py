@@ -21,7 +21,7 @@ class Truth:
     def __init__(self, path: str | Path) -> None:
         """Open the file of an emulated arm; `Truth.new` makes one."""
         self.path = str(path)
-        self._file = Path(path).open("r+b", buffering=0)  # noqa: SIM115, open as long as this is
+        self._file = Path(path).open("r+b")  # noqa: SIM115, open as long as this is
         self._file.seek(0, os.SEEK_END)
 
     @classmethod
@@ -39,8 +39,12 @@ class Truth:
         os.pwrite(self._file.fileno(), np.array([start, rate]).tobytes(), 0)
 
     def append(self, states: States) -> None:
-        """Write the states of the next steps."""
+        """Write the states of the next steps; others read them after `flush`."""
         self._file.write(states.tobytes())
+
+    def flush(self) -> None:
+        """Let others read all states."""
+        self._file.flush()
 
     def latest(self) -> float:
         """Return the time of the last step [s, host]."""
