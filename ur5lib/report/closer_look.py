@@ -6,7 +6,6 @@ import zlib
 from base64 import b64encode
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,7 +59,7 @@ def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, s
     return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
 
 
-def _line(label: str, style: str) -> dict[str, Any]:
+def _line(label: str, style: str) -> dict[str, object]:
     """Return a line's label, its colour in each panel, and its dashes."""
     drawn = STYLES[style]
     colours: Sequence[str] = JOINTS if drawn["color"] is JOINTS else [drawn["color"]]

@@ -250,9 +250,9 @@ def _is_evidence(block: Block | Draft) -> bool:
     return not isinstance(block, Paragraph | Heading | Draft)
 
 
-def _notice(recordings: Sequence[Mapping[str, Any]]) -> str:
+def _notice(recordings: Sequence[Mapping[str, object]]) -> str:
     """Return a notice of simulated recordings, if any."""
-    simulated = [r["name"] for r in recordings if r.get("simulate") or r.get("truth")]
+    simulated = [str(r["name"]) for r in recordings if r.get("simulate") or r.get("truth")]
     if not simulated:
         return ""
     some = "all recordings" if len(simulated) == len(recordings) else ", ".join(simulated)

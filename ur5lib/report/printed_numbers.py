@@ -1,7 +1,7 @@
 """Every published number beside the rebuilt one, and whether an erratum explains a difference."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -37,7 +37,7 @@ class Explained(NamedTuple):
 
 def compared(
     reference: Reference, tables: Mapping[str, pd.DataFrame], explained: Sequence[Explained]
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[dict[str, object]]:
     """Yield a row for each published number of the recordings in the study's tables (by name)."""
     for name, table in reference.printed.tables().items():
         for row, printed in published(table, table.recording).items():
@@ -54,14 +54,14 @@ def compared(
 
 def judged(
     printed: float, rebuilt: float, by_erratum: Mapping[int, float], tolerance: float
-) -> dict[str, Any]:
+) -> dict[str, object]:
     """Return a number's status with the numbers behind it.
 
     by_erratum: the number with each erratum's error; the nearest to the print is shown, and
     explains it if equal. tolerance: largest difference that counts as equal.
     """
     gaps = {abs(number - printed): erratum for erratum, number in by_erratum.items()}
-    shown: dict[str, Any] = {}
+    shown: dict[str, object] = {}
     status = UNEXPLAINED
     if gaps:
         nearest = gaps[min(gaps)]
@@ -80,7 +80,7 @@ def _beside(
     row: str,
     printed: Sequence[float],
     ways: Sequence[Explained],
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[dict[str, object]]:
     """Yield the numbers of one published row; a single one is compared with the largest of six."""
     rebuilt = _found(table.rebuilt, tables, table.recording, row)
     right = _found(table.right, tables, table.recording, row)

@@ -136,7 +136,7 @@ class Results:
         return rows
 
 
-def _arm(robot: str | Mapping[str, Any]) -> str:
+def _arm(robot: str | Mapping[str, str]) -> str:
     """Return an arm's name in results, from its name or description in the study."""
     return robot if isinstance(robot, str) else robot.get("name", robot["arm"])
 

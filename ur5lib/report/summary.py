@@ -1,7 +1,6 @@
 """The summary of a study as data: `results.json`, and its schema."""
 
 from itertools import pairwise
-from typing import Any
 
 from pydantic import Field
 
@@ -49,7 +48,7 @@ class Summary(Strict):
     lists: list[Listed] = Field(description="what to do next, findings, and what may follow them")
 
 
-def summary(document: Document, results: Results) -> dict[str, Any]:
+def summary(document: Document, results: Results) -> dict[str, object]:
     """Return the first section of a report as plain data that fit `summary_schema`."""
     recordings, blocks = results.study["recordings"], document.sections[0].blocks
     plain = {
@@ -73,7 +72,7 @@ def summary(document: Document, results: Results) -> dict[str, Any]:
     return Summary.model_validate(plain).model_dump(by_alias=True)
 
 
-def summary_schema() -> dict[str, Any]:
+def summary_schema() -> dict[str, object]:
     """Return the JSON schema of a summary."""
     return Summary.model_json_schema(by_alias=True)
 

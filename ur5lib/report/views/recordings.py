@@ -1,7 +1,6 @@
 """The recordings, their defects and clocks, and the provenance of the results."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator
 
 import pandas as pd
 import yaml
@@ -89,13 +88,13 @@ def total_time(results: Results) -> Iterator[Sentence]:
 
 def configuration_heading(results: Results) -> Iterator[Sentence]:
     """Return the sentence above the configuration."""
-    cut = MOST_ROWS if _recordings(results)[MOST_ROWS:] else 0
+    cut = MOST_ROWS if results.study["recordings"][MOST_ROWS:] else 0
     yield say("provenance.configuration", cut=cut)
 
 
 def configuration(results: Results) -> str:
     """Return the study with every default filled in."""
-    lines = [_Line(recording) for recording in _recordings(results)[:MOST_ROWS]]
+    lines = [_Line(recording) for recording in results.study["recordings"][:MOST_ROWS]]
     return yaml.safe_dump(
         {**results.study, "recordings": lines},
         sort_keys=False,
@@ -105,12 +104,7 @@ def configuration(results: Results) -> str:
     )
 
 
-def _recordings(results: Results) -> Sequence[Mapping[str, Any]]:
-    recordings: Sequence[Mapping[str, Any]] = results.study["recordings"]
-    return recordings
-
-
-class _Line(dict[str, Any]):
+class _Line(dict[str, object]):
     """A mapping that is written in braces, on one line."""
 
 
