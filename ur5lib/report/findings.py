@@ -1,4 +1,4 @@
-"""Findings about recordings and remarks of steps: their sentences, counts and kinds."""
+"""Findings about recordings and remarks of steps: their sentences, and findings of one kind."""
 
 from collections.abc import Mapping
 from functools import cache
@@ -9,24 +9,11 @@ from typing import Any
 import pandas as pd
 
 from ur5lib.errors import printable
-from ur5lib.report.sentences import Sentence, joined, say
 from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
 TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
-SPOKEN = {"stop": "stop sign"}
-
-
-def count_findings(quality: pd.DataFrame) -> Sentence:
-    """Return how many findings there are of each severity, most serious first."""
-    counts = quality["severity"].value_counts()
-    parts = [
-        say("quality.severity", count=int(counts[name]), name=SPOKEN.get(name, name))
-        for name in SEVERITIES
-        if name in counts
-    ]
-    return joined(parts, ", ") if parts else say("quality.none")
 
 
 def group_findings(quality: pd.DataFrame) -> pd.DataFrame:

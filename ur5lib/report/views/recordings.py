@@ -6,10 +6,11 @@ import pandas as pd
 import yaml
 
 from ur5lib.report.document import MOST_ROWS
-from ur5lib.report.findings import SEVERITIES, count_findings, group_findings
+from ur5lib.report.findings import SEVERITIES, group_findings
 from ur5lib.report.results import Results
-from ur5lib.report.sentences import Sentence, say
+from ur5lib.report.sentences import Sentence, joined, say
 
+SPOKEN = {"stop": "stop sign"}
 MOST_NAMED = 4  # recordings of one finding
 LONGEST = 120  # characters for the places of one finding
 
@@ -39,6 +40,17 @@ def findings(results: Results) -> pd.DataFrame:
     meaning = [_short(detail) for detail in rows["detail"]]
     rank = rows["severity"].map(SEVERITIES.index)
     return rows.assign(meaning=meaning, rank=rank).sort_values("rank", kind="stable")
+
+
+def count_findings(quality: pd.DataFrame) -> Sentence:
+    """Return how many findings there are of each severity, most serious first."""
+    counts = quality["severity"].value_counts()
+    parts = [
+        say("quality.severity", count=int(counts[name]), name=SPOKEN.get(name, name))
+        for name in SEVERITIES
+        if name in counts
+    ]
+    return joined(parts, ", ") if parts else say("quality.none")
 
 
 def _named(recordings: pd.Series) -> str:
