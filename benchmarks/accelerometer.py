@@ -30,21 +30,21 @@ from benchmarks.stand_seeds import SECONDS, SEEDS, SETTINGS, Taken, plans, taken
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import in_contact, is_free
 from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
-from ur5lib.identification.currents import fit_for
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import direct_problems
-from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.fused_motion import fused_record, imu_model
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.robots.description import Payload, Robot, load_robot
@@ -103,21 +103,21 @@ class Run:
 
 @dataclass(frozen=True)
 class Fitted:
-    """A motion's name, the records (motion, torque, current) of some runs at it, and friction.json
-    of those to fit on.
+    """A motion's name, the records (motion, torque, current) of some runs at it, and the fit to
+    those to fit on.
     """
 
     motion: str
     records: list[Record]
     torques: list[Torques]
-    friction: Mapping[str, Any]
+    friction: Friction
 
     def currents(self, runs: Sequence[Run]) -> list[Currents]:
         """Return the external torques of the runs, by fits without their paths."""
         return [
             predicted_currents(
                 record,
-                fit_for(run.name, self.friction),
+                self.friction.fit_for(run.name),
                 0 * record.q,
                 run.signals,
                 torques,
@@ -215,7 +215,7 @@ def fit(runs: Sequence[Run], name: str) -> Fitted:
     ratios = [controllers_ratio(run.signals, run.motion(name)) for run in seen]
     prior = prior_of(runs[0].robot, ratios)
     used = [record for record, run in zip(records, runs, strict=True) if run.fitted]
-    friction = friction_summary(used, prior, SMOOTH, SETTINGS.friction.terms)
+    friction = fitted_friction(used, prior, SMOOTH, SETTINGS.friction.terms)
     return Fitted(name, records, torques, friction)
 
 
@@ -224,7 +224,7 @@ def judged(runs: Sequence[Run], fitted: Fitted) -> Iterator[dict[str, Any]]:
     currents = fitted.currents(runs)
     motions = [run.motion(fitted.motion) for run in runs]
     friction = fitted.friction
-    residuals = residual_summary(
+    residuals = residual_models(
         [
             own
             for own, run in zip(zip(currents, motions, strict=True), runs, strict=True)

@@ -26,7 +26,8 @@ from ur5lib.force.contact_link import TOOL, likely_links, touched_link
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.touched_links import middle_half, probabilities
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.tables import write_csv
@@ -106,10 +107,10 @@ def links_of(fitted: list[Taken], pushed: Taken, starts: list[float]) -> Iterato
         yield probabilities(pushed.robot, run, model, PRIOR, rows)
 
 
-def residual_model(friction: dict[str, Any], free: list[Taken]) -> ResidualModel:
+def residual_model(friction: Friction, free: list[Taken]) -> ResidualModel:
     """Return what is left of the torque without contact."""
     known = [(currents(friction, own), own.motion) for own in free]
-    model = residual_summary(known, friction, CURRENTS.cutoff).tau_ext
+    model = residual_models(known, friction, CURRENTS.cutoff).tau_ext
     assert model is not None
     return model
 

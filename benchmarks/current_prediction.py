@@ -40,13 +40,13 @@ from ur5lib.identification.samples import (
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot, load_robot
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_json, write_csv
+from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE, starts
 from ur5lib.timeseries.trajectories import nearest, place
@@ -121,8 +121,8 @@ def read_arms(folder: Path) -> Iterator[Known]:
 
 def read_run(folder: Path, role: str, robot: Robot) -> Own | None:
     """Return a recording, None if it is touched, carries a load, or has no currents."""
-    load = read_json(folder / "currents.json").get("load")
-    if role == "contact" or (load and load["taken"]):
+    loaded = read_record(Prediction, folder / "currents.json").is_loaded
+    if role == "contact" or loaded:
         return None
     signals = Signals.read(folder / "signals.parquet")
     motion = Motion.read(folder / "motion.parquet")

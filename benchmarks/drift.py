@@ -17,10 +17,10 @@ import torch
 
 from benchmarks.harness.options import asked
 from benchmarks.stand_seeds import CURRENTS, MOTION, Taken, fitted_map, taken
-from ur5lib.identification.currents import CurrentFit
 from ur5lib.pipeline.current_samples import smoother
-from ur5lib.pipeline.health import checkup, health_summary
-from ur5lib.tables import as_record
+from ur5lib.pipeline.health import checkup
+from ur5lib.pipeline.health import health_of as tracked
+from ur5lib.pipeline.records.health import JointChange
 
 SEEDS, DATES, SECONDS = 20, 20, 20.0
 PATHS, APART = 3, 3  # days between dates
@@ -74,25 +74,26 @@ def plans(seed: int, dates: int, seconds: float) -> list[dict[str, Any]]:
     return [plan | {"seconds": seconds} for plan in plans]
 
 
-def health_of(recordings: list[Taken], days: list[date]) -> list[dict[str, Any]]:
-    """Return the changes in health.json, with the arm's fit from the first of each path."""
-    fit = as_record(CurrentFit, fitted_map(recordings[:PATHS])["fit"])
+def health_of(recordings: list[Taken], days: list[date]) -> list[JointChange]:
+    """Return the changes of an arm's health, with the arm's fit from the first of each path."""
+    fit = fitted_map(recordings[:PATHS]).fit
     smooth = smoother(*CURRENTS)
     checkups = [
         checkup(own.record, smooth, fit, day, own.intake.quality)
         for own, day in zip(recordings, days, strict=True)
     ]
-    return health_summary(checkups)["changes"]
+    return tracked(checkups).changes
 
 
-def beside_truth(change: dict[str, Any], jumped: date) -> dict[str, Any]:
+def beside_truth(change: JointChange, jumped: date) -> dict[str, Any]:
     """Return a change with what is true of it; nothing is where nothing changed."""
-    kind, true = TRUTH.get((change["quantity"], change["joint"]), ("", np.nan))
-    relative = {name: change[name] / change["before"] for name in ("size", "low", "high")}
-    row = {name: change[name] for name in ("quantity", "joint", "kind")} | relative
-    if change["kind"] != kind:
+    kind, true = TRUTH.get((change.quantity, change.joint), ("", np.nan))
+    relative = {name: getattr(change, name) / change.before for name in ("size", "low", "high")}
+    row: dict[str, object] = {"quantity": change.quantity, "joint": change.joint}
+    row |= {"kind": change.kind} | relative
+    if change.kind != kind:
         return row | {"true": np.nan}
-    first, last = (date.fromisoformat(change[name]) for name in ("first", "last"))
+    first, last = map(date.fromisoformat, (change.first, change.last))
     dated = kind == "drift" or first < jumped <= last
     held = relative["low"] < true < relative["high"]
     told = {"size holds": held, "date holds": dated}

@@ -21,7 +21,8 @@ from benchmarks.harness.options import options_of
 from ur5lib.commands.excite import KEPT, ExciteOptions, excite, known_load
 from ur5lib.excitation.design import USUAL, Effort
 from ur5lib.excitation.problem import PER_JOINT
-from ur5lib.tables import read_json
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.tables import read_json, read_record
 
 STUDY = "excitation-loop"
 RESULTS = Path("results") / STUDY
@@ -92,12 +93,10 @@ def built(recordings: list[dict[str, Any]]) -> None:
 
 def stated(robot: str) -> dict[str, float]:
     """Return the standard errors of torque constants and friction that the study states."""
-    rows = read_json(RESULTS / "parameters" / robot / "friction.json")["parameters"]
+    rows = read_record(Friction, RESULTS / "parameters" / robot / "friction.json").parameters
     told = dict(zip(KEPT, PER_JOINT, strict=True))
     return {
-        f"{told[row['name']]} of joint {row['joint']}": row["std_error"]
-        for row in rows
-        if row["name"] in told
+        f"{told[row.name]} of joint {row.joint}": row.std_error for row in rows if row.name in told
     }
 
 

@@ -37,13 +37,14 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, FreeRun, Prediction
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.report.findings import in_words
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_json, read_record, write_json
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
@@ -292,13 +293,10 @@ class Fold:
         """The file that names the contact-free runs, as `index_free_runs` writes it."""
         runs = {}
         for other in others:
-            summary = read_json(self.own(other, "currents.json"))
-            if summary.get("extent"):
-                known = {name: summary[name] for name in ("load", "extent")}
-                runs[other.name] = known | {
-                    "currents": self.own(other, "currents.parquet"),
-                    "motion": other.file("motion.parquet"),
-                }
+            summary = read_record(Prediction, self.own(other, "currents.json"))
+            if summary.extent is not None:
+                files = self.own(other, "currents.parquet"), other.file("motion.parquet")
+                runs[other.name] = FreeRun(summary.load, summary.extent, *files)
         write_json(runs, self.shared("free_runs.json"))
         return self.shared("free_runs.json")
 
@@ -315,7 +313,7 @@ class Fold:
         """A row for each recording and estimate: alarms, minutes, of them minutes in alarm, and the
         largest force of an alarm in its standard deviations.
         """
-        thresholds = read_json(self.shared("threshold.json"))
+        thresholds = read_record(dict[str, float], self.shared("threshold.json"))
         rows = []
         for own in tested:
             forces = Forces.read(self.own(own, "forces.parquet"))
@@ -325,7 +323,7 @@ class Fold:
                 minute = forces.period / 60
                 lasted = sum(last - first for first, last in found.raised) * minute
                 stated = [strongest(span, forces.time, found) for span in found.raised]
-                most = max((np.abs(s["force"] / s["force_std"]).max() for s in stated), default=0.0)
+                most = max((np.abs(s.force / s.force_std).max() for s in stated), default=0.0)
                 row = own.name, name, len(stated), len(found.evidence) * minute, lasted, most
                 rows.append(dict(zip(ALARMS, row, strict=True)))
         return pd.DataFrame(rows, columns=ALARMS)
@@ -360,9 +358,9 @@ def refusal(fold: Fold, tested: list[Recording]) -> str | None:
         fold.build(tested)
     except (InputError, np.linalg.LinAlgError) as error:
         return str(error)
-    files = ("friction.json", "residuals.json")
-    found = (read_json(fold.shared(file)).get("refused") for file in files)
-    return next(map(in_words, filter(None, found)), None)
+    friction = read_record(Friction, fold.shared("friction.json"))
+    residuals = read_record(Residuals, fold.shared("residuals.json"))
+    return next(map(in_words, filter(None, (friction.refused, residuals.refused))), None)
 
 
 def built_folds(
@@ -386,14 +384,14 @@ def built_folds(
 def predicted(fold: Fold, own: Recording) -> Iterator[dict[str, Any]]:
     """Of each joint, the current's share inside its band, and the excess of friction in motion."""
     currents = Currents.read(fold.own(own, "currents.parquet"))
-    summary = read_json(fold.own(own, "currents.json"))
-    if "fitted" not in summary["scores"]:
+    summary = read_record(Prediction, fold.own(own, "currents.json"))
+    if "fitted" not in summary.scores:
         return
     excess = friction_excess(currents, Motion.read(own.file("motion.parquet")))
-    if summary["load"] and summary["load"]["taken"]:  # its friction in the gears is another
+    if summary.is_loaded:  # its friction in the gears is another
         excess[:] = np.nan
     about = {"day": own.day, "recording": own.name, "samples": len(currents.time)}
-    for joint, inside in enumerate(summary["scores"]["fitted"]["coverage"]):
+    for joint, inside in enumerate(summary.scores["fitted"].coverage):
         yield about | {"joint": joint + 1, "inside": inside, "excess": excess[joint]}
 
 

@@ -34,10 +34,11 @@ from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.study import Arm, label_paths, read_run
 from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
 from ur5lib.force.detection import CONTACT, is_free
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
 from ur5lib.stand.plan import POSTURE
-from ur5lib.tables import read_csv, read_json, write_csv
+from ur5lib.tables import read_csv, read_record, write_csv
 from ur5lib.timeseries.arrays import Array
 
 TABLE = RESULTS / "simulated_contacts.csv"
@@ -77,7 +78,7 @@ def seed_rows(seed: int, each: int, names: Collection[str]) -> Iterator[dict[str
     try:
         built(study)
         robot = load_robot(folder / "parameters" / arm / "arm.yaml")
-        friction = read_json(folder / "parameters" / arm / "friction.json")
+        friction = read_record(Friction, folder / "parameters" / arm / "friction.json")
         folders = [folder / "recordings" / own["name"] for own in study["recordings"]]
         runs = [run for own in folders if (run := read_run(own, robot, friction)) is not None]
         time = Signals.read(folders[-1] / "signals.parquet").time

@@ -9,7 +9,7 @@ and while in contact.
 
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,26 +21,27 @@ import torch
 from benchmarks.harness.options import asked
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.identification.currents import fit_for
 from ur5lib.identification.rotor_inertia import fit_rotor_inertia
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.controller_torque import rotor_samples
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import direct_problems
-from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.own_clocks import own_clocks
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
+from ur5lib.pipeline.records.models import Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.pipeline.records.truth import Truth
-from ur5lib.pipeline.residual_fit import residual_summary
+from ur5lib.pipeline.records.truth import TrueParameters, Truth
+from ur5lib.pipeline.residual_fit import residual_models
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.entries import ThesisFiles
@@ -55,7 +56,7 @@ from ur5lib.signals.smoothing import SmoothedJoints, smooth_encoders
 from ur5lib.stand.plan import POSTURE, SimulatedRecording
 from ur5lib.stand.simulate import simulate
 from ur5lib.study.model import Settings
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Mask
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -98,7 +99,7 @@ class Taken:
 
     robot: Robot
     intake: Intake
-    summary: dict[str, Any]
+    summary: TrueParameters
     truth: Truth
 
     @cached_property
@@ -125,7 +126,7 @@ class Taken:
     @cached_property
     def clock(self) -> OwnClock:
         """Return the clock of the IMU."""
-        robot, starts = Signals.from_table(self.intake.robot), self.intake.quality["starts"]
+        robot, starts = Signals.from_table(self.intake.robot), self.intake.quality.starts
         frames = self.kinematics.rotation, self.kinematics.jacobian
         return own_clocks(starts, self.intake.sensors, robot, *frames)["imu"]
 
@@ -147,7 +148,7 @@ class Taken:
     @cached_property
     def record(self) -> Record:
         """Smoothed motion, its torque under the true model, the measured current."""
-        name, model = f"seed {self.summary['plan']['seed']}", self.summary["model"]
+        name, model = f"seed {self.summary.plan.seed}", self.summary.model
         record = current_record(name, self.signals, self.motion, self.torques, model)
         assert record is not None
         return record
@@ -165,7 +166,9 @@ def taken(plan: dict[str, Any], folder: Path) -> Taken:
     truth, entry = folder / "truth", ThesisFiles(format="thesis-csv", folder=str(folder))
     simulate(robot, wanted, "thesis-csv", folder, truth)
     intake = read_and_repair(entry, robot, SETTINGS.frames.max_gap_s)
-    return Taken(robot, intake, read_json(f"{truth}.json"), Truth.read(f"{truth}.parquet"))
+    return Taken(
+        robot, intake, read_record(TrueParameters, f"{truth}.json"), Truth.read(f"{truth}.parquet")
+    )
 
 
 def plans(seed: int, seconds: float = SECONDS) -> list[dict[str, Any]]:
@@ -192,45 +195,44 @@ def device_rows(fitted: list[Taken]) -> Iterator[Row]:
     """Rows of clocks, rotor inertias and the IMU."""
     robot, summary = fitted[0].robot, fitted[0].summary
     for own in fitted:
-        yield from truth_table.clock_rows({"imu": asdict(own.clock)}, own.summary)
-    true = robot.models[summary["model"]].rotor_inertias
+        yield from truth_table.clock_rows({"imu": own.clock}, own.summary)
+    true = robot.models[summary.model].rotor_inertias
     yield from truth_table.rotor_rows(rotors(fitted), true)
     calibration = calibrate([own.imu for own in fitted])
-    yield from truth_table.imu_rows(vars(calibration), summary["plan"]["imu"])
+    yield from truth_table.imu_rows(calibration, summary.plan.imu)
 
 
-def map_rows(friction: dict[str, Any], truth: dict[str, Any]) -> Iterator[Row]:
+def map_rows(friction: Friction, truth: TrueParameters) -> Iterator[Row]:
     """Return rows of torque constants and friction."""
-    return truth_table.friction_rows(friction, truth)
+    return truth_table.friction_rows(friction, truth.drive, truth.friction)
 
 
-def rotors(recordings: list[Taken]) -> dict[str, Any]:
+def rotors(recordings: list[Taken]) -> Rotors:
     """Rotor inertias from what rigid links leave of the controller's torque at the targets."""
     samples = [rotor_samples(own.robot, own.signals, own.motion, MOTIONS) for own in recordings]
     fit = fit_rotor_inertia(*zip(*(one for one in samples if one is not None), strict=True))
-    parts = {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
-    return {"from": recordings} | parts
+    return Rotors([own.record.name for own in recordings], fit.value, fit.std_error)
 
 
-def fitted_map(recordings: list[Taken]) -> dict[str, Any]:
-    """The map from motion to current, as in friction.json."""
+def fitted_map(recordings: list[Taken]) -> Friction:
+    """The map from motion to current."""
     ratios = [controllers_ratio(own.signals, own.motion) for own in recordings]
     prior = prior_of(recordings[0].robot, ratios)
     records, terms = [own.record for own in recordings], SETTINGS.friction.terms
-    return friction_summary(records, prior, smoother(*CURRENTS), terms)
+    return fitted_friction(records, prior, smoother(*CURRENTS), terms)
 
 
-def currents(friction: dict[str, Any], own: Taken) -> Currents:
+def currents(friction: Friction, own: Taken) -> Currents:
     """External torques, by a fit that has not seen the path."""
-    fit, no_load = fit_for(own.record.name, friction), 0 * own.record.q
+    fit, no_load = friction.fit_for(own.record.name), 0 * own.record.q
     tables = own.signals, own.torques, smoother(*CURRENTS), CURRENTS.cutoff
     return predicted_currents(own.record, fit, no_load, *tables)
 
 
-def pushed_rows(friction: dict[str, Any], free: list[Taken], pushed: Taken) -> Iterator[Row]:
+def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterator[Row]:
     """F^map beside the truth, over all of a recording and over what is in contact."""
     known = [(currents(friction, own), own.motion) for own in free]
-    residuals = residual_summary(known, friction, CURRENTS.cutoff)
+    residuals = residual_models(known, friction, CURRENTS.cutoff)
     found = direct_problems(pushed.motion, currents(friction, pushed), residuals)
     prior = ContactPrior(force=SETTINGS.contact.force_n)
     fmap = found["Fmap"]

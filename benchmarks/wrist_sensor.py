@@ -19,7 +19,8 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.tables import read_json
+from ur5lib.pipeline.records.forces import Audit
+from ur5lib.tables import read_record
 
 PROJECT = Path(__file__).resolve().parent.parent
 NEEDED = ["Snakefile", "config.yaml", "profiles", "ur5lib", "workflow"]
@@ -110,8 +111,8 @@ def audited(folder: Path, study: dict[str, Any]) -> pd.DataFrame:
     command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--", *audits]
     environment = os.environ | {"PYTHONPATH": str(folder)}
     subprocess.run(command, cwd=folder, env=environment, check=True)
-    known = [read_json(folder / audit) for audit in audits]
-    rows = pd.DataFrame([row for one in known if one for row in one["rows"]])
+    known = [read_record(Audit, folder / audit) for audit in audits]
+    rows = pd.DataFrame([row for one in known for row in one.rows])
     rows = rows.fillna({"component": ""})
     rows["truth"] = [
         TRUTH.get(key) for key in zip(rows["quantity"], rows["component"], strict=True)

@@ -8,7 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pytest
 
@@ -43,10 +43,9 @@ def run_ur5(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture) -> C
     return Command(monkeypatch, capsys)
 
 
-def said(finding: Finding | dict[str, Any]) -> str:
-    """The sentence of the report and of `ur5 check` about a finding, or a row of quality.json."""
-    row = finding.as_row() if isinstance(finding, Finding) else finding
-    return str(worded(row)["detail"])
+def said(finding: Finding) -> str:
+    """The sentence of the report and of `ur5 check` about a finding."""
+    return str(worded(finding)["detail"])
 
 
 def recordings(name: str, remedy: str) -> Path:

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,25 +22,26 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensor import SensorOffset
 from ur5lib.force.wrench_estimate import WrenchEstimate, used_rows
-from ur5lib.identification.currents import CurrentFit, fit_for
+from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
-from ur5lib.pipeline.friction_fit import friction_summary
+from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.pipeline.residual_fit import residual_summary, with_trials
+from ur5lib.pipeline.residual_fit import residual_models, with_trials
+from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
-from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
-from ur5lib.pipeline.stamps import by_stamps
 from ur5lib.pipeline.torques import joint_torques
 from ur5lib.recordings.intake import Intake
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -50,7 +50,7 @@ from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.study.model import Recording, Settings, Study
 from ur5lib.study.reading import parse_study
-from ur5lib.tables import as_record, read_json, write_json
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import Butterworth
 
@@ -129,7 +129,7 @@ class RealRecording:
         """Contact wrench (N, 6) by the force sensor, and what was taken off its reading."""
         signals = self.signals
         assert self.sensor_clock is not None
-        start = self.intake.quality["starts"]["force"]
+        start = self.intake.quality.starts["force"]
         placed = by_stamps(self.intake.sensors["force"], start, signals.time, "force")
         moved = moved_tool(self.robot, self.kinematics, self.motion)
         clock_std = self.sensor_clock.std_after(signals.time[-1] - signals.time[0])
@@ -214,31 +214,31 @@ class RealStudy:
         if not file.exists():
             records = [one.record for one in ones]
             prior = self.prior(shown or names)
-            write_json(friction_summary(records, prior, self.smooth, terms), file)
-        return Fitted(ones, read_json(file), self.currents_lowpass)
+            write_json(fitted_friction(records, prior, self.smooth, terms), file)
+        return Fitted(ones, read_record(Friction, file), self.currents_lowpass)
 
 
 @dataclass(frozen=True)
 class Fitted:
     """Torque constants and friction of some recordings, and what they leave without contact.
 
-    friction: as friction.json has it. Who is judged by a fit is of no path that the fit has seen.
+    Who is judged by a fit is of no path that the fit has seen.
     """
 
     recordings: list[RealRecording]
-    friction: dict[str, Any]
+    friction: Friction
     lowpass: Butterworth
 
     @cached_property
     def whole(self) -> CurrentFit:
         """The fit of all of them."""
-        return as_record(CurrentFit, self.friction["fit"])
+        return self.friction.fit
 
     @cached_property
     def residuals(self) -> Residuals:
         """Residual models of the external torques."""
         known = [(self.currents(one), one.motion) for one in self.recordings]
-        found = residual_summary(known, self.friction, self.lowpass.cutoff)
+        found = residual_models(known, self.friction, self.lowpass.cutoff)
         at_used_rows = [
             one.kinematics.jacobian[used_rows(one.motion.segment, one.motion.period)]
             for one in self.recordings
@@ -248,7 +248,7 @@ class Fitted:
 
     def currents(self, one: RealRecording) -> Currents:
         """Prediction and external torques; no load is looked for."""
-        fit, no_load = fit_for(one.name, self.friction), 0 * one.record.q
+        fit, no_load = self.friction.fit_for(one.name), 0 * one.record.q
         tables = one.signals, one.torques, smoother(*self.lowpass), self.lowpass.cutoff
         return predicted_currents(one.record, fit, no_load, *tables)
 
@@ -271,5 +271,5 @@ class Fitted:
     def repeated(self, one: RealRecording, free: Sequence[RealRecording]) -> WrenchEstimate | None:
         """The repeat-aware estimate; None where none of the others is of the same trajectory."""
         alike = ((self.currents(other), other.motion) for other in free)
-        found = repeat_problem(self.problem(one), alike, self.lowpass.cutoff)
+        found = repeat_problem(self.problem(one), alike, self.lowpass.cutoff).get("repeat")
         return found and found.solve(one.kinematics.jacobian[found.rows], PRIOR)

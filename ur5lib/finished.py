@@ -2,16 +2,20 @@
 
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import pandas as pd
 
 from ur5lib.errors import InputError
+from ur5lib.pipeline.carried import Carried
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.table import Table
+from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.model import Recording, Study
 from ur5lib.study.reading import read_study
-from ur5lib.tables import read_csv, read_json, read_table, read_units
+from ur5lib.tables import read_csv, read_record, read_table, read_units
 
 Record = TypeVar("Record", bound=Table)
 
@@ -55,18 +59,26 @@ class FinishedStudy:
         """Return an arm with the link models that were identified."""
         return load_robot(self._existing("parameters", robot, "arm.yaml"))
 
-    def fitted(self, robot: str, name: str) -> dict[str, Any]:
-        """Return parameters/<robot>/<name>.json."""
-        return dict(read_json(self._existing("parameters", robot, f"{name}.json")))
+    def friction(self, robot: str) -> Friction:
+        """Return an arm's torque constants and friction."""
+        return read_record(Friction, self._existing("parameters", robot, "friction.json"))
 
-    def summary(self, recording: str, name: str) -> dict[str, Any]:
-        """Return recordings/<recording>/<name>.json."""
-        return dict(read_json(self._existing("recordings", recording, f"{name}.json")))
+    def rotors(self, robot: str) -> Rotors:
+        """Return an arm's rotor inertias."""
+        return read_record(Rotors, self._existing("parameters", robot, "rotor_inertia.json"))
+
+    def identification(self, robot: str) -> Identification:
+        """Return an arm's base parameters."""
+        path = self._existing("parameters", robot, "identification.json")
+        return read_record(Identification, path)
+
+    def quality(self, recording: str) -> Quality:
+        """Return the files and the timing of a recording."""
+        return read_record(Quality, self._existing("recordings", recording, "quality.json"))
 
     def payload(self, recording: str) -> Payload | None:
         """Return the payload of the arm."""
-        load = self.summary(recording, "torques")["payload"]
-        return Payload(**load) if load else None
+        return read_record(Carried, self._existing("recordings", recording, "torques.json")).payload
 
     def record(self, kind: type[Record], recording: str) -> Record:
         """Return a recording's table as a record, e.g. `Motion` of motion.parquet."""
@@ -117,8 +129,8 @@ class FinishedStudy:
     def start(self, recording: str) -> float | None:
         """Return time zero of a recording in seconds since 1970; None where unknown."""
         name = self._known(recording, self.recordings, "recording")
-        quality = self.folder / "recordings" / name / "quality.json"
-        return read_json(quality).get("start_epoch_s") if quality.is_file() else None
+        path = self.folder / "recordings" / name / "quality.json"
+        return read_record(Quality, path).start_epoch_s if path.is_file() else None
 
     def _existing(self, *parts: str) -> Path:
         path = self.folder.joinpath(*parts)

@@ -162,7 +162,7 @@ def write_json(data: object, path: str | Path) -> None:
 
 
 def json_text(data: object) -> str:
-    """Return plain data, arrays and dataclasses as JSON; NaN and infinity become null."""
+    """Return plain data, arrays and records as JSON; NaN and infinity become null."""
     return json.dumps(_plain(data), indent=2, allow_nan=False) + "\n"
 
 
@@ -237,6 +237,8 @@ def write_aside(path: str | Path, write: Callable[[Path], object]) -> None:
 
 
 def _plain(data: object) -> object:
+    if hasattr(data, "model_dump"):
+        return _plain(data.model_dump())
     if is_dataclass(data):
         return {key(field.name): _plain(getattr(data, field.name)) for field in fields(data)}
     if isinstance(data, dict):

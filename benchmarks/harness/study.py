@@ -13,21 +13,21 @@ from ur5lib.force.force_input import Gears
 from ur5lib.force.observer import momentum_rate
 from ur5lib.identification.currents import (
     breakaway_torque,
-    fit_for,
     friction_current,
     load_loss,
     torque_constants,
 )
 from ur5lib.pipeline.current_samples import current_record
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot, load_robot
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 EVERY = 0.1  # s between the samples by which paths are compared
@@ -58,7 +58,10 @@ def read_arms(folder: Path) -> list[Arm]:
 def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
     """Return the runs of an arm, the paths of all of them labelled together."""
     parameters = folder / "parameters" / name
-    robot, friction = load_robot(parameters / "arm.yaml"), read_json(parameters / "friction.json")
+    robot, friction = (
+        load_robot(parameters / "arm.yaml"),
+        read_record(Friction, parameters / "friction.json"),
+    )
     found = [
         (entry["role"], run)
         for entry in plan["recordings"]
@@ -74,17 +77,17 @@ def read_arm(folder: Path, plan: Mapping[str, Any], name: str) -> Arm:
     return Arm(folder.name, name, by_role["fit"], sensed, by_role["validate"])
 
 
-def read_run(folder: Path, robot: Robot, fitted: Mapping[str, Any]) -> Run | None:
+def read_run(folder: Path, robot: Robot, fitted: Friction) -> Run | None:
     """Return a recording, None where its external torque is unknown or it carries a load."""
     signals = Signals.read(folder / "signals.parquet")
     motion = Motion.read(folder / "motion.parquet")
     currents = Currents.read(folder / "currents.parquet")
     torques = Torques.read(folder / "torques.parquet")
-    load = read_json(folder / "currents.json").get("load")
+    loaded = read_record(Prediction, folder / "currents.json").is_loaded
     record = current_record(folder.name, signals, motion, torques, robot.fullest_model())
-    if record is None or currents.external_torque is None or (load and load["taken"]):
+    if record is None or currents.external_torque is None or loaded:
         return None
-    fit = fit_for(folder.name, fitted)
+    fit = fitted.fit_for(folder.name)
     constant = torque_constants(fit)
     assert currents.predicted_current is not None
     friction = constant * currents.predicted_current - record.torque

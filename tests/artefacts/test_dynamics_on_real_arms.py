@@ -68,9 +68,7 @@ def test_the_ur5e_s_model_is_its_controller_s(real_ur5e: Study) -> None:
 
 def test_findings_about_the_ur5e_are_true(real_ur5e: Study) -> None:
     found = {
-        recording.name: {
-            one["finding"] for one in look_through(recording, real_ur5e)[0]["findings"]
-        }
+        recording.name: {one.finding for one in look_through(recording, real_ur5e)[0].findings}
         for recording in real_ur5e.recordings
     }
     frames = {"repeated frames", "stale stamps", "lost frames", "crowded frames"}

@@ -1,6 +1,6 @@
 """Bands of the end effector's acceleration, and the bands of the joints on the stand."""
 
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -9,13 +9,15 @@ import pytest
 from benchmarks.motion import judged, simulated, with_imu
 from tests.made_tables import table
 from ur5lib.pipeline.acceleration_ranges import by_range
-from ur5lib.signals.smoothing import innovation_test, widening
+from ur5lib.pipeline.records.accelerations import ImuComparison
+from ur5lib.signals.smoothing import widening
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.kalman import innovation_test
 
 SAMPLES = 20_000
 
 
-def of_noise(deviation: float, seed: int) -> dict[str, Any]:
+def of_noise(deviation: float, seed: int) -> ImuComparison:
     """A recording whose difference is white: twice as large in motion, three times above 5 Hz."""
     random = np.random.default_rng(seed)
     slow, quick = random.normal(size=(2, SAMPLES, 6))
@@ -28,13 +30,13 @@ def of_noise(deviation: float, seed: int) -> dict[str, Any]:
         difference = slow + quick if cutoff > 5 else slow
         return {"ranges": difference, "plain_ranges": 2 * difference}
 
-    return by_range(differences, np.where(moving, 0.5, 0.0) * np.ones(6))
+    return ImuComparison(**by_range(differences, np.where(moving, 0.5, 0.0) * np.ones(6)))
 
 
-def bands(own: dict[str, Any], *others: dict[str, Any]) -> pd.DataFrame:
+def bands(own: ImuComparison, *others: ImuComparison) -> pd.DataFrame:
     """Rows of the first recording, calibrated on all."""
     every = {str(k): summary for k, summary in enumerate((own, *others))}
-    calibrated = {name: summary | {"calibrated_on": [*every]} for name, summary in every.items()}
+    calibrated = {name: replace(summary, calibrated_on=[*every]) for name, summary in every.items()}
     rows = table("acceleration_bands", accelerations=calibrated)
     return rows[rows["recording"] == "0"]
 
@@ -56,7 +58,7 @@ def test_a_band_is_that_of_the_other_recordings() -> None:
 
 def test_a_recording_alone_has_no_band() -> None:
     assert bands(of_noise(0.1, 1)).empty
-    assert bands({"errors": {}}, of_noise(0.1, 1)).empty
+    assert bands(ImuComparison(), of_noise(0.1, 1)).empty
 
 
 def test_colour_widens_by_what_averages_out_less() -> None:

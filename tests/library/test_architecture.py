@@ -31,7 +31,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "pipeline": BASE | ROOMS,
     "report": BASE | ROOMS | {"excitation", "pipeline"},
     "study": BASE | {"recorder", "recordings", "stand"},
-    "finished": {"errors", "pipeline", "robots", "study", "tables"},
+    "finished": {"errors", "pipeline", "recordings", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
     | {"doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},

@@ -104,7 +104,7 @@ REST = asdict(remark("other reason", reason="the arm rests"))
 
 def test_copies_and_poor_clocks_are_findings() -> None:
     finding = Finding("robot", "torn last line", "note", 1)
-    torn = [finding.as_row() | {"values": {"file": name, "line": 3}} for name in "ab"]
+    torn = [asdict(finding) | {"values": {"file": name, "line": 3}} for name in "ab"]
     quality = {"devices": ["robot", "imu"], "files": {"imu": "x"}, "findings": torn}
     stale = {"devices": ["robot"], "files": {"imu": "x"}, "findings": []}
     fair = {"warning": None, "offset_std": 0.006, "end_std": 0.1, "drift": None}

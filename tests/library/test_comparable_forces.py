@@ -6,8 +6,8 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from ur5lib.pipeline.force_comparison import comparable
 from ur5lib.pipeline.records.forces import PublishedForces
+from ur5lib.pipeline.sensor_comparison import comparable
 
 WRENCH = np.ones((5, 6))
 

@@ -128,20 +128,20 @@ def test_peak_and_impulse_of_a_scaled_estimate(scale: float) -> None:
     reference = pushed(4)[:, :3]
     time = PERIOD * np.arange(len(reference))
     rows = [*contact_errors(scale * reference, reference, time)]
-    assert [row["contact"] for row in rows] == [number for number in range(1, 5) for _ in range(4)]
+    assert [row.contact for row in rows] == [number for number in range(1, 5) for _ in range(4)]
     for row in rows[::4] + rows[3::4]:  # along x, and norm
-        assert row["peak"] == pytest.approx(20, abs=0.5)
-        assert row["peak_error"] == pytest.approx((scale - 1) * row["peak"])
-        assert row["impulse"] == pytest.approx(10, abs=0.5)
-        assert row["impulse_error"] == pytest.approx((scale - 1) * row["impulse"])
+        assert row.peak == pytest.approx(20, abs=0.5)
+        assert row.peak_error == pytest.approx((scale - 1) * row.peak)
+        assert row.impulse == pytest.approx(10, abs=0.5)
+        assert row.impulse_error == pytest.approx((scale - 1) * row.impulse)
 
 
 def test_errors_have_the_same_sign_whatever_the_pushs() -> None:
     reference = -pushed(1)[:, :3]
     time = PERIOD * np.arange(len(reference))
     (x, *_, whole) = contact_errors(0.5 * reference, reference, time)
-    assert x["peak_error"] == whole["peak_error"] < 0
-    assert x["impulse_error"] == whole["impulse_error"] < 0
+    assert x.peak_error == whole.peak_error < 0
+    assert x.impulse_error == whole.impulse_error < 0
 
 
 @pytest.mark.parametrize("late", [-20, 0, 30])
@@ -149,7 +149,7 @@ def test_the_onset_of_a_late_estimate(late: int) -> None:
     reference = pushed(3)[:, :3]
     time = PERIOD * np.arange(len(reference))
     rows = [*contact_errors(np.roll(reference, late, axis=0), reference, time)]
-    onsets = [row["onset_error_s"] for row in rows if row["component"] == "norm"]
+    onsets = [row.onset_error_s for row in rows if row.component == "norm"]
     np.testing.assert_allclose(onsets, late * PERIOD)
 
 
@@ -157,8 +157,8 @@ def test_an_estimate_that_feels_nothing_has_no_onset() -> None:
     reference = pushed(1)[:, :3]
     time = PERIOD * np.arange(len(reference))
     (*_, whole) = contact_errors(np.zeros_like(reference), reference, time)
-    assert whole["onset_error_s"] is None
-    assert whole["peak_error"] == -whole["peak"]
+    assert whole.onset_error_s is None
+    assert whole.peak_error == -whole.peak
 
 
 def test_an_estimate_unknown_in_part_of_a_contact_is_not_called_too_weak() -> None:
@@ -166,9 +166,9 @@ def test_an_estimate_unknown_in_part_of_a_contact_is_not_called_too_weak() -> No
     estimate = reference.copy()
     estimate[230] = np.nan
     time = PERIOD * np.arange(len(reference))
-    rows = [row for row in contact_errors(estimate, reference, time) if row["component"] == "Fx"]
-    assert [np.isnan(row["peak_error"]) for row in rows] == [True, False]
-    assert [row["impulse"] > 0 for row in rows] == [True, True]
+    rows = [row for row in contact_errors(estimate, reference, time) if row.component == "Fx"]
+    assert [np.isnan(row.peak_error) for row in rows] == [True, False]
+    assert [row.impulse > 0 for row in rows] == [True, True]
 
 
 def test_a_dip_divides_contacts_and_noise_makes_none() -> None:
@@ -228,9 +228,9 @@ def test_a_contact_is_named_by_its_first_and_last_sample() -> None:
     rows = [*contact_errors(reference, reference, time)]
     above = np.flatnonzero(reference[:, 0] > 2)
     first = above[above < 300]
-    assert rows[0]["start_s"] == time[first[0]]
-    assert rows[0]["end_s"] == time[first[-1]]
-    assert rows[0]["impulse"] == pytest.approx(PERIOD * reference[first, 0].sum())
+    assert rows[0].start_s == time[first[0]]
+    assert rows[0].end_s == time[first[-1]]
+    assert rows[0].impulse == pytest.approx(PERIOD * reference[first, 0].sum())
     assert [*contact_errors(0.24 * reference, 0.24 * reference, time)] == []
     one = 6.0 * (np.arange(9) == 4)[:, None] * np.eye(3)[0]  # of a single sample: no duration
-    assert next(iter(contact_errors(one, one, time[:9])))["impulse"] == 0.0
+    assert next(iter(contact_errors(one, one, time[:9]))).impulse == 0.0

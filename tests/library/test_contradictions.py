@@ -40,8 +40,9 @@ from ur5lib.pipeline.friction_fit import (
     require_known_constants,
     require_no_stop_sign,
 )
-from ur5lib.pipeline.residual_fit import residual_summary
-from ur5lib.recordings.quality import contradiction
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.residual_fit import residual_models
+from ur5lib.recordings.quality import Contradictions, contradiction
 from ur5lib.report.findings import worded
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import left_out_fits, stop_signs
@@ -88,9 +89,11 @@ def test_constants_of_a_smaller_arm_are_a_stop_sign() -> None:
 
 
 def test_nothing_is_fitted_to_a_recording_with_a_stop_sign() -> None:
-    require_no_stop_sign({"a": {"stop_signs": []}})
+    require_no_stop_sign({"a": Contradictions()})
     with pytest.raises(ContradictionError) as sign:
-        require_no_stop_sign({"a": {"stop_signs": []}, "b": {"stop_signs": [WRONG]}})
+        require_no_stop_sign(
+            {"a": Contradictions(), "b": Contradictions([contradiction("unusable")])}
+        )
     assert sign.value.remark == remark("contradicting recordings", names=["b"])
 
 
@@ -118,7 +121,7 @@ def test_hand_led_currents_are_explained_by_none() -> None:
     )
     assert shares is not None
     assert (shares <= 0).sum() > 3
-    found = residual_summary([], {"explained": shares}, 2.0)
+    found = residual_models([], Friction(explained=shares), 2.0)
     assert found == Residuals(refused=found.refused)
     assert found.refused is not None
     assert found.refused.code == "unknown torques"
@@ -127,8 +130,8 @@ def test_hand_led_currents_are_explained_by_none() -> None:
 @pytest.mark.parametrize(("known", "refused"), [(2, True), (3, False)])
 def test_a_force_needs_three_joints(fit: CurrentFit, known: int, refused: bool) -> None:
     shares = np.where(np.arange(6) < known, 0.5, -0.5)
-    others = {"explained": shares, "fit": asdict(fit), "paths": 2}
-    told = residual_summary([], others, 2.0).refused
+    others = Friction(explained=shares, fit=fit, paths=2)
+    told = residual_models([], others, 2.0).refused
     assert (told == remark("unknown torques", joints=[3, 4, 5, 6])) == refused
 
 
@@ -140,7 +143,7 @@ def test_explained_shares_are_those_of_a_constant_and_of_the_truth() -> None:
 
 
 def results(signs: int, stopped: str | None) -> Results:
-    sign = worded(contradiction("unusable", error=WRONG).as_row())
+    sign = worded(contradiction("unusable", error=WRONG))
     rows = [{"recording": f"run_{k}"} | sign for k in range(signs)]
     key, why = ("stopped", stopped) if stopped else ("refused", "too short")
     friction = {"from": [], key: asdict(remark("other reason", reason=why))}

@@ -60,7 +60,7 @@ def answer(case: Case, arm: Robot, whole: Intake) -> Answer:
 
 
 def findings(taken: Intake) -> set[tuple[str, int, str]]:
-    return {(f["finding"], f["count"], f["device"]) for f in taken.quality["findings"]}
+    return {(f.finding, f.count, f.device) for f in taken.quality.findings}
 
 
 def start_of(case: Case) -> float:
@@ -104,7 +104,7 @@ def compare_sensor(taken: Intake, whole: Intake, device: Device) -> tuple[int, i
         intake.sensors[device].assign(segment=0, interpolated=False) for intake in (taken, whole)
     )
     wrong, lost = compare(mine, truth, 0.0, True)
-    starts = [intake.quality["starts"][device]["seconds"] for intake in (taken, whole)]
+    starts = [intake.quality.starts[device].seconds for intake in (taken, whole)]
     return wrong + int(abs(starts[0] - starts[1]) > 1e-3) * len(mine), lost
 
 
@@ -155,10 +155,10 @@ def fault_of_print(case: Case, quality: dict[str, Any]) -> str | None:
     printed = console.file.getvalue()
     if not printed.replace("\n", "").isprintable():
         return f"prints control characters: {printed!r}"
-    wanted = {finding["finding"] for finding in quality["findings"]}
+    wanted = {finding.finding for finding in quality.findings}
     wanted |= {"[/x][red]:x:"} if "steering" in case.kind else set()
     left_out = {text for text in wanted if text not in printed}
-    errors = sum(finding["severity"] == "error" for finding in quality["findings"])
+    errors = sum(finding.severity == "error" for finding in quality.findings)
     return f"prints no {left_out}, {failed} errors" if left_out or failed != errors else None
 
 

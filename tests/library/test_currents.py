@@ -1,6 +1,6 @@
 """From motion to current: known maps come back, and say how well; the real arms' are judged."""
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +28,6 @@ from ur5lib.identification.currents import (
     band,
     breakaway_torque,
     fit_currents,
-    fit_for,
     fit_without_each_path,
     friction_current,
     parameters,
@@ -63,9 +62,10 @@ from ur5lib.identification.validation import (
     least_squares_coefficients,
     score,
 )
+from ur5lib.pipeline.records.friction import Friction, LeftOut
 from ur5lib.robots import friction
 from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, JointMotion, Term
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import DEAD_ZONE
 
@@ -421,15 +421,14 @@ def test_the_fit_for_a_recording_is_the_one_that_has_not_seen_it(
 ) -> None:
     """By way of friction.json; a recording that no fit has seen has the fit of all."""
     whole = fit_currents(twice, smooth, prior(), ())
-    left_out = [{"recordings": [name], "fit": asdict(fit)} for name, fit in folds.items()]
-    write_json({"fit": asdict(whole), "left_out": left_out}, tmp_path / "friction.json")
-    friction = read_json(tmp_path / "friction.json")
+    left_out = [LeftOut([name], fit) for name, fit in folds.items()]
+    write_json(Friction(fit=whole, left_out=left_out), tmp_path / "friction.json")
+    friction = read_record(Friction, tmp_path / "friction.json")
     for record in twice:
-        assert equal(fit_for(record.name, friction), folds[record.name])
-        assert not equal(fit_for(record.name, friction), whole)
-    assert equal(fit_for("another", friction), whole)
-    alone = friction | {"left_out": []}
-    assert equal(fit_for(twice[0].name, alone), whole)
+        assert equal(friction.fit_for(record.name), folds[record.name])
+        assert not equal(friction.fit_for(record.name), whole)
+    assert equal(friction.fit_for("another"), whole)
+    assert equal(replace(friction, left_out=[]).fit_for(twice[0].name), whole)
 
 
 def test_a_left_out_residual_has_not_seen_its_path(twice: list[Record]) -> None:

@@ -10,7 +10,6 @@ from ur5lib.dynamics.link_model import load_regressor
 from ur5lib.identification.currents import (
     CurrentFit,
     band,
-    fit_for,
     friction_current,
     parameters,
     predict,
@@ -40,7 +39,7 @@ def scores(fit: CurrentFit, record: Record, smooth: Smooth) -> Scores:
 
 def by_least_squares(fitted: Fitted, record: Record, smooth: Smooth) -> Array:
     """RMSE (6,) [A] of plain least squares on the recordings of a fit."""
-    plain = baseline_current(record, np.array(fitted.friction["least_squares"]))
+    plain = baseline_current(record, fitted.friction.least_squares)
     return score(record, plain, smooth, np.zeros_like(plain)).rmse_lowpassed
 
 
@@ -99,7 +98,7 @@ def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
 ) -> None:
     """Nothing tells the constant of joint 1, which falls back to the known one."""
     fitted = real_ur3.fitted(names)
-    fit, known = fitted.whole, fitted.friction["known_constants"]
+    fit, known = fitted.whole, fitted.friction.known_constants
     rows = [row for row in parameters(fit) if row.name == "torque_constant"]
     for row, value, width in zip(rows, known["value"], known["std_error"], strict=True):
         assert row.interval[0] - width < value < row.interval[1] + width
@@ -138,7 +137,7 @@ def test_one_recording_suffices_for_the_currents_of_the_ur10e(
     """By the manufacturer's torque constants: that recording shows none of the controller's."""
     alone, smooth = real_ur10e.fitted(UR10E_FITTED[:1]), real_ur10e.smooth
     for name in (UR10E_LEFT_OUT, UR10E_FITTED[1]):
-        record, other = real_ur10e.recording(name).record, fit_for(name, ur10e_fitted.friction)
+        record, other = real_ur10e.recording(name).record, ur10e_fitted.friction.fit_for(name)
         ours, its = (
             np.linalg.norm(scores(fit, record, smooth).rmse_lowpassed)
             for fit in (alone.whole, other)

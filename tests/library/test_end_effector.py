@@ -9,6 +9,7 @@ from tests.library.test_smoothing import POINT, Motion, kinematics, random_state
 from ur5lib.dynamics.arm import build_arm
 from ur5lib.dynamics.kinematics import acceleration, velocity
 from ur5lib.robots.description import Robot
+from ur5lib.signals.clock import clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
 from ur5lib.signals.end_effector import (
     euler_acceleration,
@@ -133,7 +134,7 @@ def test_a_gyroscope_tells_the_clock_of_its_device(ur5: Robot) -> None:
     rate = readings(ur5, motion)[:, 3:]
     gyroscope = interpolated(own + late, time, rate)
     robot = time, np.zeros(3000, int), motion[0]
-    start = {"seconds": 0.0, "std": 0.05}
+    start = clock_from_stamps(0.0, 0.05)
     clock, reason = device_clock(own, gyroscope, start, robot, kinematics(ur5, motion[0]))
     assert reason is None
     assert clock.offset == pytest.approx(late, abs=1e-3)

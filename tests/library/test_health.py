@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from datetime import date, timedelta
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,8 +20,13 @@ from tests.library.current_study import (
 from tests.made_tables import table
 from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
+from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, design
-from ur5lib.pipeline.health import Checkup, checkup, dated, health_summary, together
+from ur5lib.identification.validation import Scores
+from ur5lib.pipeline.health import Checkup, checkup, dated, health_of, together
+from ur5lib.pipeline.records.currents import Prediction
+from ur5lib.pipeline.records.health import Health
+from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.cells import days
 from ur5lib.report.compose import shown_table
@@ -32,8 +36,9 @@ from ur5lib.report.views import arm_state
 from ur5lib.robots.friction import BASE
 
 START = date(2026, 3, 3)
-QUALITY = {"frames": 1000, "findings": [{"finding": "lost frames", "count": 20}]}
+QUALITY = Quality(frames=1000, findings=[Finding("robot", "lost frames", "warning", 20)])
 NOISE = 0.05  # A
+TAKEN = JudgedLoad(2.0, 0.1, (1.8, 2.2), True, 0.0, 2.0, True, np.zeros(3), np.zeros(3))
 
 
 def worn(seed: int, coulomb: dict[int, float], viscous: dict[int, float]) -> Record:
@@ -122,13 +127,14 @@ def test_a_joint_at_rest_has_no_friction_to_tell(fit: CurrentFit) -> None:
 
 
 def test_a_recording_has_the_date_that_it_is_given_or_its_stamp_s() -> None:
-    stamped, bare = {"start_epoch_s": 1386687528.2}, {"start_epoch_s": None}
-    free: dict[str, Any] = {"scores": {"fitted": []}, "load": None}
+    stamped, bare = Quality(start_epoch_s=1386687528.2), Quality()
+    scored = {"fitted": Scores(*np.zeros((5, 6)))}
+    free = Prediction(True, scored)
     assert dated("2026-03-09", stamped, free) == date(2026, 3, 9)
     assert dated("", stamped, free) == date(2013, 12, 10)
     assert dated("", bare, free) is None
-    assert dated("2026-03-09", stamped, {"scores": {}}) is None  # a stop sign
-    assert dated("2026-03-09", stamped, free | {"load": {"taken": True}}) is None
+    assert dated("2026-03-09", stamped, Prediction(True)) is None  # a stop sign
+    assert dated("2026-03-09", stamped, replace(free, load=TAKEN)) is None
 
 
 def test_recordings_of_a_date_count_by_their_errors_and_their_scatter() -> None:
@@ -143,9 +149,9 @@ def test_recordings_of_a_date_count_by_their_errors_and_their_scatter() -> None:
 
 
 @pytest.fixture(scope="module")
-def summary(fit: CurrentFit) -> dict[str, Any]:
+def summary(fit: CurrentFit) -> Health:
     """Joint 2 drifts by a fifth, joint 4 jumps by a quarter on the seventh of twelve dates."""
-    return health_summary([*_checkups(fit)])
+    return health_of([*_checkups(fit)])
 
 
 def _checkups(fit: CurrentFit) -> Iterator[Checkup]:
@@ -160,30 +166,30 @@ def _checkups(fit: CurrentFit) -> Iterator[Checkup]:
 
 
 @pytest.fixture(scope="module")
-def results(summary: dict[str, Any]) -> Results:
+def results(summary: Health) -> Results:
     return of_arm(summary)
 
 
-def of_arm(summary: dict[str, Any]) -> Results:
+def of_arm(summary: Health) -> Results:
     """The two tables of a study of one arm."""
     names = ("health", "health_changes")
     tables = {name: table(name, health={"ur5": summary}) for name in names}
     return Results({"recordings": []}, tables, Path())
 
 
-def test_what_changed_is_found_and_nothing_else(summary: dict[str, Any]) -> None:
-    changes = {(one["joint"], one["quantity"]): one for one in summary["changes"]}
+def test_what_changed_is_found_and_nothing_else(summary: Health) -> None:
+    changes = {(one.joint, one.quantity): one for one in summary.changes}
     assert set(changes) == {(2, "viscous"), (4, "coulomb")}
     grown, jumped = changes[2, "viscous"], changes[4, "coulomb"]
-    assert (grown["kind"], jumped["kind"]) == ("drift", "jump")
-    assert grown["size"] / grown["before"] == pytest.approx(0.2, abs=0.04)
-    assert jumped["size"] / jumped["before"] == pytest.approx(0.25, abs=0.02)
-    assert jumped["first"] < (START + timedelta(18)).isoformat() <= jumped["last"]
+    assert (grown.kind, jumped.kind) == ("drift", "jump")
+    assert grown.size / grown.before == pytest.approx(0.2, abs=0.04)
+    assert jumped.size / jumped.before == pytest.approx(0.25, abs=0.02)
+    assert jumped.first < (START + timedelta(18)).isoformat() <= jumped.last
 
 
 def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
-    summary = health_summary([*_checkups(fit)][:5])
-    assert summary == {"dates": [], "changes": []}
+    summary = health_of([*_checkups(fit)][:5])
+    assert summary == Health()
     results = of_arm(summary)
     assert judge_drift(results) is None
     assert (
@@ -236,8 +242,8 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
     ]
 
 
-def test_every_joint_and_quantity_is_drawn(summary: dict[str, Any]) -> None:
-    drawing = health_figure(summary["dates"], summary["changes"])
+def test_every_joint_and_quantity_is_drawn(summary: Health) -> None:
+    drawing = health_figure(summary.dates, summary.changes)
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*UNITS, "temperature"}
 

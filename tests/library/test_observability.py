@@ -1,6 +1,6 @@
 """The smallest push by speed, and the speeds at which friction is predicted."""
 
-import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
 from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
+from ur5lib.pipeline.records.observability import Observability
 from ur5lib.report.arm_state_figures import observability_figure
 from ur5lib.report.tables.making import make_table
 from ur5lib.timeseries.arrays import Array
@@ -118,22 +119,16 @@ def test_the_table_has_each_joint_and_push() -> None:
     assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
-    drawing = observability_figure(summary["pushes"], summary["shares"], 0.9, MOST)
+    drawing = observability_figure(summary.pushes, summary.shares, 0.9, MOST)
     assert len(drawing.data) == 2 + 6 * 9
     for pushes in (
         [],
-        [summary["pushes"][0] | {"speed_high": None}],
+        [replace(summary.pushes[0], speed_high=None)],
     ):
-        drawing = observability_figure(pushes, summary["shares"], 0.9, MOST)
+        drawing = observability_figure(pushes, summary.shares, 0.9, MOST)
         assert len(drawing.data) == len(pushes) + 6 * 9
 
 
 def test_nothing_is_drawn_of_recordings_that_tell_nothing() -> None:
-    summary = observability([], [])
-    assert json.loads(json.dumps(summary)) == {
-        "pushes": [],
-        "axes": [],
-        "shares": [],
-        "predicted": [],
-    }
+    assert observability([], []) == Observability()
     assert observability_figure([], [], 0.9, MOST).data.empty

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.report.recording_figures import older_torque_figure, packet_figure, tracking_figure
 
 COUNT, PERIOD = 200, 0.008

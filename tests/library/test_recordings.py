@@ -500,7 +500,7 @@ def test_a_capture_of_the_port_is_taken_in(tmp_path: Path, ur5: Robot) -> None:
     (tmp_path / "capture.csv").write_text("\n".join(lines) + "\n")
     entry = {"format": "realtime-stream", "folder": str(tmp_path), "file": "capture.csv"}
     taken = intake(entry, ur5)
-    assert taken.quality["findings"] == []
+    assert taken.quality.findings == []
     np.testing.assert_allclose(taken.robot["time"], np.arange(200) * PERIOD, atol=1e-9)
     expected = 0.1 * np.sin(np.arange(200) * PERIOD + 3)
     np.testing.assert_allclose(taken.robot["actual_q_3"], expected, atol=1e-12)
@@ -551,9 +551,9 @@ def intake(entry: dict, arm: Robot) -> Intake:
 def test_every_defect_of_the_thesis_is_found_and_no_other(thesis_data: Path, ur5: Robot) -> None:
     for folder in sorted(path for path in thesis_data.iterdir() if path.is_dir()):
         taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
-        names = {finding["finding"] for finding in taken.quality["findings"]}
+        names = {finding.finding for finding in taken.quality.findings}
         assert names - CUT == THESIS_FINDINGS.get(folder.name, {"no sensor"}), folder.name
-        torn = [said(f) for f in taken.quality["findings"] if f["finding"] == "torn last line"]
+        torn = [said(f) for f in taken.quality.findings if f.finding == "torn last line"]
         ragged = {
             path.name
             for path in (folder / "csv_files").glob("log_*.csv")
@@ -576,8 +576,8 @@ def test_the_pattern_of_lost_frames_is_counted(
         line.split(b",")[0] for line in (folder / "csv_files/log_q_actual.csv").open("rb")
     )
     taken = intake({"format": "thesis-csv", "folder": str(folder)}, ur5)
-    steps = np.diff(stamps[: taken.quality["rows"]])
-    (lost,) = [f for f in taken.quality["findings"] if f["finding"] == "lost frames"]
+    steps = np.diff(stamps[: taken.quality.rows])
+    (lost,) = [f for f in taken.quality.findings if f.finding == "lost frames"]
     assert f"{short} of 8 ms, {long} of 24 ms" in said(lost)
     assert lost["count"] == 2 * long
     assert (np.sum(steps <= 0.016), np.sum(steps > 0.016)) == (short, long)  # counted here
@@ -589,13 +589,13 @@ def test_every_log_of_the_ur10e_goes_through(ur10e_data: Path, real_ur10e: RealS
     assert {*real_ur10e.entries} <= logs  # the folder has more of them than the study uses
     for name, entry in real_ur10e.entries.items():
         taken = intake(entry, arm)
-        names = {finding["finding"] for finding in taken.quality["findings"]}
+        names = {finding.finding for finding in taken.quality.findings}
         assert "irregular steps" in names
         damaged = {"torn last line", "impossible frames", "split"}
         assert names & damaged == (damaged if "15harm" in name else set()), name
         assert ("lost frames" in names) == name.endswith("-unload")  # one step of 30 ms
         assert "inconsistent channels" not in names
-        assert abs(taken.quality["duration_s"] / (0.0106 * taken.quality["rows"]) - 1) < 0.05
+        assert abs(taken.quality.duration_s / (0.0106 * taken.quality.rows) - 1) < 0.05
 
 
 def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, ur5: Robot) -> None:
@@ -605,7 +605,7 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
     quality = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1).quality
-    found = {one["finding"]: one for one in quality["findings"]}
+    found = {one.finding: one for one in quality.findings}
     assert found["unused channels"]["count"] == 3
     assert said(found["unknown channels"]).startswith("i_actual_0: ")
 
@@ -626,5 +626,5 @@ def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
     pd.DataFrame(rows, columns=names).to_csv(tmp_path / "robot.csv", index=False)
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
     taken = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1)
-    assert finding in {one["finding"] for one in taken.quality["findings"]}
+    assert finding in {one.finding for one in taken.quality.findings}
     assert ("ft_fx" in taken.robot) == (finding == "assumed frame")

@@ -13,8 +13,9 @@ import yaml
 
 from tests.made_tables import empty, table
 from ur5lib.errors import InputError, remark
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop, Torques
+from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.cells import extremes, joints, significant
 from ur5lib.report.compose import shown_table
 from ur5lib.report.document import (
@@ -510,10 +511,11 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
 
 def test_parts_left_out_stand_beside_the_whole() -> None:
     """A variant that a recording lacks has a dash there; one that no recording has, no row."""
-    whole = {"mae": [1.0, 2.04, 3.0], "coverage95": [0.9, 0.9, 0.9]}
+    bands = {"coverage95": [0.9, 0.9, 0.9], "interval_score95": [9.0, 9.0, 9.0]}
+    whole = bands | {"mae": [1.0, 2.04, 3.0]}
     found = {
         "pushed": {"whole": whole, "repeat": whole, "least_squares": whole},
-        "held": {"whole": whole, "least_squares": {"mae": [9.0, 8.0, 7.0]}},
+        "held": {"whole": whole, "least_squares": bands | {"mae": [9.0, 8.0, 7.0]}},
     }
     results = Results({}, {"ablation": table("ablation", ablation=found)}, Path())
     header, body = shown_table("forces.ablation", results)

@@ -44,11 +44,10 @@ from ur5lib.signals.smoothing import (
     SmoothedJoints,
     SmoothedMotion,
     encoder_system,
-    innovation_test,
     smooth_encoders,
 )
 from ur5lib.timeseries import kalman
-from ur5lib.timeseries.kalman import LinearSystem, System, smooth
+from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 
 PERIOD, SAMPLES = 0.008, 3000
 POINT = np.array([0.01735, 0.00605, 0.0095])

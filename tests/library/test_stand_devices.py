@@ -15,7 +15,7 @@ from tests.real_arms import RealStudy
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import configured_payload
-from ur5lib.pipeline.own_clocks import own_clocks
+from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
@@ -91,7 +91,7 @@ def like_no8(record: Recorder) -> Recorded:
 
 
 def findings(intake: Intake) -> dict[tuple[str, str], dict[str, Any]]:
-    return {(f["device"], f["finding"]): f for f in intake.quality["findings"]}
+    return {(f.device, f.finding): f for f in intake.quality.findings}
 
 
 # Files
@@ -129,9 +129,9 @@ def test_the_files_are_those_that_a_study_expects(
 def test_readers_find_nothing_amiss(record: Recorder, format: Format, robot: str) -> None:
     recorded = record(format, robot, imu={}, force_sensor={}, contacts=[PUSH])
     intake = recorded.repaired()
-    assert not intake.quality["findings"]
-    assert intake.quality["devices"] == ["robot", "force", "imu"]
-    assert intake.quality["period_s"] == (0.002 if format == "rtde-csv" else 0.008)
+    assert not intake.quality.findings
+    assert intake.quality.devices == ["robot", "force", "imu"]
+    assert intake.quality.period_s == (0.002 if format == "rtde-csv" else 0.008)
     assert len(intake.robot) == len(recorded.true())
     np.testing.assert_allclose(intake.robot["time"], recorded.true()["time"], atol=1e-9)
 
@@ -190,9 +190,9 @@ def test_what_is_told_of_friction_explains_it(like_no8: Recorded) -> None:
 
 def test_a_sensor_that_is_not_there(record: Recorder) -> None:
     intake = record("thesis-csv").repaired()
-    assert intake.quality["devices"] == ["robot"]
-    assert {f["finding"] for f in intake.quality["findings"]} == {"no sensor"}
-    assert record("realtime-stream").repaired().quality["devices"] == ["robot"]
+    assert intake.quality.devices == ["robot"]
+    assert {f.finding for f in intake.quality.findings} == {"no sensor"}
+    assert record("realtime-stream").repaired().quality.devices == ["robot"]
 
 
 # Channels
@@ -238,7 +238,7 @@ def test_the_imu_s_clock_comes_back(record: Recorder, format: Format) -> None:
     intake = recorded.repaired()
     robot = Signals.from_table(intake.robot)
     rotation, _, jacobian = flange_kinematics(recorded.arm, robot.actual_q)
-    found = own_clocks(intake.quality["starts"], intake.sensors, robot, rotation, jacobian)["imu"]
+    found = own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)["imu"]
     assert found.warning is None
     assert found.offset == pytest.approx(0.05, abs=0.005)
     assert found.drift == pytest.approx(-2500e-6, abs=5e-4)

@@ -192,7 +192,7 @@ def test_a_block_that_was_never_written_is_reported(tmp_path: Path, made: Made, 
     q[200:285] = 0.0
     write_hdf5(tmp_path / "run.h5", time, channels | {"actual_q": q})
     taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*channels]), ur5, 0.1)
-    assert "zeroed cells" in [finding["finding"] for finding in taken.quality["findings"]]
+    assert "zeroed cells" in [finding.finding for finding in taken.quality.findings]
     assert (np.abs(taken.robot["actual_q_1"]) > 0.5).all()
 
 
@@ -204,7 +204,7 @@ def test_velocities_and_currents_that_are_missing_are_replaced(
     kept = {"actual_q": channels["actual_q"], "actual_current_as_torque": torque}
     write_hdf5(tmp_path / "run.h5", time, kept)
     taken = read_and_repair(entry_of("hdf5", tmp_path / "run.h5", [*kept]), ur5, 0.1)
-    reported = {finding["finding"] for finding in taken.quality["findings"]}
+    reported = {finding.finding for finding in taken.quality.findings}
     assert {"no velocities", "currents from torques"} <= reported
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), channels["actual_current"])
 
@@ -257,7 +257,7 @@ def test_damaged_files_get_an_honest_answer(
 
 
 def names_of(taken: Intake) -> set[tuple[str, int]]:
-    return {(finding["finding"], finding["count"]) for finding in taken.quality["findings"]}
+    return {(finding.finding, finding.count) for finding in taken.quality.findings}
 
 
 def differences(taken: Intake, whole: Intake) -> tuple[int, dict[str, int]]:

@@ -14,8 +14,8 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.pipeline.sensor_comparison import sensor_wrenches
 from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
-from ur5lib.pipeline.sensor_reference import sensor_wrenches
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
@@ -77,7 +77,7 @@ def errors(recorded: Recorded, clock_std: float) -> tuple[float, float]:
     """Root mean square error [N] of the compensated force, with the tool's weight alone and with
     its inertia, on the clock of the sensor's start stamp."""
     intake, arm = recorded.repaired(), recorded.arm
-    clock = clock_from_stamps(intake.quality["starts"]["force"]["seconds"], clock_std)
+    clock = clock_from_stamps(intake.quality.starts["force"].seconds, clock_std)
     time = intake.robot["time"].to_numpy()
     reading = resample(intake.sensors["force"], clock, time)
     signals = Signals.from_table(pd.concat([intake.robot, reading], axis=1))

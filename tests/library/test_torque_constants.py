@@ -80,13 +80,13 @@ def recorded(ur5: Robot) -> tuple[Signals, Torques]:
 def test_the_printed_constants_come_back(ur5: Robot, recorded: tuple[Signals, Torques]) -> None:
     assert ur5.current_to_torque
     found = published_constants(current_torque(ur5, *recorded))
-    for line in found["lines"].values():
+    for line in found.lines.values():
         for name in ("torque_constant", "offset"):
             expected = np.array(getattr(ur5.current_to_torque, name))
-            np.testing.assert_allclose(line[name][:5], expected[:5], rtol=1e-6)
-            assert np.isnan(line[name][5])
-    np.testing.assert_allclose(found["correlation"][:5], 1)
-    assert (found["correlation_without_friction"][:5] < 0.999).all()
+            np.testing.assert_allclose(getattr(line, name)[:5], expected[:5], rtol=1e-6)
+            assert np.isnan(getattr(line, name)[5])
+    np.testing.assert_allclose(found.correlation[:5], 1)
+    assert (found.correlation_without_friction[:5] < 0.999).all()
 
 
 def test_the_figures_show_every_received_sample_and_the_printed_line(
@@ -105,7 +105,7 @@ def test_an_arm_without_printed_friction_has_no_such_constants(
     ur5: Robot, recorded: tuple[Signals, Torques]
 ) -> None:
     other = ur5.model_copy(update={"friction": None})
-    assert published_constants(current_torque(other, *recorded)) == {}
+    assert published_constants(current_torque(other, *recorded)).lines == {}
     assert table("torque_constants", constants={"a": {}}).empty
     assert without_friction(None).data.empty
     assert with_friction(None, ur5.current_to_torque).data.empty

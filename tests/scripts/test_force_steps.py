@@ -1,6 +1,6 @@
 """The steps of the force estimates, on made-up torques: loads, templates, rates, alarms."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,22 +18,26 @@ from ur5lib.force.external_torque import MOVING
 from ur5lib.force.force_input import ForceInput, extent
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
 from ur5lib.identification.currents import breakaway_torque, fit_currents
-from ur5lib.identification.payload import LEFT, PayloadEstimate, judged_load
+from ur5lib.identification.payload import LEFT, JudgedLoad, PayloadEstimate, judged_load
 from ur5lib.identification.validation import least_squares_coefficients
+from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
-from ur5lib.pipeline.records.currents import Currents, LoadRegressor
+from ur5lib.pipeline.records.contacts import Alarm, Detected
+from ur5lib.pipeline.records.currents import Currents, FreeRun, LoadRegressor, Prediction
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.tables import read_json, read_record, read_table, write_json
 
 PERIOD = 0.016
-BARE = {"carried": 0.0, "std_error": 0.05}
-LOADED = {"carried": 2.7, "std_error": 0.05}
+BARE = JudgedLoad(0.0, 0.05, (0.0, 0.0), False, 0.0, 0.0, False, np.zeros(3), np.zeros(3))
+LOADED = replace(BARE, mass=2.7, carried=2.7)
 SUMMARIES = {"load", "index", "residuals", "threshold", "detection", "friction", "contradictions"}
 SETTINGS = SimpleNamespace(recording="own", cutoff_hz=2.0, contact_force_n=15.0, role="contact")
 
@@ -48,7 +52,7 @@ class Recording:
         suffix = "json" if name in SUMMARIES else "parquet"
         return str(self.folder / f"{name}.{suffix}")
 
-    def write(self, run: Free, load: dict[str, float] | None = None) -> "Recording":
+    def write(self, run: Free, load: JudgedLoad | None = None) -> "Recording":
         """What estimate_forces reads of it."""
         self.folder.mkdir(parents=True, exist_ok=True)
         grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
@@ -68,10 +72,10 @@ class Recording:
             jacobian=run.jacobian,
             smallest_singular_value=nothing[:, 0],
         ).write(self.kinematics)
-        write_json({"load": load, "extent": passed(motion, currents)}, self.load)
+        write_json(Prediction(True, {}, load, passed(motion, currents)), self.load)
         write_json(Residuals(MODEL, MODEL, MODEL), self.residuals)
-        write_json({"from": ["free"]}, self.friction)
-        write_json({"stop_signs": []}, self.contradictions)
+        write_json(Friction(from_=["free"]), self.friction)
+        write_json(Contradictions(), self.contradictions)
         return self
 
     def estimate(self, *others: "Recording") -> Forces:
@@ -109,8 +113,8 @@ def estimates(forces: Forces) -> set[str]:
         (LOADED, LOADED, True),
         (BARE, None, False),
         (None, None, False),
-        ({"carried": 0.0, "std_error": 1.0}, LOADED | {"std_error": 1.0}, True),  # not told apart
-        ({"carried": 0.0, "std_error": 0.0}, {"carried": 0.0, "std_error": 0.0}, True),
+        (replace(BARE, std_error=1.0), replace(LOADED, std_error=1.0), True),  # may be the same
+        (replace(BARE, std_error=0.0), replace(BARE, std_error=0.0), True),
     ],
 )
 def test_runs_are_alike_that_may_carry_the_same(own: Any, other: Any, alike: bool) -> None:
@@ -125,10 +129,7 @@ def repeats(load: Any, loads: dict[str, Any]) -> list[str]:
     run = ForceInput(motion, motion, motion, states, np.zeros(50, np.int64), 0.008)
     passed = extent(run)
     assert passed is not None
-    index = {
-        name: {"load": other, "extent": passed.tolist(), "currents": name, "motion": "motion"}
-        for name, other in loads.items()
-    }
+    index = {name: FreeRun(other, passed, name, "motion") for name, other in loads.items()}
     return [currents for currents, _ in repeated_runs(run, "run", load, index)]
 
 
@@ -197,22 +198,25 @@ def test_every_estimate_has_its_band_and_its_odds(
 
 
 LOAD_2 = 14.0  # Nm on joint 2, of 2 kg
-UNLOADED = {"parameters": [0.05] * 4, "std_error": [0.05] * 4, "parts": [0.05] * 3}
+TWO_KILOGRAMS = PayloadEstimate(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
+KILOGRAM = Payload(mass=1.0)
+UNLOADED = PayloadEstimate(np.full(4, 0.05), np.full(4, 0.05), np.full(3, 0.05))
 
 
 @pytest.fixture(scope="module")
-def friction() -> dict[str, Any]:
+def friction() -> Friction:
     records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
-    fit = asdict(fit_currents(records, smooth, prior(), ()))
-    plain = least_squares_coefficients(records)
-    return {"from": ["a", "b"], "left_out": [], "fit": fit, "least_squares": plain}
+    fit = fit_currents(records, smooth, prior(), ())
+    return Friction(
+        from_=["a", "b"], fit=fit, least_squares=least_squares_coefficients(records), paths=5
+    )
 
 
 @dataclass(frozen=True)
 class Predicted:
     """What predict_currents says of a load, and its table."""
 
-    load: dict[str, Any] | None
+    load: JudgedLoad | None
     currents: Currents
 
     @property
@@ -227,15 +231,13 @@ class Predicted:
         return float(np.nanmedian(np.abs(self.currents.external_torque[:, 1])))
 
 
-def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted:
+def predicted(folder: Path, friction: Friction, **given: Any) -> Predicted:
     """What predict_currents makes of payload.json, where 14 Nm more than known load joint 2."""
     bare = with_noise(make_record(7, seconds=10.0), 7)
     count, names = len(bare.q), ("signals", "motion", "torques", "regressor")
     record = replace(bare, current=bare.current + LOAD_2 * np.eye(6)[1] / CONSTANT)
-    found = {"parameters": [2.0, 0.1, 0.0, 0.0], "std_error": [0.05] * 4, "parts": [2.0] * 3}
-    found = given.get("found", found)
-    known = {"source": "none", "payload": None, "configured": None}
-    known |= given.get("known", {})
+    found = given.get("found", TWO_KILOGRAMS)
+    known = given.get("known", Carried(None, "none", None))
     unloaded = given.get("unloaded", [UNLOADED])
     per_load = np.zeros((count, 6, 4))
     per_load[:, 1, 0] = LOAD_2 / 2.0
@@ -250,8 +252,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     torques = Torques(**flags, measured=modelled, **dict.fromkeys(terms, nothing))
     torques.write(files["torques"])
     LoadRegressor(**grid, load_regressor=per_load).write(files["regressor"])
-    friction = friction | {"paths": given.get("paths", 5)}
-    signs = {"stop_signs": given.get("signs", [])}
+    signs = Contradictions(given.get("signs", []))
     summaries = {"payload": found, "load": known, "friction": friction, "contradictions": signs}
     for name, summary in summaries.items():
         files[name] = str(folder / f"{name}.json")
@@ -264,7 +265,7 @@ def predicted(folder: Path, friction: dict[str, Any], **given: Any) -> Predicted
     lowpass = {"order": 4, "cutoff_hz": 2.0}
     params = SimpleNamespace(role=given.get("role", "validate"), recording="made", **lowpass)
     script("predict_currents").predict_currents(input, output, params)
-    return Predicted(read_json(output.summary).get("load"), Currents.read(output.currents))
+    return Predicted(read_record(Prediction, output.summary).load, Currents.read(output.currents))
 
 
 def test_a_load_is_the_torque_of_its_mass() -> None:
@@ -280,21 +281,21 @@ def test_a_load_is_the_torque_of_its_mass() -> None:
 
 
 def test_a_load_that_is_certain_is_taken_into_the_prediction(
-    friction: dict[str, Any], tmp_path: Path
+    friction: Friction, tmp_path: Path
 ) -> None:
     made = predicted(tmp_path, friction)
     load = made.load
     assert load is not None
-    assert load["taken"]
-    assert load["carried"] == load["mass"] == 2.0
+    assert load.taken
+    assert load.carried == load.mass == 2.0
     assert np.median(made.taken_torque[:, 1]) == pytest.approx(LOAD_2, rel=0.2)
     assert (made.taken_torque[:, [0, 2, 3, 4, 5]] == 0).all()
     assert made.left_on_joint_2() < 0.1 * LOAD_2
-    np.testing.assert_allclose(load["center_of_mass"], [0.05, 0, 0])
+    np.testing.assert_allclose(load.center_of_mass, [0.05, 0, 0])
 
 
-def test_nothing_is_predicted_beside_a_stop_sign(friction: dict[str, Any], tmp_path: Path) -> None:
-    made = predicted(tmp_path, friction, signs=["another arm"])
+def test_nothing_is_predicted_beside_a_stop_sign(friction: Friction, tmp_path: Path) -> None:
+    made = predicted(tmp_path, friction, signs=[contradiction("unusable")])
     assert made.load is None
     assert made.currents.external_torque is None
 
@@ -303,58 +304,47 @@ def test_nothing_is_predicted_beside_a_stop_sign(friction: dict[str, Any], tmp_p
     "given",
     [
         {"role": "fit"},  # its payload is taken as it is told
-        {"known": {"source": "study", "payload": {"mass": 1.0}}},  # and so is a declared one
-        {"unloaded": [UNLOADED | {"parameters": [1.0] * 4}]},  # bare runs seem to, too
-        {
-            "found": {
-                "parameters": [2.0, 0, 0, 0],
-                "std_error": [0.05] * 4,
-                "parts": [4.0, 2.0, 0.0],
-            }
-        },
+        {"known": Carried(KILOGRAM, "study", None)},  # and so is a declared one
+        {"unloaded": [replace(UNLOADED, parameters=np.ones(4))]},  # bare runs seem to, too
+        {"found": replace(TWO_KILOGRAMS, parts=np.array([4.0, 2.0, 0.0]))},
     ],
 )
 def test_a_load_is_not_taken_where_it_is_told_or_uncertain(
-    friction: dict[str, Any], tmp_path: Path, given: dict[str, Any]
+    friction: Friction, tmp_path: Path, given: dict[str, Any]
 ) -> None:
     made = predicted(tmp_path, friction, **given)
     assert made.load is not None
-    assert not made.load["taken"]
+    assert not made.load.taken
     assert (made.taken_torque == 0).all()
     assert made.left_on_joint_2() > 0.8 * LOAD_2
 
 
-def test_what_the_controller_was_told_counts_as_carried(
-    friction: dict[str, Any], tmp_path: Path
-) -> None:
+def test_what_the_controller_was_told_counts_as_carried(friction: Friction, tmp_path: Path) -> None:
     """RTDE says 1 kg, 2 kg hang there beside it."""
-    told = {"source": "rtde", "payload": {"mass": 1.0}, "configured": {"mass": 1.0}}
-    made = predicted(tmp_path, friction, known=told)
+    made = predicted(tmp_path, friction, known=Carried(KILOGRAM, "rtde", KILOGRAM))
     assert made.load is not None
-    assert [made.load[name] for name in ("configured", "carried", "taken")] == [1.0, 3.0, True]
+    assert (made.load.configured, made.load.carried, made.load.taken) == (1.0, 3.0, True)
     assert np.median(made.taken_torque[:, 1]) == pytest.approx(LOAD_2, rel=0.2)
 
 
-def test_at_rest_no_load_is_told(friction: dict[str, Any], tmp_path: Path) -> None:
-    made = predicted(tmp_path, friction, found={})
+def test_at_rest_no_load_is_told(friction: Friction, tmp_path: Path) -> None:
+    made = predicted(tmp_path, friction, found=PayloadEstimate())
     assert made.load is None
     assert (made.taken_torque == 0).all()
 
 
 def test_without_unloaded_runs_the_mass_stands_alone() -> None:
     """No recording to fit on moves: nothing tells how far runs differ."""
-    found = PayloadEstimate(np.array([2.0, 0.1, 0.0, 0.0]), np.full(4, 0.05), np.full(3, 2.0))
-    known = {"source": "none", "payload": None}
-    load = judged_load(found, [], paths=5, known=known, role="validate")
-    assert np.isfinite(load["std_error"])
+    load = judged_load(TWO_KILOGRAMS, [], paths=5, configured=0.0, may_be_taken=True)
+    assert np.isfinite(load.std_error)
 
 
 # What is left without contact
 
 
-def fit_residuals(tmp_path: Path, friction: dict[str, Any], paths: int, *runs: Free) -> Residuals:
+def fit_residuals(tmp_path: Path, friction: Friction, paths: int, *runs: Free) -> Residuals:
     recordings = [Recording(tmp_path / f"{i}").write(run) for i, run in enumerate(runs)]
-    write_json(friction | {"paths": paths, "explained": None}, tmp_path / "friction.json")
+    write_json(replace(friction, paths=paths), tmp_path / "friction.json")
     input = SimpleNamespace(
         friction=tmp_path / "friction.json",
         currents=[own.currents for own in recordings],
@@ -371,9 +361,7 @@ def torque_model(residuals: Residuals) -> ResidualModel:
     return residuals.tau_ext
 
 
-def test_residuals_of_few_paths_are_wider(
-    ur5: Robot, friction: dict[str, Any], tmp_path: Path
-) -> None:
+def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction, tmp_path: Path) -> None:
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2)]
     found = {paths: fit_residuals(tmp_path, friction, paths, *runs) for paths in (1, 2, 5)}
     models = {paths: torque_model(residuals) for paths, residuals in found.items()}
@@ -389,7 +377,7 @@ def test_residuals_of_few_paths_are_wider(
 
 @pytest.mark.parametrize(("seconds", "remarks"), [(8.0, 1), (12.0, 0)])
 def test_few_paths_that_hardly_rest_ask_for_rest(
-    ur5: Robot, friction: dict[str, Any], tmp_path: Path, seconds: float, remarks: int
+    ur5: Robot, friction: Friction, tmp_path: Path, seconds: float, remarks: int
 ) -> None:
     """From ten seconds on it is known what a joint holds."""
     resting = free_run(ur5, 2, seconds=seconds, moving=False, period=PERIOD)
@@ -398,7 +386,7 @@ def test_few_paths_that_hardly_rest_ask_for_rest(
 
 
 def test_recordings_of_several_rates_leave_the_same(
-    ur5: Robot, friction: dict[str, Any], tmp_path: Path
+    ur5: Robot, friction: Friction, tmp_path: Path
 ) -> None:
     """One recording at 250 Hz, and one of four of its samples; then both together."""
     often = free_run(ur5, 3, seconds=40, period=0.004)
@@ -414,7 +402,7 @@ def test_recordings_of_several_rates_leave_the_same(
 
 
 def test_a_joint_that_never_moves_is_refused(
-    ur5: Robot, friction: dict[str, Any], tmp_path: Path
+    ur5: Robot, friction: Friction, tmp_path: Path
 ) -> None:
     run = free_run(ur5, 4, period=PERIOD)
     qd = run.qd * [1, 1, 1, 1, 1, 0]
@@ -424,11 +412,11 @@ def test_a_joint_that_never_moves_is_refused(
 
 
 def test_without_a_fit_there_are_no_residuals(tmp_path: Path) -> None:
-    assert fit_residuals(tmp_path, {"from": []}, 0) == Residuals()
+    assert fit_residuals(tmp_path, Friction(), 0) == Residuals()
 
 
 def test_breakaway_is_the_friction_of_the_fit(
-    ur5: Robot, friction: dict[str, Any], tmp_path: Path
+    ur5: Robot, friction: Friction, tmp_path: Path
 ) -> None:
     records = [with_noise(make_record(seed, seconds=10.0), seed) for seed in range(2)]
     expected = breakaway_torque(fit_currents(records, smooth, prior(), ()))
@@ -464,7 +452,7 @@ def test_a_threshold_counts_minutes_of_mixed_rates(tmp_path: Path) -> None:
     assert 5.0 < found["observer"] < 5.01  # one minute allows one: 7
 
 
-def detect(recording: Recording, run: Free, ur5: Robot) -> list[dict[str, Any]]:
+def detect(recording: Recording, run: Free, ur5: Robot) -> list[Alarm]:
     """What detect_contacts raises of F̂ᵐᵃᵖ."""
     qdd = np.gradient(run.qd, run.time, axis=0)
     per_load = LinkModel(ur5, "C").regressor(run.q, run.qd, qdd)[:, :, 50:54]  # of link 6
@@ -473,8 +461,7 @@ def detect(recording: Recording, run: Free, ur5: Robot) -> list[dict[str, Any]]:
     regressor.write(recording.regressor)
     write_json({"Fmap": 0.0, "F*": 15.0}, recording.threshold)
     script("detect_contacts").detect_contacts(recording, recording, SETTINGS)
-    raised: list[dict[str, Any]] = read_json(recording.detection)["Fmap"]["raised"]
-    return raised
+    return read_record(dict[str, Detected], recording.detection)["Fmap"].raised
 
 
 @pytest.mark.parametrize("mass", [2.0, 4.0])
@@ -484,31 +471,31 @@ def test_a_load_picked_up_on_the_way_is_named(ur5: Robot, tmp_path: Path, mass: 
     taken = 0.95 * load_torque(ur5, run, mass) * between(run.time, 8.0, 99.0)[:, None]
     loaded = Free(**vars(run) | {"torque": run.torque + taken})
     found = detect(Recording(tmp_path), loaded, ur5)
-    (load,) = [own for own in found if own["kind"] == "load"]
-    assert load["load_mass"] == pytest.approx(mass, rel=0.1)
-    assert load["start"] == pytest.approx(8.0, abs=0.5)
-    assert load["end"] > 17
+    (load,) = [own for own in found if own.kind == "load"]
+    assert load.load_mass == pytest.approx(mass, rel=0.1)
+    assert load.start == pytest.approx(8.0, abs=0.5)
+    assert load.end > 17
 
 
 def test_a_push_is_no_load(ur5: Robot, tmp_path: Path) -> None:
     run = free_run(ur5, 6, seconds=16, period=PERIOD, scale=0.2)
     force = 40.0 * between(run.time, 6.0, 11.0)[:, None] * np.array([[0.6, 0.8, 0.0]])
     found = detect(Recording(tmp_path), run.pushed(run.wrench(force)), ur5)
-    assert [own["kind"] for own in found] == ["contact"]
-    assert np.linalg.norm(found[0]["force"]) == pytest.approx(40, rel=0.25)
+    assert [own.kind for own in found] == ["contact"]
+    assert np.linalg.norm(found[0].force) == pytest.approx(40, rel=0.25)
 
 
 @pytest.mark.parametrize(
     ("friction", "signs", "withheld"),
     [
-        ({"from": []}, [], False),
-        ({"from": [], "refused": "no currents"}, [], False),
-        ({"from": ["free"]}, [], True),
-        ({"from": [], "stopped": "wrong constants"}, [], True),
-        ({"from": []}, ["another arm"], True),
+        (Friction(), [], False),
+        (Friction(refused=remark("no currents")), [], False),
+        (Friction(from_=["free"]), [], True),
+        (Friction(stopped=remark("wrong constants")), [], True),
+        (Friction(), [contradiction("unusable")], True),
     ],
 )
 def test_a_stop_sign_withholds_the_static_estimate_too(
-    friction: dict[str, Any], signs: list[str], withheld: bool
+    friction: Friction, signs: list[Finding], withheld: bool
 ) -> None:
-    assert is_fitted(friction, {"stop_signs": signs}) == withheld
+    assert is_fitted(friction, Contradictions(signs)) == withheld

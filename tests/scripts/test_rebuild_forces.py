@@ -11,13 +11,16 @@ import pytest
 from tests.scripts.conftest import script
 from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.dynamics.link_model import LinkModel
+from ur5lib.errors import remark
 from ur5lib.force.current_based import friction_torque
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.pipeline.records.table import Table
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Contradictions, Quality, StartOffset
 from ur5lib.robots.description import Robot, robot_path
 from ur5lib.signals.clock import BY_STAMPS, SettledClock
 from ur5lib.tables import read_json, write_json, write_table
@@ -106,18 +109,19 @@ def results(ur5: Robot, tmp_path_factory: pytest.TempPathFactory) -> Results:
     write_table(pd.DataFrame({"time": TIME - START} | sensor), folder / "force.parquet")
     names = (*records, "force", "published")
     inputs = {name: str(folder / f"{name}.parquet") for name in names}
-    write_json({"starts": {"force": {"seconds": START, "std": 0.001}}}, folder / "quality.json")
+    write_json(Quality(starts={"force": StartOffset(START, 0.001)}), folder / "quality.json")
     clock = SettledClock(START, 0.001, None, None, BY_STAMPS, warning=None, end_std=0.001)
     write_json({"force": clock}, folder / "clocks.json")
-    write_json({"stop_signs": []}, folder / "contradictions.json")
-    write_json({"from": []}, folder / "friction.json")
+    write_json(Contradictions(), folder / "contradictions.json")
+    write_json(Friction(), folder / "friction.json")
     inputs |= {"arm": str(robot_path("ur5")), "contradictions": str(folder / "contradictions.json")}
     inputs |= {name: str(folder / f"{name}.json") for name in ("quality", "clocks", "friction")}
     given = SimpleNamespace(**inputs)
     published = SimpleNamespace(forces=folder / "published.parquet", constants=folder / "c.json")
     script("rebuild_forces").rebuild_forces(given, published, SETTINGS)
     withheld = SimpleNamespace(forces=folder / "withheld.parquet", constants=folder / "c.json")
-    write_json({"from": [], "stopped": "torque constants contradict"}, folder / "friction.json")
+    stopped = Friction(stopped=remark("contradicting constants"))
+    write_json(stopped, folder / "friction.json")
     script("rebuild_forces").rebuild_forces(given, withheld, SETTINGS)
     compared = SimpleNamespace(sensor=folder / "sensor.parquet", summary=folder / "forces.json")
     script("compare_forces").compare_forces(given, compared, SETTINGS)

@@ -1,7 +1,7 @@
 """A study's recordings looked through, without the workflow."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +12,11 @@ from rich.table import Table
 
 from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import carried, disagreements
-from ur5lib.pipeline.own_clocks import own_clocks
+from ur5lib.pipeline.clocks import own_clocks
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.recordings.quality import Finding
+from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
 from ur5lib.report.findings import group_findings, worded
 from ur5lib.report.tables.making import make_table
@@ -55,10 +55,7 @@ def print_findings_of(study: Study) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     found = settled(study, qualities, {name: own for name, (_, own) in results.items()})
-    clocks = {
-        name: {device: asdict(one) for device, one in own.items()} for name, own in found.items()
-    }
-    return print_tables(console, qualities, clocks)
+    return print_tables(console, qualities, found)
 
 
 def text_console(**settings: Any) -> Console:
@@ -67,9 +64,11 @@ def text_console(**settings: Any) -> Console:
 
 
 def print_tables(
-    console: Console, qualities: Mapping[str, Any], clocks: Mapping[str, dict[str, Any]]
+    console: Console,
+    qualities: Mapping[str, Quality],
+    clocks: Mapping[str, Mapping[str, SettledClock]],
 ) -> int:
-    """Print recordings' quality.json and clocks.json; returns how many stop signs and errors."""
+    """Print the quality and the clocks of recordings; returns how many stop signs and errors."""
     kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
     quality = make_table("quality", kinds)
     console.print(_findings(quality, list(qualities)))
@@ -78,10 +77,9 @@ def print_tables(
     return int(quality["severity"].isin(SEVERE).sum())
 
 
-def severe(quality: Mapping[str, Any]) -> list[str]:
-    """Return the stop signs and errors of a quality.json, a sentence each."""
-    rows = (row for row in quality["findings"] if row["severity"] in SEVERE)
-    return [worded(row)["detail"] for row in rows]
+def severe(quality: Quality) -> list[str]:
+    """Return the stop signs and errors of a recording, a sentence each."""
+    return [worded(one)["detail"] for one in quality.findings if one.severity in SEVERE]
 
 
 def is_there(recording: Recording) -> bool:
@@ -90,8 +88,8 @@ def is_there(recording: Recording) -> bool:
     return getattr(recording, "simulate", None) is None or all(file.is_file() for file in files)
 
 
-def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return a recording's quality.json and own_clocks.json; of an unusable one, only the error."""
+def look_through(recording: Recording, study: Study) -> tuple[Quality, dict[str, OwnClock]]:
+    """Return a recording's quality and own clocks; of an unusable one, only the error."""
     arm = recording.arm.description().mounted(recording.known_gravity())
     try:
         intake = read_and_repair(recording, arm, study.settings.frames.max_gap_s)
@@ -102,13 +100,11 @@ def look_through(recording: Recording, study: Study) -> tuple[dict[str, Any], di
     load = carried(declared, signals)
     stops = stop_signs(intake.robot, arm, load.configured, load.payload, fitted)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
-    doubts += unfiltered(study, intake.quality["period_s"])
+    doubts += unfiltered(study, intake.quality.period_s)
     if recording.role != "contact" and (sensor := _force_of(intake)) is not None:
-        mass = load.payload.mass if load.payload else 0.0
-        doubts += touched(sensor, mass)
-    before, after = ([one.as_row() for one in found] for found in (stops, doubts))
-    findings = [*before, *intake.quality["findings"], *after]
-    return intake.quality | {"findings": findings}, _clocks_of(intake, arm)
+        doubts += touched(sensor, load.mass)
+    findings = [*stops, *intake.quality.findings, *doubts]
+    return replace(intake.quality, findings=findings), _clocks_of(intake, arm)
 
 
 def _force_of(intake: Intake) -> pd.DataFrame | None:
@@ -125,10 +121,9 @@ def unfiltered(study: Study, period: float) -> list[Finding]:
     return [Finding("robot", "unfiltered", "note", len(beyond), values)] if beyond else []
 
 
-def unusable(error: InputError) -> dict[str, Any]:
-    """Return the quality.json of a recording that cannot be read."""
-    finding = Finding("robot", "unusable", "error", 1, {"error": str(error)})
-    return {"devices": [], "files": {}, "findings": [finding.as_row()]}
+def unusable(error: InputError) -> Quality:
+    """Return the quality of a recording that cannot be read."""
+    return Quality(findings=[Finding("robot", "unusable", "error", 1, {"error": str(error)})])
 
 
 def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
@@ -138,13 +133,13 @@ def _clocks_of(intake: Intake, arm: Robot) -> dict[str, OwnClock]:
 
     robot = Signals.from_table(intake.robot)
     rotation, _, jacobian = flange_kinematics(arm, robot.actual_q)
-    return own_clocks(intake.quality["starts"], intake.sensors, robot, rotation, jacobian)
+    return own_clocks(intake.quality.starts, intake.sensors, robot, rotation, jacobian)
 
 
 def settled(
-    study: Study, qualities: Mapping[str, Any], own: Mapping[str, Mapping[str, OwnClock]]
+    study: Study, qualities: Mapping[str, Quality], own: Mapping[str, Mapping[str, OwnClock]]
 ) -> dict[str, dict[str, SettledClock]]:
-    """Return each recording's clocks from the devices' own ones and quality.json of all."""
+    """Return each recording's clocks from the devices' own ones."""
     free = [recording for recording in study.recordings if recording.role != "contact"]
     drifts = {
         robot: pool_drifts(
@@ -157,7 +152,7 @@ def settled(
         recording.name: settle_clocks(
             own[recording.name],
             drifts[recording.arm.known_as],
-            qualities[recording.name].get("duration_s", 0.0),
+            qualities[recording.name].duration_s,
         )
         for recording in study.recordings
         if recording.name in own

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import yaml
@@ -28,8 +28,10 @@ from ur5lib.excitation.problem import (
 from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import CurrentFit, JointFit
+from ur5lib.identification.currents import JointFit
 from ur5lib.identification.samples import STEP as INDEPENDENT
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Identification
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.report.excitation import LOAD, excitation_figure, excitation_page
 from ur5lib.report.house_style import save
@@ -37,7 +39,6 @@ from ur5lib.report.render import write_html
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.strict import read_yaml
-from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -193,21 +194,21 @@ def problem_after(
     scaled to the study's standard errors, which include correlated residuals and differences
     between recordings. Raises InputError where a file is missing.
     """
-    friction, base = (study.fitted(arm.name, name) for name in ("friction", "identification"))
+    friction, base = study.friction(arm.name), study.identification(arm.name)
     problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
-    recordings = [*_recorded(arm, study, sorted({*friction["from"], *base["from"]}))]
-    if friction["from"]:
+    recordings = [*_recorded(arm, study, sorted({*friction.from_, *base.from_}))]
+    if friction.from_:
         problem = _as_observed(problem, recordings, _observed(friction))
     return problem, _information(problem, recordings)
 
 
-def _maps(arm: Robot, friction: Any, base: Any) -> Maps:
+def _maps(arm: Robot, friction: Friction, base: Identification) -> Maps:
     """Return the fitted maps from torque and motion to currents, with noise; else nominal ones."""
     nominal = nominal_maps(arm)
-    torque = np.array(base.get("noise") or nominal.noise.torque)
-    if not friction["from"]:
+    torque = nominal.noise.torque if base.noise is None else base.noise
+    if not friction.from_:
         return Maps(nominal.coefficients, Noise(torque, nominal.noise.current))
-    fit = as_record(CurrentFit, friction["fit"])
+    fit = friction.fit
     bands = np.array([joint.band_moving for joint in fit.joints]) / NORMAL95
     current = np.where(np.isfinite(bands), bands, nominal.noise.current)
     return Maps(np.array([_kept(joint) for joint in fit.joints]), Noise(torque, current))
@@ -219,9 +220,9 @@ def _kept(joint: JointFit) -> list[float]:
     return [fitted.get(name, 0.0) for name in KEPT]
 
 
-def _observed(friction: Any) -> Array:
+def _observed(friction: Friction) -> Array:
     """Return a study's standard errors (6, 5) of KEPT, NaN for a missing term."""
-    errors = {(row["joint"], row["name"]): row["std_error"] for row in friction["parameters"]}
+    errors = {(row.joint, row.name): row.std_error for row in friction.parameters}
     return np.array([[errors.get((k, name), np.nan) for name in KEPT] for k in range(1, 7)])
 
 

@@ -1,6 +1,6 @@
 """`ur5 export`: an arm, as described or as identified, in the formats of other programs."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
@@ -10,8 +10,9 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import CurrentFit, torque_constants
+from ur5lib.identification.currents import CurrentFit, JointFit, Parameter, torque_constants
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.models import BaseParameter, Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.findings import in_words
@@ -19,7 +20,7 @@ from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.mjcf import mjcf
-from ur5lib.tables import as_record, json_text
+from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
@@ -76,12 +77,12 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     """Return the Coulomb and viscous friction that is closest to the identified friction, which has
     more terms, on the recordings of its fit; None without a fit.
     """
-    friction = study.fitted(robot, "friction")
-    if not friction["from"]:
+    friction = study.friction(robot)
+    if not friction.from_:
         return None
-    fit = as_record(CurrentFit, friction["fit"])
-    qd = np.concatenate([study.record(Motion, name).qd for name in friction["from"]])
-    torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction["from"]])
+    fit = friction.fit
+    qd = np.concatenate([study.record(Motion, name).qd for name in friction.from_])
+    torque = np.concatenate([friction_torque(fit, study, name, model) for name in friction.from_])
     fitted = [_coulomb_and_viscous(qd[:, j], torque[:, j]) for j in range(6)]
     return JointFriction(*np.array(fitted).T)
 
@@ -137,44 +138,47 @@ def identified_parameters(
     friction: in the form of simulators. Lists are empty where nothing could be fitted. Raises
     InputError where a summary is missing.
     """
-    rotors, model, currents = (
-        study.fitted(robot, name) for name in ("rotor_inertia", "identification", "friction")
-    )
-    fit = currents.get("fit", {"joints": []})
+    rotors, model = study.rotors(robot), study.identification(robot)
+    currents = study.friction(robot)
     return {
-        "base_parameters": [_base_parameter(row) for row in model.get("parameters", [])],
+        "base_parameters": [_base_parameter(row) for row in model.parameters],
         "rotor_inertia": [*_rotor_rows(rotors)],
-        "torque_noise": model.get("noise"),
-        "currents": [_current_parameter(row) for row in currents.get("parameters", [])],
-        "known_constants": currents.get("known_constants"),
-        "current_model": [
-            {name: joint[name] for name in FITTED} | {"remarks": [*map(in_words, joint["remarks"])]}
-            for joint in fit["joints"]
-        ],
+        "torque_noise": model.noise,
+        "currents": [_current_parameter(row) for row in currents.parameters],
+        "known_constants": currents.known_constants,
+        "current_model": [_current_model(joint) for joint in currents.fit.joints],
         "simulator_friction": None if friction is None else asdict(friction),
-        "fitted_on": {"link_model": model["from"], "currents": currents["from"]},
+        "fitted_on": {"link_model": model.from_, "currents": currents.from_},
     }
+
+
+def _current_model(joint: JointFit) -> dict[str, Any]:
+    """Return the fit of a joint, with its remarks in words."""
+    shown = {name: getattr(joint, name) for name in FITTED}
+    return shown | {"remarks": [*map(in_words, joint.remarks)]}
 
 
 def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:
     """Return the files that a study read of some recordings, with their SHA-256."""
-    return {name: study.summary(name, "quality").get("read", {}) for name in recordings}
+    return {name: study.quality(name).read for name in recordings}
 
 
-def _base_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
+def _base_parameter(row: BaseParameter) -> dict[str, Any]:
     """Return a base parameter with its interval, without its weights."""
-    shown = {key: row[key] for key in ("parameter", "value", "std_error", "determined")}
-    return shown | _interval(row["value"], row["std_error"])
+    shown = asdict(row)
+    del shown["weights"]
+    return shown | _interval(row.value, row.std_error)
 
 
-def _current_parameter(row: Mapping[str, Any]) -> dict[str, Any]:
-    shown = {key: value for key, value in row.items() if key != "interval"}
-    return shown | dict(zip(("low", "high"), row["interval"], strict=True))
+def _current_parameter(row: Parameter) -> dict[str, Any]:
+    shown = asdict(row)
+    low, high = shown.pop("interval")
+    return shown | {"low": low, "high": high}
 
 
-def _rotor_rows(rotors: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    if rotors["from"]:
-        pairs = zip(rotors["value"]["inertia"], rotors["std_error"]["inertia"], strict=True)
+def _rotor_rows(rotors: Rotors) -> Iterator[dict[str, Any]]:
+    if rotors.value is not None and rotors.std_error is not None:
+        pairs = zip(rotors.value.inertia, rotors.std_error.inertia, strict=True)
         for joint, (value, error) in enumerate(pairs, 1):
             yield {"joint": joint, "value": value, "std_error": error, **_interval(value, error)}
 

@@ -10,7 +10,6 @@ import numpy as np
 from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import fit_for
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -33,12 +32,12 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     study = FinishedStudy(results)
     recording = study.recording(name)
     robot = recording.arm.known_as
-    arm, friction = study.arm(robot), study.fitted(robot, "friction")
+    arm, friction = study.arm(robot), study.friction(robot)
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted_current is None or signals.actual_current is None:
         raise InputError(f"no current was predicted on {name}; see the report of {results}")
-    fit = fit_for(name, friction)
+    fit = friction.fit_for(name)
     measured = motor_torque(fit, signals.actual_current)
     maker, gravity = arm.chosen_model, arm.mounted(recording.known_gravity()).gravity
     compared = {

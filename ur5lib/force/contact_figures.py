@@ -1,12 +1,12 @@
 """Errors of a contact wrench estimate against the force sensor: in contact, free, overall."""
 
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from ur5lib.force.detection import CONTACT, contacts, in_contact, is_free, overlap
-from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.arrays import Array, Float, Mask
 from ur5lib.timeseries.metrics import (
     correlation,
     coverage,
@@ -109,30 +109,48 @@ def resampled_means(values: Array, force: Array) -> Array | None:
     return np.asarray(sums[drawn].sum(axis=1) / counts[drawn].sum(axis=1)[:, None])
 
 
-def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[dict[str, Any]]:
-    """Yield peak, impulse and onset of each contact at the sensor, and the estimate's errors.
+@dataclass(frozen=True)
+class ContactErrors:
+    """Peak, impulse and onset of a contact at the sensor, and the estimate's errors.
 
-    estimate, reference: forces (N, 3) [N]; time: (N,) [s]. One row per contact and direction: an
-    axis, or "norm" for all three. peak: the largest force [N]; impulse: the magnitude of the
-    force's integral [N s]; errors: the estimate's component along the sensor's direction minus the
-    sensor's value, negative if the estimate is too small, NaN if it is unknown in part of the
-    contact. onset_error_s: delay with which the estimate passes the sensor's levels.
+    component: an axis, or "norm" for all three; peak: the largest force [N]; impulse: the magnitude
+    of the force's integral [N s]; errors: the estimate's component along the sensor's direction
+    minus the sensor's value, negative if the estimate is too small, NaN if it is unknown in part of
+    the contact; onset_error_s: of all three, delay with which the estimate passes the sensor's
+    levels.
+    """
+
+    contact: int
+    start_s: float
+    end_s: float
+    component: str
+    peak: float
+    peak_error: Float
+    impulse: float
+    impulse_error: Float
+    onset_error_s: float | None = None
+
+
+def contact_errors(estimate: Array, reference: Array, time: Array) -> Iterator[ContactErrors]:
+    """Yield the errors of each contact at the sensor along each axis, and of all three.
+
+    estimate, reference: forces (N, 3) [N]; time: (N,) [s].
     """
     felt = contacts(np.linalg.norm(estimate, axis=1), CONTACT)
     for number, span in enumerate(contacts(np.linalg.norm(reference, axis=1), CONTACT), start=1):
         first, last = span
         e, f = estimate[first:last], reference[first:last]
-        place = {"contact": number, "start_s": time[first], "end_s": time[last - 1]}
+        place = number, time[first], time[last - 1]
         step = (time[last - 1] - time[first]) / max(last - first - 1, 1)
         for axis, name in enumerate(("Fx", "Fy", "Fz")):
-            yield place | {"component": name} | _misses(e[:, [axis]], f[:, [axis]], step)
+            yield ContactErrors(*place, name, *_misses(e[:, [axis]], f[:, [axis]], step))
         onset = next((start for start, end in felt if overlap((start, end), span)), None)
         late = None if onset is None else time[onset] - time[first]
-        yield place | {"component": "norm", **_misses(e, f, step), "onset_error_s": late}
+        yield ContactErrors(*place, "norm", *_misses(e, f, step), late)
 
 
-def _misses(estimate: Array, reference: Array, step: float) -> dict[str, float]:
-    """Return peak and impulse of a contact, each along the sensor's direction.
+def _misses(estimate: Array, reference: Array, step: float) -> tuple[float, float, float, float]:
+    """Return peak and impulse of a contact, each with its error along the sensor's direction.
 
     estimate, reference: (M, D) [N]; step: [s].
     """
@@ -140,9 +158,5 @@ def _misses(estimate: Array, reference: Array, step: float) -> dict[str, float]:
     peak, impulse = np.linalg.norm(top), np.linalg.norm(step * reference.sum(axis=0))
     along = estimate @ (top / max(peak, TINY))
     pushed = step * estimate.sum(axis=0) @ (step * reference.sum(axis=0) / max(impulse, TINY))
-    return {
-        "peak": float(peak),
-        "peak_error": float(along.max() - peak),
-        "impulse": float(impulse),
-        "impulse_error": float(pushed - impulse),
-    }
+    errors = along.max() - peak, pushed - impulse
+    return float(peak), float(errors[0]), float(impulse), float(errors[1])

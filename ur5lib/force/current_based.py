@@ -1,6 +1,6 @@
 """The thesis's torque constants (Equation 6.5) and wrenches (Chapter 6) from motor currents."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -8,7 +8,8 @@ from ur5lib.robots.description import CurrentToTorque, Friction
 from ur5lib.timeseries.arrays import Array, Labels
 
 
-class TorqueLine(NamedTuple):
+@dataclass(frozen=True)
+class TorqueLine:
     """The line torque = k i + b of each joint, (6,) each, NaN where a joint determines none.
 
     torque_constant: k [Nm/A], offset: b [Nm], and their standard errors.

@@ -1,7 +1,6 @@
 """Contact detection: contacts at a force sensor, alarms, and the smallest detectable force."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -183,7 +182,8 @@ def in_contact(force: Array) -> Mask:
     return np.asarray(force > CONTACT)
 
 
-class Felt(NamedTuple):
+@dataclass(frozen=True)
+class Felt:
     """What a force sensor reads: largest [N], at_s: the time of the largest force [s]; contact: the
     share of the recording in contact; contacts: their number.
     """

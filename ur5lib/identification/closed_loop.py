@@ -13,10 +13,9 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.ndimage import minimum_filter
 from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
-from scipy.signal import lfilter
-from scipy.stats import f as fisher
+from scipy.special import fdtri
 
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Float, Labels
 from ur5lib.timeseries.segments import unbroken
 
 NODES = 31  # of the grid of gains, on each axis
@@ -55,10 +54,10 @@ class Gain:
     minimum of the cost over the other gain at each.
     """
 
-    best: float
-    std_error: float
-    low: float
-    high: float
+    best: Float
+    std_error: Float
+    low: Float
+    high: Float
     determined: bool
     grid: Array
     profile: Array
@@ -77,9 +76,9 @@ class JointGains:
     velocity: Gain
     excited: bool
     noise: Array
-    cost: float
-    limit: float
-    stiff: float
+    cost: Float
+    limit: Float
+    stiff: Float
 
 
 def simulate_closed_loop(
@@ -178,6 +177,8 @@ def _run(step: _Step, drive: Array, start: Array) -> Array:
     inputs = pushes.copy()
     inputs[:, 1:] += (A - np.diag([trace, trace])) @ pushes[:, :-1]
     # x[k+2] - tr(A) x[k+1] + det(A) x[k] = inputs
+    from scipy.signal import lfilter  # slow to import, and tables read the gains alone
+
     return np.asarray(lfilter([1.0], [1.0, -trace, determinant], inputs))
 
 
@@ -321,7 +322,7 @@ def _estimate(joint: _Joint) -> JointGains:
 
 def _rise(level: float, free: float) -> float:
     """Return 1 + 2/(n - 2) F(2, n - 2), the cost at the end of a confidence region by the least."""
-    return float(1 + 2 / free * fisher.ppf(level, 2, free))
+    return float(1 + 2 / free * fdtri(2, free, level))
 
 
 def _undetermined(joint: _Joint, grid: Array) -> JointGains:

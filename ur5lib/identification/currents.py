@@ -5,9 +5,8 @@ in 1/k, b/k and the friction coefficients over k, which are fitted to samples in
 friction can be any torque up to breakaway: a fitted share of the friction before the stop remains.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -40,7 +39,6 @@ from ur5lib.identification.selection import (
     left_out_residuals,
 )
 from ur5lib.robots.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
-from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array, Float, Labels, Mask
 from ur5lib.timeseries.metrics import COVERED, NORMAL95
 
@@ -213,14 +211,6 @@ def fit_without_each_path(
 def _names(records: Sequence[Record], chosen: Mask) -> list[str]:
     """Return the names of the recordings in a mask (R,)."""
     return [record.name for record, own in zip(records, chosen, strict=True) if own]
-
-
-def fit_for(recording: str, friction: Mapping[str, Any]) -> CurrentFit:
-    """Return the fit without a recording's path from friction.json, or the only one there is."""
-    for fold in friction["left_out"]:
-        if recording in fold["recordings"]:
-            return as_record(CurrentFit, fold["fit"])
-    return as_record(CurrentFit, friction["fit"])
 
 
 def breakaway_torque(fit: CurrentFit) -> Array:

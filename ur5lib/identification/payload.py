@@ -4,12 +4,11 @@ A payload adds a torque that is linear in its mass and first moments. Friction g
 torque, too, so both are estimated alternately. The run-to-run error is that of unloaded runs.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 from ur5lib.identification.currents import CurrentFit, predict, torque_constants
 from ur5lib.identification.regression import Normal, regress, spread
@@ -21,6 +20,7 @@ ROUNDS = 5
 DRAWS = 50
 JOINTS = 0.3  # relative error of a joint's torque under a load: before its scale was estimated
 LEFT = 0.1  # and after
+HALF = float(ndtri(0.975))  # of a 95 % interval, in standard deviations
 PARTS = 3  # of a run, each of which must show the load
 WIDE = 100.0  # kg, kg m; standard deviation of the prior of a payload
 
@@ -31,12 +31,17 @@ class PayloadEstimate:
 
     parameters, std_error: (P,), of the regressor's columns [kg, kg m, ...], the mass first; errors
     from the bootstrap over the run's blocks and over the fit, without the variation between runs;
-    parts: masses [kg] from each part of the run alone.
+    parts: masses [kg] from each part of the run alone. All are empty where nothing was estimated.
     """
 
-    parameters: Array
-    std_error: Array
-    parts: Array
+    parameters: Array = field(default_factory=lambda: np.zeros(0))
+    std_error: Array = field(default_factory=lambda: np.zeros(0))
+    parts: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def is_known(self) -> bool:
+        """Return whether anything was estimated."""
+        return len(self.parameters) > 0
 
 
 @dataclass(frozen=True)
@@ -49,6 +54,21 @@ class Load:
     certain: bool
 
 
+@dataclass(frozen=True)
+class JudgedLoad(Load):
+    """An undeclared load beside the payload that is known, of a mass `configured` [kg].
+
+    carried: both masses together [kg]; taken: whether the load is included in the prediction;
+    center_of_mass: (3,) [m], with its standard error; NaN of a load that is uncertain.
+    """
+
+    configured: float
+    carried: float
+    taken: bool
+    center_of_mass: Array
+    center_of_mass_std: Array
+
+
 def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     """Return the standard deviation (P,) of unloaded runs' apparent loads beyond their errors.
 
@@ -56,7 +76,7 @@ def run_to_run(parameters: Array, std_error: Array, paths: int) -> Array:
     their trajectories. For few paths it is multiplied by Student's t.
     """
     beyond = np.mean(parameters**2, axis=0) - np.mean(std_error**2, axis=0)
-    factor = stats.t.ppf(0.975, max(1, paths - 1)) / stats.norm.ppf(0.975)
+    factor = stdtrit(max(1, paths - 1), 0.975) / HALF
     return np.asarray(factor * np.sqrt(np.maximum(beyond, 0.0)))
 
 
@@ -64,7 +84,7 @@ def judge(payload: PayloadEstimate, spread: float) -> Load:
     """Return the load with its total error; spread: of the mass from run to run [kg]."""
     mass = float(payload.parameters[0])
     error = float(np.sqrt(payload.std_error[0] ** 2 + spread**2 + (GEARS * mass) ** 2))
-    half = error * stats.norm.ppf(0.975)
+    half = error * HALF
     lasting = bool((payload.parts > mass / 2).all())
     return Load(mass, error, (mass - half, mass + half), mass > 3 * error and lasting)
 
@@ -73,26 +93,29 @@ def judged_load(
     payload: PayloadEstimate,
     unloaded: Sequence[PayloadEstimate],
     paths: int,
-    known: Mapping[str, Any],
-    role: str,
-) -> dict[str, Any]:
-    """Return the undeclared payload, and whether it is included in the prediction.
+    configured: float,
+    may_be_taken: bool,
+) -> JudgedLoad:
+    """Return the undeclared load; it is taken if it is certain.
 
-    unloaded: payloads of the recordings to fit on, of so many paths; known: torques.json. A load
-    that is certain is taken, unless the study declares another, or the recording is one to fit on,
-    whose payload is taken as it was given.
+    unloaded: payloads of the recordings to fit on, of so many paths; configured: mass of the known
+    payload [kg]; may_be_taken: false where the study declares that payload, and in a recording to
+    fit on, whose payload is taken as it was given.
     """
     spread = np.zeros(4)
-    if unloaded:
-        values, errors = np.stack([(own.parameters, own.std_error) for own in unloaded], axis=1)
+    if known := [(own.parameters, own.std_error) for own in unloaded if own.is_known]:
+        values, errors = np.stack(known, axis=1)
         spread = run_to_run(values, errors, paths)
     load = judge(payload, float(spread[0]))
-    taken = load.certain and known["source"] != "study" and role != "fit"
-    center, center_std = load_center(payload, load, spread)
-    configured = known["payload"]["mass"] if known["payload"] else 0.0
-    account = {"configured": configured, "carried": configured + load.mass}
-    place = {"center_of_mass": center, "center_of_mass_std": center_std}
-    return asdict(load) | account | {"taken": taken} | place
+    taken, center = load.certain and may_be_taken, load_center(payload, load, spread)
+    return JudgedLoad(
+        **vars(load),
+        configured=configured,
+        carried=configured + load.mass,
+        taken=taken,
+        center_of_mass=center[0],
+        center_of_mass_std=center[1],
+    )
 
 
 def load_center(payload: PayloadEstimate, load: Load, spread: Array) -> tuple[Array, Array]:

@@ -8,7 +8,6 @@ indicate errors in the model of the links.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -19,7 +18,8 @@ from ur5lib.timeseries.arrays import Array
 PARTS = 8  # into which a single recording is divided
 
 
-class Terms(NamedTuple):
+@dataclass(frozen=True)
+class Terms:
     """The terms fitted to each joint, (6,): [kg m²], [Nm], [Nm], [Nm s/rad]."""
 
     inertia: Array

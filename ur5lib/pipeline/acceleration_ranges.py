@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from itertools import product
-from typing import Any
 
 import numpy as np
 
+from ur5lib.pipeline.records.accelerations import ByRange, Difference
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import DEAD_ZONE
 
@@ -16,16 +16,14 @@ Differences = Callable[[float], Mapping[str, Array]]
 """Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
 
 
-def by_range(differences: Differences, qd: Array) -> dict[str, Any]:
+def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
     """Return how far both differ, by motion and range of frequency, in motion and at rest.
 
-    qd: (N, 6) [rad/s]. For each range and state: mean squares (6,) of x, y, z [m/s²] and
-    rx, ry, rz [rad/s²], and quantiles (101, 6) of the absolute difference. A state without any
-    sample is left out.
+    qd: (N, 6) [rad/s]. A state without any sample is left out.
     """
     moving = np.abs(qd).max(axis=1) > DEAD_ZONE
     low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
-    ranges: dict[str, Any] = {name: {} for name in low[2.0]}
+    ranges: dict[str, ByRange] = {name: {} for name in low[2.0]}
     for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):
         within = low[below][motion] - (low[above][motion] if above else 0)
         known = np.isfinite(within).all(axis=1)
@@ -34,6 +32,6 @@ def by_range(differences: Differences, qd: Array) -> dict[str, Any]:
     return ranges
 
 
-def _summed(difference: Array) -> dict[str, Array]:
+def _summed(difference: Array) -> Difference:
     quantiles = np.quantile(np.abs(difference), LEVELS, axis=0)
-    return {"square": np.mean(difference**2, axis=0), "quantiles": quantiles}
+    return Difference(np.mean(difference**2, axis=0), quantiles)

@@ -18,7 +18,8 @@ PLACE, TURN = 0.005, 0.01  # m, rad
 
 @dataclass(frozen=True)
 class Carried:
-    """The payload on the flange, its source, and the one configured in the controller.
+    """torques.json: the payload on the flange, its source, and the one that the controller counts
+    with.
 
     Currents contain the torque of `payload`, `target_moment` that of `configured`; None: nothing.
     """
@@ -26,6 +27,11 @@ class Carried:
     payload: Payload | None
     source: Literal["study", "rtde", "none"]
     configured: Payload | None
+
+    @property
+    def mass(self) -> float:
+        """Return the mass of the payload [kg], zero without one."""
+        return self.payload.mass if self.payload else 0.0
 
 
 def carried(declared: Payload | None, signals: Signals) -> Carried:
@@ -59,13 +65,6 @@ def _medians(values: Array | None, count: int) -> Any:
     if values is None or not np.isfinite(values).any():
         return (0.0,) * count
     return tuple(np.nan_to_num(np.nanmedian(values, axis=0)).tolist())
-
-
-def load_account(load: Carried) -> dict[str, Any]:
-    """Return the payload, its source, and the controller's payload, as plain data."""
-    payloads = {"payload": load.payload, "configured": load.configured}
-    plain = {name: payload and payload.model_dump() for name, payload in payloads.items()}
-    return plain | {"source": load.source}
 
 
 def disagreements(declared: Payload | None, tcp: Six | None, signals: Signals) -> list[Finding]:

@@ -1,8 +1,6 @@
 """The joints in closed loop, with published gains and with estimated ones."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 
@@ -10,8 +8,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification import closed_loop
 from ur5lib.identification.closed_loop import JointGains, Tracking
 from ur5lib.pipeline.carried import configured_payload
+from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import by_segment
@@ -40,14 +38,14 @@ def published_gains(robot: Robot) -> dict[str, Gains]:
 
 def gain_summary(
     tracking: Tracking, joints: list[JointGains], published: Mapping[str, Gains]
-) -> dict[str, Any]:
-    """Return the estimated gains and the cost of published ones, as in gains.json."""
+) -> GainSummary:
+    """Return the estimated gains and the costs of published ones."""
     noise = np.stack([joint.noise for joint in joints])
     costs = {
         name: closed_loop.tracking_cost(tracking, *gains, noise)
         for name, gains in published.items()
     }
-    return {"joints": list(map(asdict, joints)), "published": costs}
+    return GainSummary(joints, costs)
 
 
 def best(joints: list[JointGains]) -> Gains:

@@ -1,9 +1,8 @@
 """The current that motion without contact needs, and the external torque beside it."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,12 @@ from ur5lib.identification.currents import (
 )
 from ur5lib.identification.payload import LEFT, joint_gains
 from ur5lib.identification.samples import Record, Smooth, blocks
-from ur5lib.identification.validation import baseline_current, coefficients_of_constants, score
+from ur5lib.identification.validation import (
+    Scores,
+    baseline_current,
+    coefficients_of_constants,
+    score,
+)
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
@@ -124,15 +128,14 @@ def baselines(
 
 def scores(
     record: Record, currents: Currents, others: Iterable[tuple[str, Array]], smooth: Smooth
-) -> dict[str, Any]:
+) -> dict[str, Scores]:
     """Return how well each current is predicted; a band is stated for ours alone."""
     assert currents.predicted_current is not None
     assert currents.current_band is not None
     half = currents.current_band
-    figures = {"fitted": asdict(score(record, currents.predicted_current, smooth, half))}
+    figures = {"fitted": score(record, currents.predicted_current, smooth, half)}
     for name, current in others:
-        figures[name] = asdict(score(record, current, smooth, half))
-        figures[name]["coverage"] = np.full(6, np.nan)
+        figures[name] = replace(score(record, current, smooth, half), coverage=np.full(6, np.nan))
     return figures
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.accelerations import AccelerationErrors, Accelerations
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -154,7 +154,7 @@ def lowpassed(signals: Signals, function: Any, design: Butterworth, values: Arra
     return by_segment(run, values, signals.segment)
 
 
-def acceleration_errors(accelerations: Accelerations) -> dict[str, Any]:
+def acceleration_errors(accelerations: Accelerations) -> dict[str, AccelerationErrors]:
     """Return the MAE by estimate and component against the IMU, and that of zero."""
     published, ours = accelerations.published_felt, accelerations.felt
     if published is None or ours is None:
@@ -162,12 +162,12 @@ def acceleration_errors(accelerations: Accelerations) -> dict[str, Any]:
     return _errors(accelerations.published, published) | _errors(accelerations.acceleration, ours)
 
 
-def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, Any]:
+def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, AccelerationErrors]:
     zero = mean_absolute_error(np.zeros_like(felt), felt)
     return {
-        name: {
-            "mae": dict(zip(COMPONENTS, mean_absolute_error(values, felt), strict=True)),
-            "zero_mae": dict(zip(COMPONENTS, zero, strict=True)),
-        }
+        name: AccelerationErrors(
+            dict(zip(COMPONENTS, mean_absolute_error(values, felt), strict=True)),
+            dict(zip(COMPONENTS, zero, strict=True)),
+        )
         for name, values in estimates.items()
     }

@@ -1,18 +1,17 @@
 """Published errors, computed in the way in which an erratum explains them."""
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.pipeline.carried import configured_payload
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.closed_loop import Gains, published_gains, simulated_states, tracking_of
 from ur5lib.pipeline.end_effector import derivative, lowpassed, through_angles
 from ur5lib.pipeline.explanations import AccelerationError, LoopError
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.stamps import by_stamps
+from ur5lib.recordings.quality import StartOffset
 from ur5lib.robots.description import Model, Robot
 from ur5lib.signals.end_effector import felt_acceleration
 from ur5lib.timeseries.arrays import Array
@@ -47,7 +46,7 @@ def explained_accelerations(
     signals: Signals,
     kinematics: Kinematics,
     imu: pd.DataFrame,
-    start: Mapping[str, float],
+    start: StartOffset,
     way: AccelerationError,
 ) -> tuple[Array, Array]:
     """Return the accelerations through Euler angles and of the IMU, (N, 6) [m/s², rad/s²] each.

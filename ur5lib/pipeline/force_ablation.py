@@ -8,6 +8,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import contacts, in_contact
 from ur5lib.force.wrench_estimate import Ablation
 from ur5lib.pipeline.force_estimates import Problem
+from ur5lib.pipeline.records.forces import Ablated
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_error
 from ur5lib.timeseries.segments import marked
@@ -39,12 +40,8 @@ def variants(
     return {name: (own.wrench, own.std) for name, own in estimates.items()}
 
 
-def figures_in_contact(wrench: Array, std: Array, reference: Array) -> dict[str, Array]:
+def figures_in_contact(wrench: Array, std: Array, reference: Array) -> Ablated:
     """Return error, coverage and interval score (3,) in contact, by the sensor's force (N, 3)."""
     where = in_contact(np.linalg.norm(reference, axis=1)) & np.isfinite(wrench).all(axis=1)
     part = wrench[where, :3], std[where, :3], reference[where]
-    return {
-        "mae": mean_absolute_error(part[0], part[2]),
-        "coverage95": coverage(*part),
-        "interval_score95": interval_score(*part),
-    }
+    return Ablated(mean_absolute_error(part[0], part[2]), coverage(*part), interval_score(*part))

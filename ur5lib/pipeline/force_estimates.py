@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,9 +13,12 @@ from ur5lib.force.force_input import ForceInput, Gears, may_repeat
 from ur5lib.force.residual_model import ResidualModel, Residuals
 from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
+from ur5lib.identification.payload import JudgedLoad
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, FreeRun
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -52,12 +55,9 @@ class Problem(NamedTuple):
         return self.pushed(pushed).solve(jacobian, prior).log_odds
 
 
-def is_fitted(friction: Mapping[str, Any], contradictions: Mapping[str, Any]) -> bool:
-    """Return whether friction was fitted, or withheld as recordings contradict the study.
-
-    friction: friction.json; contradictions: contradictions.json.
-    """
-    return bool(friction["from"] or "stopped" in friction or contradictions["stop_signs"])
+def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
+    """Return whether friction was fitted, or withheld as recordings contradict the study."""
+    return bool(friction.from_ or friction.stopped or contradictions.stop_signs)
 
 
 def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:
@@ -94,10 +94,11 @@ def causal_odds(
 
 def repeat_problem(
     fmap: Problem, alike: Iterable[tuple[Currents, Motion]], cutoff: float
-) -> Problem | None:
-    """Return the problem of Fmap less the external torque of the same trajectory without contact.
+) -> dict[str, Problem]:
+    """Return the problem "repeat": Fmap less the external torque of the same trajectory without
+    contact.
 
-    alike: contact-free recordings of `repeated_runs`; cutoff: of the torques [Hz]. None where none
+    alike: contact-free recordings of `repeated_runs`; cutoff: of the torques [Hz]. Empty where none
     of them is of the same trajectory.
     """
     free = [
@@ -107,33 +108,28 @@ def repeat_problem(
     ]
     repeated = repeat_aware(fmap.input, free, fmap.model, cutoff)
     if repeated is None:
-        return None
-    return Problem(
-        replace(fmap.input, torque=repeated.torque, states=repeated.states), repeated.model
-    )
+        return {}
+    own = replace(fmap.input, torque=repeated.torque, states=repeated.states)
+    return {"repeat": Problem(own, repeated.model)}
 
 
 def repeated_runs(
-    run: ForceInput, name: str, load: Mapping[str, Any] | None, index: Mapping[str, Any]
+    run: ForceInput, name: str, load: JudgedLoad | None, index: Mapping[str, FreeRun]
 ) -> list[tuple[str, str]]:
     """Return the files of currents and motion of the contact-free runs that may repeat a run.
 
     Those are the others that may carry the same and pass where it moves. name: of the run's
-    recording; load: what it carries, as in currents.json; index: free_runs.json.
+    recording; load: what it carries; index: of free_runs.json.
     """
     return [
-        (other["currents"], other["motion"])
+        (other.currents, other.motion)
         for known, other in index.items()
-        if known != name
-        and _same_load(load, other["load"])
-        and may_repeat(run, np.array(other["extent"]))
+        if known != name and _same_load(load, other.load) and may_repeat(run, other.extent)
     ]
 
 
-def _same_load(own: Mapping[str, Any] | None, other: Mapping[str, Any] | None) -> bool:
+def _same_load(own: JudgedLoad | None, other: JudgedLoad | None) -> bool:
     if own is None or other is None:
         return False
-    mass, error = (
-        np.array([load[name] for load in (own, other)]) for name in ("carried", "std_error")
-    )
-    return bool(abs(mass[1] - mass[0]) <= NORMAL95 * np.hypot(*error))
+    error = np.hypot(own.std_error, other.std_error)
+    return bool(abs(other.carried - own.carried) <= NORMAL95 * error)

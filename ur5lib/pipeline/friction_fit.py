@@ -1,8 +1,7 @@
-"""The fit of torque constants and friction, as friction.json holds it."""
+"""The fit of torque constants and friction."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +22,8 @@ from ur5lib.identification.validation import (
     fitted_on_tested_on,
     least_squares_coefficients,
 )
+from ur5lib.pipeline.records.friction import Friction, KnownConstants, LeftOut
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.friction import FAMILY
 from ur5lib.timeseries.arrays import Array
 
@@ -34,13 +35,13 @@ class ContradictionError(RefusalError):
     """A stop sign: the recordings contradict the arm that the study names."""
 
 
-def friction_summary(
-    records: Sequence[Record], prior: Prior, smooth: Smooth, terms: Sequence[str]
-) -> dict[str, Any]:
+def fitted_friction(
+    records: Sequence[Record], prior: Prior, smooth: Smooth, terms: Sequence[str], model: str = ""
+) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
-    terms: of friction, from which the fit chooses. Raises ContradictionError when the torque
-    constants are not those of the arm.
+    terms: of friction, from which the fit chooses; model: of the records' torques. Raises
+    ContradictionError when the torque constants are not those of the arm.
     """
     known = {*terms} if temperatures_differ(records) else {*terms} - {"warming"}
     family = [term for term in FAMILY if term.kind in known]
@@ -48,27 +49,25 @@ def friction_summary(
     require_known_constants(fit, prior)
     shapes = [joint.terms for joint in fit.joints], [joint.presliding for joint in fit.joints]
     left_out = fit_without_each_path(records, smooth, prior, family)
-    return {
-        "from": [record.name for record in records],
-        "paths": int(record_paths(records).max()) + 1,
-        "fit": asdict(fit),
-        "left_out": [
-            {"recordings": names, "fit": _without_replicates(asdict(own))}
-            for names, own in left_out
-        ],
-        "explained": explained_by_others(records, left_out, smooth),
-        "parameters": list(map(asdict, parameters(fit))),
-        "known_constants": known_constants(prior),
-        "least_squares": least_squares_coefficients(records),
-        "cross_validation": fitted_on_tested_on(records, smooth, prior, *shapes),
-    }
+    return Friction(
+        from_=[record.name for record in records],
+        paths=int(record_paths(records).max()) + 1,
+        fit=fit,
+        left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
+        explained=explained_by_others(records, left_out, smooth),
+        parameters=parameters(fit),
+        known_constants=known_constants(prior),
+        least_squares=least_squares_coefficients(records),
+        cross_validation=fitted_on_tested_on(records, smooth, prior, *shapes),
+        model=model,
+    )
 
 
-def known_constants(prior: Prior) -> dict[str, Array]:
-    """Return the torque constants (6,) [Nm/A] known before the fit, and their standard errors."""
+def known_constants(prior: Prior) -> KnownConstants:
+    """Return the torque constants known before the fit."""
     inverse = prior.inverse_constant.mean
     std = np.array([prior.of_joint(joint).std for joint in range(6)])
-    return {"value": 1 / inverse, "std_error": std / inverse**2}
+    return KnownConstants(1 / inverse, std / inverse**2)
 
 
 def explained_by_others(
@@ -93,16 +92,16 @@ def temperatures_differ(records: Sequence[Record]) -> bool:
     return bool(max(means, default=0) - min(means, default=0) > WARMER)
 
 
-def _without_replicates(fit: dict[str, Any]) -> dict[str, Any]:
-    """Return a fit as plain data without its bootstrap replicates, sufficient for predictions."""
-    for joint in fit["joints"]:
-        joint["estimate"]["replicates"] = joint["estimate"]["replicates"][:1]
-    return fit
+def _without_replicates(fit: CurrentFit) -> CurrentFit:
+    """Return a fit with one of its bootstrap replicates, sufficient for predictions."""
+    kept = [replace(one.estimate, replicates=one.estimate.replicates[:1]) for one in fit.joints]
+    joints = zip(fit.joints, kept, strict=True)
+    return replace(fit, joints=tuple(replace(one, estimate=own) for one, own in joints))
 
 
-def require_no_stop_sign(contradictions: Mapping[str, Any]) -> None:
-    """Raise ContradictionError for stop signs; contradictions.json by recording."""
-    stopped = [name for name, found in contradictions.items() if found["stop_signs"]]
+def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
+    """Raise ContradictionError for stop signs; contradictions: by recording."""
+    stopped = [name for name, found in contradictions.items() if found.stop_signs]
     if stopped:
         raise ContradictionError("contradicting recordings", names=stopped)
 

@@ -1,23 +1,24 @@
 """The health of an arm over time: each joint's condition by date, and what changed."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from datetime import UTC, date, datetime
-from typing import Any
 
 import numpy as np
 
 from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import Record, Smooth, passed
+from ur5lib.pipeline.records.currents import Prediction
+from ur5lib.pipeline.records.health import Condition, Health, JointChange
+from ur5lib.recordings.quality import Quality
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes
 from ur5lib.timeseries.trajectories import PathStates, group_by_path
 
 FALSE_ALARMS = 0.05  # chance of any false change on an arm, at most
 WARMER = 1.0  # K, range of temperatures between dates, above which they are a covariate
-Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -36,26 +37,25 @@ class Checkup:
 
 
 def checkup(
-    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Mapping[str, Any]
+    record: Record, smooth: Smooth, fit: CurrentFit, day: date, quality: Quality
 ) -> Checkup:
-    """Return the condition by one recording; fit: of its arm; quality: quality.json."""
-    lost = [one["count"] for one in quality["findings"] if one["finding"] == "lost frames"]
+    """Return the condition by one recording; fit: of its arm."""
+    lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
     warmth = np.full(6, np.nan)
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)
     joints, path = joint_conditions(record, smooth, fit), passed(record)
-    return Checkup(day, joints, warmth, sum(lost) / quality["frames"], path)
+    return Checkup(day, joints, warmth, lost / quality.frames, path)
 
 
-def dated(given: str, quality: Mapping[str, Any], currents: Mapping[str, Any]) -> date | None:
+def dated(given: str, quality: Quality, currents: Prediction) -> date | None:
     """Return the date of a recording, None if it is unknown or the recording cannot be used.
 
     A recording with a stop sign or an unknown load cannot be used. given: ISO 8601, by the study;
-    if empty, the date (UTC) of the start stamp in quality.json counts. currents: currents.json.
+    if empty, the date (UTC) of its start stamp counts.
     """
-    loaded = (currents.get("load") or {}).get("taken", False)
-    start = quality["start_epoch_s"]
-    if loaded or not currents["scores"]:
+    start = quality.start_epoch_s
+    if currents.is_loaded or not currents.scores:
         return None
     if given:
         return date.fromisoformat(given)
@@ -67,15 +67,15 @@ def enough(dates: Iterable[date | None]) -> bool:
     return len({*dates} - {None}) >= FEWEST
 
 
-def health_summary(checkups: Sequence[Checkup]) -> dict[str, list[Row]]:
+def health_of(checkups: Sequence[Checkup]) -> Health:
     """Return each quantity by date and its changes; nothing with fewer than FEWEST dates."""
     if not enough([one.date for one in checkups]):
-        return {"dates": [], "changes": []}
+        return Health()
     rows = [*_by_date(checkups)]
-    return {"dates": rows, "changes": [*_changes(rows)]}
+    return Health(rows, [*_changes(rows)])
 
 
-def _by_date(checkups: Sequence[Checkup]) -> Iterator[Row]:
+def _by_date(checkups: Sequence[Checkup]) -> Iterator[Condition]:
     """Yield value and standard error of each quantity on each date, ascending.
 
     group: dates on which the arm moved along the same paths; friction and noise depend on them.
@@ -89,18 +89,18 @@ def _by_date(checkups: Sequence[Checkup]) -> Iterator[Row]:
         yield from _on_date([checkups[place] for place in places], day, groups.index(group))
 
 
-def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Row]:
+def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Condition]:
     """Yield the rows of one date."""
-    yield {"date": day, "quantity": "lost_frames", "value": max(one.lost for one in checkups)}
+    yield Condition(day, "lost_frames", max(one.lost for one in checkups))
     for joint in range(6):
         warmth = float(np.mean([one.temperature[joint] for one in checkups]))
-        here = {"date": day, "joint": joint + 1, "temperature_c": warmth, "group": group}
+        here = joint + 1, warmth, group
         for quantity in UNITS:
             found = np.array([one.joints[joint][quantity] for one in checkups])
             found = found[np.isfinite(found).all(axis=1)]
             if len(found):
                 value, error = together(*found.T)
-                yield here | {"quantity": quantity, "value": value, "std_error": error}
+                yield Condition(day, quantity, value, *here, error)
 
 
 def together(value: Array, std_error: Array) -> tuple[float, float]:
@@ -114,26 +114,28 @@ def together(value: Array, std_error: Array) -> tuple[float, float]:
     return mean, float(np.sqrt(max(1.0, scatter) / weight.sum()))
 
 
-def _changes(rows: Sequence[Row]) -> Iterator[Row]:
+def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
     """Yield the changes of every quantity of every joint."""
     groups = defaultdict(list)
     for row in rows:
-        if "joint" in row:
-            groups[row["joint"], row["quantity"]].append(row)
+        if row.joint is not None:
+            groups[row.joint, row.quantity].append(row)
     tested = {key: own for key, own in groups.items() if len(own) >= FEWEST}
     for (joint, quantity), own in tested.items():
         for change in find_changes(_series(own), FALSE_ALARMS / len(tested)):
-            row = asdict(change) | {"joint": joint, "quantity": quantity}
-            yield row | {"first": _day(change.first), "last": _day(change.last)}
+            dates = {"first": _day(change.first), "last": _day(change.last)}
+            yield JointChange(**vars(change) | dates, joint=joint, quantity=quantity)
 
 
-def _series(rows: Sequence[Row]) -> Series:
+def _series(rows: Sequence[Condition]) -> Series:
     """Return a quantity on all dates, temperatures as its covariate where all are known."""
-    day = np.array([date.fromisoformat(row["date"]).toordinal() for row in rows], dtype=float)
-    value, error = (np.array([row[name] for row in rows]) for name in ("value", "std_error"))
-    warmth = np.array([row["temperature_c"] for row in rows], dtype=float)
+    day = np.array([date.fromisoformat(row.date).toordinal() for row in rows], dtype=float)
+    value, error = (
+        np.array([getattr(row, name) for row in rows]) for name in ("value", "std_error")
+    )
+    warmth = np.array([row.temperature_c for row in rows], dtype=float)
     tells = bool(np.isfinite(warmth).all() and np.ptp(warmth) > WARMER)
-    group = np.array([row["group"] for row in rows])
+    group = np.array([row.group for row in rows])
     return Series(day, value, error, warmth if tells else None, group)
 
 

@@ -1,8 +1,6 @@
 """The arm with its identified models: fitted rotors, and the controller's rigid bodies."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -20,6 +18,7 @@ from ur5lib.identification.base_parameters import (
 )
 from ur5lib.identification.consistency import consistent, smallest_eigenvalues
 from ur5lib.identification.excitation import candidate_motions, check_excitation
+from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
@@ -31,17 +30,17 @@ DESCRIPTION = "identified from the controller's torques, physically consistent"
 Block = tuple[Array, Array]  # regressors (N, n, P) and torques (N, n) [Nm]
 
 
-def with_rotors(robot: Robot, rotors: Mapping[str, Any]) -> Robot:
+def with_rotors(robot: Robot, rotors: Rotors) -> Robot:
     """Return the arm with the fitted rotor inertias in its chosen model, as "<model>+rotors"."""
-    if not rotors["from"]:
+    if rotors.value is None:
         return robot
     name = f"{robot.chosen_model}+rotors"
     described = name if name in robot.models else robot.chosen_model
     # A joint that kept still, or whose torque is no rotor's, keeps the inertia that was described.
     fitted = [
-        inertia if value is None or value < 0 else value
+        value if value >= 0 else inertia
         for value, inertia in zip(
-            rotors["value"]["inertia"],
+            rotors.value.inertia.tolist(),
             rigid_bodies(robot, described).rotor_inertia.tolist(),
             strict=True,
         )
@@ -52,7 +51,7 @@ def with_rotors(robot: Robot, rotors: Mapping[str, Any]) -> Robot:
 
 def with_identified(
     robot: Robot, gravities: Sequence[list[float] | None], blocks: list[Block]
-) -> tuple[Robot, dict[str, Any]]:
+) -> tuple[Robot, Identification]:
     """Return the arm with the model "identified" from some blocks, and how it was found.
 
     gravities: of the recordings, which decide what their torques determine.
@@ -64,17 +63,17 @@ def with_identified(
     estimate = identify(data, models[0].parameters, prior_width(len(models[0].parameters)))
     parameters = consistent(estimate)
     model = identified_model(robot, parameters, DESCRIPTION)
-    summary = identification_summary(models, data, estimate, parameters, blocks)
-    return robot.with_model("identified", model), summary
+    found = identification(models, data, estimate, parameters, blocks)
+    return robot.with_model("identified", model), found
 
 
-def identification_summary(
+def identification(
     models: Sequence[LinkModel],
     data: Stack,
     estimate: Estimate,
     parameters: Array,
     blocks: list[Block],
-) -> dict[str, Any]:
+) -> Identification:
     """Return base parameters, errors with and without consistency, and undetermined parameters."""
     motions = candidate_motions(len(estimate.noise), SPEED, ACCELERATION)
     candidates = {
@@ -85,38 +84,31 @@ def identification_summary(
     excitation = check_excitation(
         data, base, estimate.width, np.full_like(estimate.noise, RESOLUTION), candidates
     )
-    return {
-        "noise": estimate.noise,
-        "parameters": parameter_rows(base, estimate, parameters),
-        "mae": {
+    return Identification(
+        noise=estimate.noise,
+        parameters=[*base_values(base, estimate, parameters)],
+        mae={
             "without constraint": torque_error(blocks, estimate.parameters),
             "consistent": torque_error(blocks, parameters),
         },
-        "smallest_eigenvalues": {
+        smallest_eigenvalues={
             "without constraint": smallest_eigenvalues(estimate.parameters),
             "consistent": smallest_eigenvalues(parameters),
         },
-        "excitation": asdict(excitation),
-    }
+        excitation=excitation,
+    )
 
 
-def parameter_rows(
+def base_values(
     base: BaseParameters, estimate: Estimate, parameters: Array
-) -> list[dict[str, Any]]:
-    """Return each base parameter: the sum it stands for, its value and standard error, and whether
-    the data determine it.
-
-    weights: (P,), of the arm's parameters π in that sum.
-    """
-    return [
-        {"parameter": name, "value": value, "std_error": std, "determined": bool(known)}
-        | {"weights": weights}
-        for name, weights, value, std, known in zip(
-            base.names(),
-            base.groups,
-            base.groups @ parameters,
-            estimate.standard_errors(base.groups),
-            estimate.determined(base.groups),
-            strict=True,
-        )
-    ]
+) -> Iterator[BaseParameter]:
+    """Yield the base parameters of an arm's parameters π (P,)."""
+    columns = (
+        base.names(),
+        base.groups @ parameters,
+        estimate.standard_errors(base.groups),
+        estimate.determined(base.groups),
+        base.groups,
+    )
+    for name, value, std, known, weights in zip(*columns, strict=True):
+        yield BaseParameter(name, value, std, bool(known), weights)

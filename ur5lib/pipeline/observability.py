@@ -1,13 +1,12 @@
-"""What an arm's contact-free recordings let one observe, as observability.json.
+"""What an arm's contact-free recordings let one observe.
 
 The smallest push that F̂ᵐᵃᵖ detects, by the flange's speed; and the velocities of each joint at
 which its friction is predicted within its band.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,8 +18,10 @@ from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import STEP
 from ur5lib.identification.validation import share_by_speed
 from ur5lib.pipeline.force_estimates import Problem
+from ur5lib.pipeline.records.contacts import SmallestPush
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.observability import Observability, Predicted, Share
 from ur5lib.timeseries.arrays import Array
 
 FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests
@@ -79,41 +80,39 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
     return Judged(np.abs(qd[known]), np.where(np.isnan(half), np.nan, error <= half))
 
 
-def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> dict[str, Any]:
+def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Observability:
     """Return smallest pushes by speed, and by joint the shares by speed and where they suffice."""
-    summary: dict[str, Any] = {"pushes": [], "axes": [], "shares": [], "predicted": []}
+    found = Observability()
     if trials:
         together = Trials.joined([*trials])
-        summary["pushes"] = [*by_flange_speed(together)]
-        summary["axes"] = [*by_axis(together)]
+        found.pushes.extend(by_flange_speed(together))
+        found.axes.extend(by_axis(together))
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
         for joint in range(6):
             known = np.isfinite(inside[:, joint])
-            found = share_by_speed(speed[known, joint], inside[known, joint] > 0)
-            summary["shares"] += [{"joint": joint + 1} | row for row in found.rows()]
-            low, high = found.suffices()
-            summary["predicted"].append({"joint": joint + 1, "speed_low": low, "speed_high": high})
-    return summary
+            shares = share_by_speed(speed[known, joint], inside[known, joint] > 0)
+            found.shares.extend(Share(joint + 1, **row) for row in shares.rows())
+            found.predicted.append(Predicted(joint + 1, *shares.suffices()))
+    return found
 
 
-def by_flange_speed(trials: Trials) -> Iterator[Mapping[str, Any]]:
+def by_flange_speed(trials: Trials) -> Iterator[SmallestPush]:
     """Yield the smallest push that is detected in 95 of 100 cases, by speed of the flange."""
     for low, high in pairwise(FLANGE_SPEEDS):
-        yield from limit(trials.within(low, high), speed_low=low, speed_high=high)
+        yield from limit(trials.within(low, high), low, high)
 
 
-def by_axis(trials: Trials) -> Iterator[Mapping[str, Any]]:
+def by_axis(trials: Trials) -> Iterator[SmallestPush]:
     """Yield the same along x, y and z, at rest and in motion."""
     for low, high in pairwise((*FLANGE_SPEEDS[:2], np.inf)):
         for axis, name in enumerate("xyz"):
-            part = trials.within(low, high).along(axis)
-            yield from limit(part, axis=name, speed_low=low, speed_high=high)
+            yield from limit(trials.within(low, high).along(axis), low, high, name)
 
 
-def limit(trials: Trials, **about: Any) -> Iterator[Mapping[str, Any]]:
-    """Yield the smallest push that is detected, with its standard error, if trials suffice."""
+def limit(trials: Trials, low: float, high: float, axis: str = "") -> Iterator[SmallestPush]:
+    """Yield the smallest push that is detected between two speeds, if trials suffice."""
     tried, found = len(trials.found), int(trials.found.sum())
     if tried >= FEWEST_TRIALS:
-        smallest = asdict(smallest_force(trials.force, trials.found))
-        yield about | {"tried": tried, "found": found} | smallest
+        smallest = smallest_force(trials.force, trials.found)
+        yield SmallestPush(low, high, tried, found, smallest.force, smallest.std, axis)

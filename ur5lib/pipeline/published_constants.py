@@ -1,12 +1,12 @@
 """The thesis's torque constants and offsets (Equations 6.5, 6.6), rebuilt from a recording."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
+from ur5lib.pipeline.records.torques import PublishedConstants, Torques
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import BLOCK
@@ -49,18 +49,17 @@ def current_torque(robot: Robot, signals: Signals, torques: Torques) -> CurrentT
     )
 
 
-def published_constants(samples: CurrentTorque | None) -> dict[str, Any]:
+def published_constants(samples: CurrentTorque | None) -> PublishedConstants:
     """Return the lines of Equation 6.5 in both directions of regression; empty without samples."""
     if samples is None:
-        return {}
+        return PublishedConstants()
     current, total, block = samples.current, samples.total, samples.block
-    lines = {name: line(current, total, block)._asdict() for name, line in LINES.items()}
-    return {
-        "lines": lines,
-        "mean_torque": total.mean(axis=0),
-        "correlation": _correlation(current, total),
-        "correlation_without_friction": _correlation(current, samples.rigid),
-    }
+    return PublishedConstants(
+        lines={name: line(current, total, block) for name, line in LINES.items()},
+        mean_torque=total.mean(axis=0),
+        correlation=_correlation(current, total),
+        correlation_without_friction=_correlation(current, samples.rigid),
+    )
 
 
 def _correlation(x: Array, y: Array) -> Array:

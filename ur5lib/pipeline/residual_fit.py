@@ -1,8 +1,7 @@
 """Residual models of the external torque without contact."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,8 +16,8 @@ from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.force_input import force_input
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import unbroken
 
@@ -31,20 +30,19 @@ REST = 10.0  # s, below which hardly anything shows what friction holds at rest
 DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 
-def residual_summary(
-    recordings: Sequence[tuple[Currents, Motion]], friction: Mapping[str, Any], cutoff: float
+def residual_models(
+    recordings: Sequence[tuple[Currents, Motion]], friction: Friction, cutoff: float
 ) -> Residuals:
     """Return the residual model of each external torque, or the reason why there is none.
 
-    recordings: those to fit, without contact, predicted by fits without their own path; friction:
-    friction.json; cutoff: of the torques [Hz].
+    recordings: those to fit, without contact, predicted by fits without their own path;
+    cutoff: of the torques [Hz].
     """
-    explained = friction["explained"]  # by fits to other paths, None where there is one path
-    if explained is not None:
-        unknown = np.flatnonzero(~(np.array(explained, float) > 0)) + 1
+    if friction.explained is not None:
+        unknown = np.flatnonzero(~(friction.explained > 0)) + 1
         if 6 - len(unknown) < DIRECTIONS:
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
-    fit, paths = as_record(CurrentFit, friction["fit"]), friction["paths"]
+    fit, paths = friction.fit, friction.paths
     models, refused = dict[str, ResidualModel](), None
     for name, (field, states_of) in TORQUES.items():
         inputs = [
@@ -99,7 +97,7 @@ def with_trials(
 ) -> Residuals:
     """Return residual models with the size up to which contacts are missed, `missed_to`.
 
-    residuals: of `residual_summary`; recordings: those of the fit, with their Jacobians
+    residuals: of `residual_models`; recordings: those of the fit, with their Jacobians
     (M, 6, 6), at `used_rows`. Each model counts the size in its own deviations; the trials are
     those of the external torque.
     """

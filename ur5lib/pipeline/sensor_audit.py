@@ -1,7 +1,6 @@
 """What is wrong with the force sensor in an arm's wrist, and with its controller's force."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 from scipy import stats
@@ -14,6 +13,8 @@ from ur5lib.force.sensor_audit import (
     fit_sensor_errors,
     shifts_after_contacts,
 )
+from ur5lib.identification.payload import JudgedLoad
+from ur5lib.pipeline.records.forces import Audit, AuditRow
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -21,8 +22,6 @@ from ur5lib.pipeline.records.table import WRENCH
 from ur5lib.pipeline.sensor_reading import in_frame_6, moved_tool, within_reach
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.timeseries.arrays import Array
-
-Row = dict[str, object]
 
 ROUNDS = 3  # of the tool's centre of mass, where its acceleration counts
 PAYLOAD = 0.15  # error of the scale beyond which the declared payload is wrong, not the sensor
@@ -43,13 +42,13 @@ def audit(
     kinematics: Kinematics,
     motion: Motion,
     tool: Payload | None,
-    currents: Mapping[str, Any] | None,
-) -> dict[str, Any]:
+    currents: JudgedLoad | None,
+) -> Audit:
     """Return what can be said of the sensor, a row a value; tool: on the flange, as declared.
 
     currents: the load that the motor currents show beside the tool, None where they show none.
     """
-    free, rows = 0.0, list[Row]()
+    free, rows = 0.0, list[AuditRow]()
     if signals.ft_raw_wrench is not None:
         reading, sensed = _explained(robot, signals, kinematics, motion, tool)
         free = reading.seconds
@@ -63,7 +62,7 @@ def audit(
             rows += _controller_rows(*found)
     if currents:
         rows += [_current_row(currents)]
-    return {"free_s": free, "rows": rows if free >= FEW else []}
+    return Audit(free, rows if free >= FEW else [])
 
 
 def _explained(
@@ -99,7 +98,7 @@ def _left_by_controller(
     return reading, fit_sensor_errors(reading, None)
 
 
-def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[Row]:
+def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[AuditRow]:
     """Yield the rotation vector from frame 6 to the sensor's axes; declared: (3,) [°]."""
     left = Rotation.from_rotvec(sensed.turn)  # of the reading, turned by what is declared
     turn = (left * Rotation.from_rotvec(declared, degrees=True)).as_rotvec(degrees=True)
@@ -108,7 +107,9 @@ def _turn_rows(sensed: SensorErrors, declared: Array) -> Iterator[Row]:
         yield row("turn", axis, value, error, "°", wanted, DEGREES)
 
 
-def _sensor_rows(reading: FreeReading, sensed: SensorErrors, tool: Payload | None) -> Iterator[Row]:
+def _sensor_rows(
+    reading: FreeReading, sensed: SensorErrors, tool: Payload | None
+) -> Iterator[AuditRow]:
     """Yield bias, drift and scale of the sensor, and the tool that it carries."""
     bias_std, drift_std = reading.std()
     yield from _wrench_rows("bias", reading.bias, bias_std)
@@ -129,7 +130,7 @@ def _sensor_rows(reading: FreeReading, sensed: SensorErrors, tool: Payload | Non
         yield row("center_of_mass", axis, value, std, "m", place, METRES)
 
 
-def _shift_rows(reading: FreeReading, time: Array) -> Iterator[Row]:
+def _shift_rows(reading: FreeReading, time: Array) -> Iterator[AuditRow]:
     """Yield the mean shift of the reading by a contact, where there were two or more."""
     shifts = shifts_after_contacts(reading, time)
     if len(shifts) > 1:
@@ -138,16 +139,16 @@ def _shift_rows(reading: FreeReading, time: Array) -> Iterator[Row]:
         yield from _wrench_rows("shift", shifts.mean(axis=0), student * error, FORCES)
 
 
-def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[Row]:
+def _controller_rows(reading: FreeReading, left: SensorErrors) -> Iterator[AuditRow]:
     """Yield the zero of the controller's force, and the weight that it still contains."""
     yield from _wrench_rows("zero", reading.bias, reading.std()[0], ZERO)
     yield row("left_mass", "", left.mass, left.mass_std, "kg", 0.0, KILOGRAMS)
 
 
-def _current_row(load: Mapping[str, Any]) -> Row:
+def _current_row(load: JudgedLoad) -> AuditRow:
     """Return the mass on the flange by the motor currents, beside the one that was declared."""
-    declared, error = load["configured"], load["std_error"]
-    return row("mass_by_currents", "", load["carried"], error, "kg", declared, 0.0)
+    known = load.carried, load.std_error, "kg", load.configured
+    return row("mass_by_currents", "", *known, 0.0)
 
 
 def _wrench_rows(
@@ -156,7 +157,7 @@ def _wrench_rows(
     errors: Array,
     limits: Array | None = None,
     per: str = "",
-) -> Iterator[Row]:
+) -> Iterator[AuditRow]:
     wanted = None if limits is None else 0.0
     allowed = [None] * 6 if limits is None else limits
     for name, value, std, unit, limit in zip(WRENCH, values, errors, UNITS, allowed, strict=True):
@@ -171,7 +172,7 @@ def row(
     unit: str,
     expected: float | None,
     limit: float | None,
-) -> Row:
+) -> AuditRow:
     """Return a value with its 95 % interval and the verdict on it.
 
     limit: the error that matters. unknown: the interval is wider than that; wrong: the value is
@@ -183,14 +184,5 @@ def row(
         verdict = "wrong" if off > max(half, limit) else "right"
         if verdict == "right" and limit and not half <= limit:
             verdict = "unknown"
-    return {
-        "quantity": quantity,
-        "component": component,
-        "value": float(value),
-        "std_error": float(std),
-        "low": float(value - half),
-        "high": float(value + half),
-        "unit": unit,
-        "expected": expected,
-        "verdict": verdict,
-    }
+    numbers = float(value), float(std), float(value - half), float(value + half)
+    return AuditRow(quantity, component, *numbers, unit, expected, verdict)

@@ -6,7 +6,7 @@ from ur5lib.force.sensor import fit_offset
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.sensor_reference import SensorReading
+from ur5lib.pipeline.sensor_comparison import SensorReading
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
 from ur5lib.timeseries.arrays import Array

@@ -1,13 +1,10 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
-from collections.abc import Mapping
-from dataclasses import asdict
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from ur5lib.pipeline.records.motion import Motion, MotionNoise
+from ur5lib.pipeline.records.motion import Motion, MotionAccount, MotionNoise
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.signals.noise import EncoderNoise
 from ur5lib.signals.smoothing import KnownJoints, SmoothedJoints, SmoothedMotion
@@ -45,13 +42,13 @@ def motion_noise(signals: Signals, motion: SmoothedJoints) -> MotionNoise:
     return MotionNoise(time=signals.time[rows], segment=signals.segment[rows], **noise)
 
 
-def known_joints(motion: Motion, noise: MotionNoise, account: Mapping[str, Any]) -> KnownJoints:
+def known_joints(motion: Motion, noise: MotionNoise, account: MotionAccount) -> KnownJoints:
     """Return what `smooth_encoders` found; account: that of `motion_account`."""
     state, std = (
         np.hstack([getattr(motion, name + kind) for name in STATES]) for kind in ("", "_std")
     )
     local = {name: getattr(noise, name) for name in LOCAL_NOISE}
-    lasting = {name: np.array(account["noise"][name]) for name in ("frequency", "damping", "lag")}
+    lasting = {name: account.noise[name] for name in ("frequency", "damping", "lag")}
     return KnownJoints(state, std, noise.shared, EncoderNoise(**local, **lasting))
 
 
@@ -62,11 +59,11 @@ def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Ar
     return values | {"motor_qd": motion.motor_qd}
 
 
-def motion_account(motion: SmoothedMotion) -> dict[str, Any]:
+def motion_account(motion: SmoothedMotion) -> MotionAccount:
     """Return the estimated noise and the tests of the innovations."""
     noise = dict(vars(motion.encoders))
     for name in LOCAL_NOISE:
         noise[name] = np.quantile(noise[name], [0.1, 0.5, 0.9], axis=0)
     if motion.imu is not None:
         noise["imu"] = np.nanmedian(motion.imu, axis=0)
-    return {"noise": noise, "innovations": asdict(motion.test)}
+    return MotionAccount(noise, motion.test)

@@ -1,7 +1,6 @@
 """The links on which the contacts of a recording may be, by the external torque."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.gate import Noise
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.pipeline.records.contacts import Alarm, TouchedLinks
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
 
@@ -22,20 +22,18 @@ def located(
     time: Array,
     model: ResidualModel,
     prior: ContactPrior,
-    raised: list[Mapping[str, Any]],
-) -> list[dict[str, Any]]:
-    """Return start [s] and probability of each link 1 to 6 (6,) of the contacts among alarms.
+    raised: list[Alarm],
+) -> Iterator[TouchedLinks]:
+    """Yield the probabilities of the links for each contact among alarms.
 
-    run: (N, 6); time: (N,) [s]; raised: alarms of F̂ᵐᵃᵖ, as in detection.json; without those that
-    are loads, and those in which no torque is known.
+    run: (N, 6); time: (N,) [s]; raised: alarms of F̂ᵐᵃᵖ; without those that are loads, and those in
+    which no torque is known.
     """
-    found = []
     for alarm in raised:
-        rows = middle_half(run, time, alarm["start"], alarm["end"])
-        if alarm["kind"] == "contact" and len(rows):
+        rows = middle_half(run, time, alarm.start, alarm.end)
+        if alarm.kind == "contact" and len(rows):
             links = probabilities(robot, run, model, prior, rows)
-            found.append({"start": alarm["start"], "links": [*links.values()]})
-    return found
+            yield TouchedLinks(alarm.start, [*links.values()])
 
 
 def middle_half(run: ForceInput, time: Array, start: float, end: float) -> Labels:

@@ -1,51 +1,48 @@
 """The simulated truth of an arm, with which its estimates are compared."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from ur5lib.dynamics.flange import point_acceleration
 from ur5lib.dynamics.link_model import LinkModel
-from ur5lib.pipeline.records.truth import Truth
-from ur5lib.robots.description import Payload, Robot
+from ur5lib.pipeline.records.truth import TrueParameters, Truth
+from ur5lib.robots.description import Robot
+from ur5lib.tables import json_text
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import Butterworth, inner_lowpass
 from ur5lib.timeseries.segments import by_segment, period
 
-Truths = Mapping[str, Any]  # truth.json by recording
+Truths = Mapping[str, TrueParameters]  # by recording
+Part = TypeVar("Part")
 
 
-def shared(truths: Truths, recordings: list[str], part: Callable[[Any], Any]) -> Any:
+def shared(
+    truths: Truths, recordings: Collection[str], part: Callable[[TrueParameters], Part]
+) -> Part | None:
     """Return a part of the truth that recordings have in common, None where they have not."""
     if not recordings or not set(recordings) <= set(truths):
         return None
     parts = [part(truths[name]) for name in recordings]
-    return parts[0] if all(np.array_equal(one, parts[0]) for one in parts) else None
+    return parts[0] if all(json_text(one) == json_text(parts[0]) for one in parts) else None
 
 
-def true_friction(truth: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the torque constants and the friction that were simulated."""
-    constant = truth["drive"]["torque_constant"]
-    return {"drive": {"torque_constant": constant}, "friction": truth["friction"]}
-
-
-def true_robot(robot: Robot, truth: Mapping[str, Any]) -> Robot:
+def true_robot(robot: Robot, truth: TrueParameters) -> Robot:
     """Return the arm as simulated: with its gravity and its payload."""
-    for name in ("payload", "undeclared_payload"):
-        payload = truth["plan"][name]
-        robot = robot.carrying(payload and Payload.model_validate(payload))
-    return robot.mounted(truth["gravity"])
+    for payload in (truth.plan.payload, truth.plan.undeclared_payload):
+        robot = robot.carrying(payload)
+    return robot.mounted(truth.gravity)
 
 
-def true_rotors(robot: Robot, truth: Mapping[str, Any]) -> Any:
+def true_rotors(robot: Robot, truth: TrueParameters) -> Sequence[float]:
     """Return the simulated rotor inertias (6,) [kg m²]."""
-    return robot.models[truth["model"]].rotor_inertias
+    return robot.models[truth.model].rotor_inertias or (0.0,) * 6
 
 
-def true_parameters(robot: Robot, truth: Mapping[str, Any]) -> Array:
+def true_parameters(robot: Robot, truth: TrueParameters) -> Array:
     """Return π (66,) of the simulated model, without a payload: the controller's is known."""
-    return LinkModel(robot, truth["model"]).parameters
+    return LinkModel(robot, truth.model).parameters
 
 
 def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butterworth) -> Array:
@@ -56,7 +53,7 @@ def true_acceleration(robot: Robot, true: Truth, segment: Labels, design: Butter
     return by_segment(lambda x: inner_lowpass(x, rate, *design), exact, segment)
 
 
-def rigid_torques(robot: Robot, truth: Mapping[str, Any], true: Truth) -> dict[str, Array]:
+def rigid_torques(robot: Robot, truth: TrueParameters, true: Truth) -> dict[str, Array]:
     """Return models' torques (N, 6) [Nm] at the true motion, with the arm's payload."""
     carrying = true_robot(robot, truth)
     return {

@@ -2,8 +2,7 @@
 
 import re
 import warnings
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import pandas as pd
 
@@ -13,7 +12,7 @@ from ur5lib.recordings.derived import with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, Quality
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
@@ -29,12 +28,12 @@ warnings.filterwarnings(
 class Intake:
     """The data of a recording, and the findings about it.
 
-    robot: on a uniform time grid; sensors: each on its own clock; quality: as in quality.json.
+    robot: on a uniform time grid; sensors: each on its own clock.
     """
 
     robot: pd.DataFrame
     sensors: dict[Device, pd.DataFrame]
-    quality: dict[str, Any]
+    quality: Quality
 
 
 def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
@@ -62,22 +61,19 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
         findings += _check_sensor(device, record.table, arm)
-    quality = {
-        "rows": rows,
-        "frames": len(robot),
-        "duration_s": float(robot["time"].iloc[-1] - robot["time"].iloc[0]),
-        "period_s": timing.period,
-        "longest_step_s": timing.longest_step,
-        "jitter_s": {"median": timing.jitter_median, "99 %": timing.jitter_99},
-        "start_epoch_s": start.seconds if start and start.since == "epoch_s" else None,
-        "devices": ["robot", *placed],
-        "starts": {
-            device: {name: part for name, part in asdict(offset).items() if part is not None}
-            for device, (_, offset) in placed.items()
-        },
-        "files": files,
-        "findings": [finding.as_row() for finding in findings],
-    }
+    quality = Quality(
+        rows=rows,
+        frames=len(robot),
+        duration_s=float(robot["time"].iloc[-1] - robot["time"].iloc[0]),
+        period_s=timing.period,
+        longest_step_s=timing.longest_step,
+        jitter_s={"median": timing.jitter_median, "99 %": timing.jitter_99},
+        start_epoch_s=start.seconds if start and start.since == "epoch_s" else None,
+        devices=["robot", *placed],
+        starts={device: offset for device, (_, offset) in placed.items()},
+        files=files,
+        findings=findings,
+    )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 
 

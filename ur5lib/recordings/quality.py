@@ -1,11 +1,12 @@
 """Findings about the quality of a recording."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, SupportsInt, TypeVar
 
 from ur5lib.errors import InputError
+from ur5lib.timeseries.arrays import Float
 
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
@@ -30,9 +31,52 @@ class Finding:
     values: Mapping[str, object] = field(default_factory=dict)
     code: str = ""
 
-    def as_row(self) -> dict[str, object]:
-        """Return the finding as a row of the quality table."""
-        return asdict(self)
+
+@dataclass(frozen=True)
+class StartOffset:
+    """How much later a device's clock started than the robot's, by the start stamps [s].
+
+    drift_std: of a device whose samples the robot's host stamped, None for others.
+    """
+
+    seconds: float
+    std: float
+    drift_std: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quality:
+    """quality.json: the size and timing of a recording, its files and what is wrong with them.
+
+    rows: that were read; frames: after the repair; jitter_s: of the time stamps, "median" and
+    "99 %"; start_epoch_s: when the robot's clock read zero, since 1970; starts: of the other
+    devices; files: SHA-256 of the devices' files, read: of all files, by their path.
+    """
+
+    rows: int = 0
+    frames: int = 0
+    duration_s: float = 0.0
+    period_s: Float = float("nan")
+    longest_step_s: Float = float("nan")
+    jitter_s: dict[str, Float] = field(default_factory=dict)
+    start_epoch_s: float | None = None
+    devices: list[Device] = field(default_factory=list)
+    starts: dict[Device, StartOffset] = field(default_factory=dict)
+    files: dict[Device, str] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+    read: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Contradictions:
+    """contradictions.json: what in a recording contradicts the study, and doubts about it.
+
+    stop_signs: contradictions with which no forces may be stated; findings: about its payload and
+    its tool.
+    """
+
+    stop_signs: list[Finding] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

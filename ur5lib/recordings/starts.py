@@ -1,9 +1,7 @@
 """Sensors of a recording: how much of it each recorded, and when its clock started."""
 
-from dataclasses import dataclass
-
 from ur5lib.recordings.plausibility import stray_times
-from ur5lib.recordings.quality import Device, Finding
+from ur5lib.recordings.quality import Device, Finding, StartOffset
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 
 TOLERANCE = 2.0  # s that a device may lack at the start and the end together
@@ -41,18 +39,6 @@ def robot_coverage(robot: Span, sensors: Span) -> list[Finding]:
         return []
     values = {"covered_s": covered, "whole_s": total}
     return [Finding("robot", FINDING, "warning", 1, values, "robot missing")]
-
-
-@dataclass(frozen=True)
-class StartOffset:
-    """How much later a device's clock started than the robot's, by the start stamps [s].
-
-    drift_std: as in Stamp.
-    """
-
-    seconds: float
-    std: float
-    drift_std: float | None
 
 
 def place_sensors(

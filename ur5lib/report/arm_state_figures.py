@@ -12,6 +12,9 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
+from ur5lib.pipeline.records.contacts import SmallestPush
+from ur5lib.pipeline.records.health import Condition, JointChange
+from ur5lib.pipeline.records.observability import Share
 from ur5lib.report.cells import flange_speeds
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, SHADE, WIDTH, Drawing, nothing_to_draw
 from ur5lib.timeseries.metrics import NORMAL95
@@ -30,8 +33,8 @@ SLOWEST = 0.003  # rad/s, where the axis of speeds begins
 PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
-def health_figure(dates: Sequence[Any], changes: Sequence[Any]) -> Drawing:
-    """Draw a row of panels per quantity, a column per joint; rows of health.json."""
+def health_figure(dates: Sequence[Condition], changes: Sequence[JointChange]) -> Drawing:
+    """Draw a row of panels per quantity, a column per joint."""
     rows = _with_temperatures(pd.DataFrame(dates))
     if rows.empty:
         return nothing_to_draw()
@@ -42,7 +45,7 @@ def health_figure(dates: Sequence[Any], changes: Sequence[Any]) -> Drawing:
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
                 for change in changes:
-                    if (change["quantity"], change["joint"]) == (quantity, joint):
+                    if (change.quantity, change.joint) == (quantity, joint):
                         _mark(axis, change)
             row[0].set_ylabel(PANELS[quantity].replace(" [", "\n["), fontsize=6.5)
         _label(figure, len(shown))
@@ -77,13 +80,13 @@ def _place(day: str) -> float:
     return float(date2num(date.fromisoformat(day)))
 
 
-def _mark(axis: Axes, change: Any) -> None:
+def _mark(axis: Axes, change: JointChange) -> None:
     """Draw a change: the time of a jump shaded, its size in words."""
-    style = SHADE if change["kind"] == "jump" else PALE
-    axis.axvspan(_place(change["first"]), _place(change["last"]), **style)
-    size = change["size"] / change["before"]
-    text = f"{100 * size:+.0f} %" if change["quantity"] != "offset" else f"{change['size']:+.2g}"
-    rises = change["size"] > 0  # then the corner above the first dates is free
+    style = SHADE if change.kind == "jump" else PALE
+    axis.axvspan(_place(change.first), _place(change.last), **style)
+    size = change.size / change.before
+    text = f"{100 * size:+.0f} %" if change.quantity != "offset" else f"{change.size:+.2g}"
+    rises = change.size > 0  # then the corner above the first dates is free
     place: Any = {"x": 0.05 if rises else 0.95, "ha": "left" if rises else "right"}
     axis.text(y=0.97, s=text.replace("-", "−"), va="top", transform=axis.transAxes, **place)
 
@@ -100,12 +103,13 @@ def _label(figure: Figure, count: int) -> None:
 
 
 def observability_figure(
-    pushes: Sequence[Any], shares: Sequence[Any], wanted: float, most: float
+    pushes: Sequence[SmallestPush], shares: Sequence[Share], wanted: float, most: float
 ) -> Drawing:
-    """Draw smallest pushes with their 95 % intervals, and shares within the band; rows of
-    observability.json. wanted: share that suffices; most: largest push that was tried [N].
+    """Draw smallest pushes with their 95 % intervals, and shares within the band.
+
+    wanted: share that suffices; most: largest push that was tried [N].
     """
-    felt, held = pd.DataFrame(pushes), pd.DataFrame(shares)
+    felt, held = pd.DataFrame(pushes).drop(columns="axis", errors="ignore"), pd.DataFrame(shares)
     if felt.empty and held.empty:
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):

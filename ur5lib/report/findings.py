@@ -1,6 +1,7 @@
 """Findings about recordings and remarks of steps: their sentences, and findings of one kind."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from string import Formatter
@@ -8,7 +9,8 @@ from typing import Any
 
 import pandas as pd
 
-from ur5lib.errors import printable
+from ur5lib.errors import Remark, printable
+from ur5lib.recordings.quality import Finding
 from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
@@ -43,7 +45,7 @@ class Words(Formatter):
         if value is None:
             return "unknown"
         if isinstance(value, Mapping):
-            return in_words(value)
+            return sentence(value["code"], value["values"])
         if not isinstance(value, list | tuple):
             return str(super().format_field(value, format_spec))
         if all(isinstance(one, Mapping) for one in value):
@@ -62,12 +64,13 @@ def sentence(code: str, values: Mapping[str, Any]) -> str:
     return printable(Words().vformat(templates()[code], (), values))
 
 
-def in_words(remark: Mapping[str, Any]) -> str:
-    """Return the sentence of a remark, as read from JSON."""
-    return sentence(remark["code"], remark["values"])
+def in_words(remark: Remark) -> str:
+    """Return the sentence of a remark."""
+    return sentence(**asdict(remark))
 
 
-def worded(finding: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of quality.json whose code and values are replaced by the sentence `detail`."""
-    row = {name: value for name, value in finding.items() if name not in ("code", "values")}
-    return row | {"detail": sentence(finding["code"] or finding["finding"], finding["values"])}
+def worded(finding: Finding) -> dict[str, Any]:
+    """Return a finding as a row whose code and values are replaced by the sentence `detail`."""
+    row = asdict(finding)
+    code, values = row.pop("code"), row.pop("values")
+    return row | {"detail": sentence(code or finding.finding, values)}

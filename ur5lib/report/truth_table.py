@@ -8,9 +8,14 @@ from scipy.stats import norm, t
 
 from ur5lib.pipeline.records.accelerations import Accelerations
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.table import WRENCH
-from ur5lib.pipeline.records.truth import Truth
+from ur5lib.pipeline.records.truth import TrueDrive, TrueParameters, Truth
+from ur5lib.signals.clock import SettledClock
+from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, mean_absolute_error
 
@@ -38,13 +43,13 @@ def values(
 ) -> Iterator[Row]:
     """Yield a row for each estimated value, with whether its 95 % interval contains the truth.
 
-    index: joints, axes or a device; truth, estimate, std: as many numbers, estimate None where
+    index: joints, axes or a device; truth, estimate, std: as many numbers, estimate NaN where
     there is none (a joint that did not move), std NaN where not stated; freedom: degrees of freedom
     of the standard errors.
     """
     half_width = t.ppf(0.975, freedom) * np.asarray(std, dtype=np.float64)
     for name, true, value, error, half in zip(index, truth, estimate, std, half_width, strict=True):
-        if value is None:
+        if np.isnan(value):
             continue
         stated = np.isfinite(half)
         inside = abs(value - true) <= half
@@ -77,22 +82,19 @@ def shares(quantity: str, index: Sequence[object], stated: float, inside: Array)
         yield row | {"truth": stated, "estimate": share}
 
 
-def clock_rows(clocks: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
-    """Yield offset [s] and drift [ppm] of each device, from clocks.json and the truth.
+def clock_rows(clocks: Mapping[str, SettledClock], truth: TrueParameters) -> Iterator[Row]:
+    """Yield offset [s] and drift [ppm] of each device.
 
     Sensors that were aligned by the host's stamps use the robot's clock: their drift has no truth.
     """
     for device, clock in clocks.items():
-        true = truth["clocks"][device]
-        for quantity, unit, scale, key in (
-            ("offset", "s", 1.0, "offset_s"),
-            ("drift", "ppm", 1e6, "drift_ppm"),
-        ):
-            if clock[quantity] is not None and key in true:
-                number, std = scale * clock[quantity], scale * clock[f"{quantity}_std"]
-                numbers = [true[key]], [number], [std]
-                for row in values(f"clock_{quantity}", [device], unit, *numbers):
-                    yield row | {"method": clock["method"]}
+        true, drift_std = truth.clocks[device], clock.drift_std or 0.0
+        numbers = [true["offset_s"]], [clock.offset], [clock.offset_std]
+        rows = [*values("clock_offset", [device], "s", *numbers)]
+        if clock.drift is not None and "drift_ppm" in true:
+            numbers = [true["drift_ppm"]], [1e6 * clock.drift], [1e6 * drift_std]
+            rows += values("clock_drift", [device], "ppm", *numbers)
+        yield from (row | {"method": clock.method} for row in rows)
 
 
 def joint_acceleration_rows(motions: Mapping[str, Motion], truth: Truth) -> Iterator[Row]:
@@ -134,50 +136,49 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
         yield from (row | {"method": method} for row in rows)
 
 
-def rotor_rows(rotors: Mapping[str, Any], truth: Sequence[float]) -> Iterator[Row]:
-    """Yield rotor inertias, from rotor_inertia.json; truth: (6,) [kg m²].
+def rotor_rows(rotors: Rotors, truth: Sequence[float]) -> Iterator[Row]:
+    """Yield rotor inertias; truth: (6,) [kg m²].
 
     Their standard errors are a jackknife over recordings, or over parts of the only one.
     """
-    value, std = (rotors[part]["inertia"] for part in ("value", "std_error"))
-    freedom = len(rotors["from"]) - 1 or PARTS - 1
-    yield from values("rotor_inertia", JOINTS, "kg m2", truth, value, std, freedom)
+    if rotors.value is not None and rotors.std_error is not None:
+        known = truth, rotors.value.inertia, rotors.std_error.inertia
+        freedom = len(rotors.from_) - 1 or PARTS - 1
+        yield from values("rotor_inertia", JOINTS, "kg m2", *known, freedom)
 
 
-def imu_rows(calibration: Mapping[str, Any], imu: Mapping[str, Any]) -> Iterator[Row]:
+def imu_rows(calibration: ImuCalibration, imu: Imu) -> Iterator[Row]:
     """Yield mounting, tilt of the base, gyroscope bias and place of the IMU.
 
-    calibration: of imu.json, "all"; imu: of the plan. The simulated place is the described one.
+    imu: as simulated, at the described place.
     """
     for name, unit, truth in (
-        ("mounting", "rad", np.deg2rad(imu["mounting_deg"])),
+        ("mounting", "rad", np.deg2rad(imu.mounting_deg)),
         ("tilt", "rad", np.zeros(2)),
-        ("gyroscope_bias", "rad/s", imu["gyroscope_bias"]),
-        ("place", "m", calibration["described"]),
+        ("gyroscope_bias", "rad/s", imu.gyroscope_bias),
+        ("place", "m", calibration.described),
     ):
         axes = AXES[: len(truth)]
-        found, std = calibration[name], calibration[f"{name}_std"]
+        found, std = getattr(calibration, name), getattr(calibration, f"{name}_std")
         yield from values(f"imu_{name}", axes, unit, truth, found, std)
 
 
-def parameter_rows(identification: Mapping[str, Any], truth: Array) -> Iterator[Row]:
-    """Yield base parameters that the data determine, from identification.json; truth: π (P,)."""
-    for row in identification.get("parameters", []):
-        if row["determined"]:
-            true = [float(np.array(row["weights"]) @ truth)]
-            numbers = [row["value"]], [row["std_error"]]
-            yield from values("base_parameter", [row["parameter"]], "", true, *numbers)
+def parameter_rows(identification: Identification, truth: Array) -> Iterator[Row]:
+    """Yield base parameters that the data determine; truth: π (P,)."""
+    for row in identification.parameters:
+        if row.determined:
+            numbers = [float(row.weights @ truth)], [row.value], [row.std_error]
+            yield from values("base_parameter", [row.parameter], "", *numbers)
 
 
-def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iterator[Row]:
-    """Yield torque constants and friction, from friction.json's "parameters" and truth.json.
+def friction_rows(friction: Friction, drive: TrueDrive, true: Mapping[str, Array]) -> Iterator[Row]:
+    """Yield torque constants and friction; true: as simulated, by name.
 
     within95 uses the reported intervals, which are wider than normal ones for few recordings.
     Fitted terms that the stand's friction does not have are left out.
     """
-    drive, true = truth["drive"], {k: np.array(v) for k, v in truth["friction"].items()}
     truths = {
-        "torque_constant": ("Nm/A", drive["torque_constant"]),
+        "torque_constant": ("Nm/A", drive.torque_constant),
         "offset": ("Nm", np.zeros(6)),
         "coulomb": ("Nm", true["coulomb"]),
         "viscous": ("Nm s/rad", true["viscous"]),
@@ -187,13 +188,13 @@ def friction_rows(friction: Mapping[str, Any], truth: Mapping[str, Any]) -> Iter
         "warming_coulomb": ("Nm/K", true["coulomb"] * true["coulomb_warming"]),
         "warming_viscous": ("Nm s/rad/K", true["viscous"] * true["viscous_warming"]),
     }
-    for row in friction.get("parameters", []):
-        if row["name"] in truths:
-            unit, of_joints = truths[row["name"]]
-            true, (low, high) = of_joints[row["joint"] - 1], row["interval"]
-            numbers = [true], [row["value"]], [row["std_error"]]
-            inside = "yes" if low <= true <= high else "no"
-            for compared in values(row["name"], [row["joint"]], unit, *numbers):
+    for row in friction.parameters:
+        if row.name in truths:
+            unit, of_joints = truths[row.name]
+            value, (low, high) = float(of_joints[row.joint - 1]), row.interval
+            inside = "yes" if low <= value <= high else "no"
+            numbers = [value], [row.value], [row.std_error]
+            for compared in values(row.name, [row.joint], unit, *numbers):
                 yield compared | {"within95": inside}
 
 

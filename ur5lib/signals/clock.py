@@ -65,9 +65,15 @@ class SettledClock(Clock):
     end_std: float
 
 
-def clock_from_stamps(offset: float, std: float) -> Clock:
-    """Return the clock of start stamps `offset` [s] apart; its drift is unknown."""
-    return Clock(offset, std, None, None, BY_STAMPS)
+def clock_from_stamps(offset: float, std: float, drift_std: float | None = None) -> Clock:
+    """Return the clock of start stamps `offset` [s] apart.
+
+    drift_std: error of the rate of a device whose samples the robot's host stamped; the drift of
+    others is unknown.
+    """
+    if drift_std is None:
+        return Clock(offset, std, None, None, BY_STAMPS)
+    return Clock(offset, std, 0.0, drift_std, BY_HOST)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """The clock of a device: from its gyroscope and the joints' rates, else from start stamps."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -8,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ur5lib.errors import Remark, remark
-from ur5lib.signals.clock import BY_HOST, BY_MOTION, WANDER, Clock, clock_from_stamps
+from ur5lib.signals.clock import BY_HOST, BY_MOTION, WANDER, Clock
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.lowpass import inner_lowpass
 from ur5lib.timeseries.sampling import differentiate, interpolated
@@ -238,24 +237,21 @@ def _objection(clock: Clock, stamps: Clock, explained: float) -> Remark | None:
 def device_clock(
     device_time: Array,
     gyroscope: Array | None,
-    start: Mapping[str, float],
+    stamps: Clock,
     robot: tuple[Array, Labels, Array],
     frames: tuple[Array, Array],
 ) -> tuple[Clock, Remark | None]:
-    """Return a device's clock, and why it is from its start stamp alone, if it is.
+    """Return a device's clock, and why it is by its start stamp alone, if it is.
 
     device_time: (M,) [s], as read, on its own clock; gyroscope: (M, 3) [rad/s], if it has one;
-    start: its stamp's `seconds`, `std` and, where known, `drift_std`; robot: time (N,) [s],
+    stamps: its clock by start stamps, or by those of the robot's host; robot: time (N,) [s],
     segment (N,) and q (N, 6) [rad], repaired; frames: R_6 (N, 3, 3) and J_g (N, 6, 6) of the
     robot's samples.
     Where the robot's host stamped each sample, its stamps are used. Otherwise, a gyroscope is
     compared with the angular rate of frame 6; other devices measure no motion that could be
     distinguished from contact, so their start stamps are used.
     """
-    if "drift_std" in start:
-        return Clock(start["seconds"], start["std"], 0.0, start["drift_std"], BY_HOST), None
-    stamps = clock_from_stamps(start["seconds"], start["std"])
-    if gyroscope is None:
+    if gyroscope is None or stamps.method == BY_HOST:
         return stamps, None
     (time, segment, q), (rotation, jacobian) = robot, frames
     # not the controller's velocities, which lag the positions by some ms

@@ -13,11 +13,10 @@ from ur5lib.signals.smoothing import (
     KnownJoints,
     SmoothedMotion,
     encoder_system,
-    innovation_test,
     widen,
 )
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.kalman import LinearSystem, System, smooth
+from ur5lib.timeseries.kalman import LinearSystem, System, innovation_test, smooth
 from ur5lib.timeseries.segments import chunks
 
 MOTION = 18  # states of six joints: q, q̇, q̈

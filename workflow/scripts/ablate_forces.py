@@ -7,7 +7,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.pipeline.force_ablation import figures_in_contact, variants
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.forces import Forces, SensorWrenches
+from ur5lib.pipeline.records.forces import Ablated, Forces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.tables import read_record, write_json
@@ -15,7 +15,7 @@ from ur5lib.tables import read_record, write_json
 
 def ablate_forces(input: Any, output: Any, params: Any) -> None:
     sensor, forces = SensorWrenches.read(input.sensor), Forces.read(input.forces)
-    summary: dict[str, Any] = {}
+    summary = dict[str, Ablated]()
     if "compensated" in sensor.wrench and "Fmap" in forces.wrench:
         reference = sensor.wrench["compensated"][:, :3]
         motion, currents = Motion.read(input.motion), Currents.read(input.currents)

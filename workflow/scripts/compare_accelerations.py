@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 from ur5lib.pipeline.acceleration_ranges import by_range
+from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.end_effector import (
     acceleration_errors,
     at_the_imu,
@@ -11,24 +12,24 @@ from ur5lib.pipeline.end_effector import (
     differences,
 )
 from ur5lib.pipeline.imu_samples import has_valid_imu
-from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.accelerations import Accelerations, ImuComparison
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.smoothed_motion import measured
-from ur5lib.pipeline.stamps import by_stamps
+from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration, calibration_for
 from ur5lib.signals.plain_filter import FilteredMotion, filter_encoders
-from ur5lib.tables import read_json, read_record, read_table, write_json
+from ur5lib.tables import read_record, read_table, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
 def compare_accelerations(input: Any, output: Any, params: Any) -> None:
     signals, robot = Signals.read(input.signals), load_robot(input.arm)
     accelerations = Accelerations(time=signals.time, segment=signals.segment)
-    summary: dict[str, Any] = {"errors": {}}
+    compared_with_imu = ImuComparison()
     if has_valid_imu(read_record(dict[str, SettledClock], input.clocks)):
         design = Butterworth(params.order, params.cutoff_hz)
         known = read_record(dict[str, ImuCalibration], input.calibration)
@@ -39,15 +40,18 @@ def compare_accelerations(input: Any, output: Any, params: Any) -> None:
             "encoders+imu": fused,
             "filterpy": filter_encoders(signals.segment, *measured(signals), signals.period),
         }
-        start = read_json(input.quality)["starts"]["imu"]
+        start = read_record(Quality, input.quality).starts["imu"]
         placed = by_stamps(read_table(input.imu), start, signals.time, "imu")
         kinematics = Kinematics.read(input.kinematics)
         own = robot.mounted(params.gravity), signals, kinematics
         modelled = at_the_imu(robot, kinematics, motions, calibration)
         accelerations, bias = compared(*own, modelled, calibration, design, placed)
-        errors = acceleration_errors(accelerations)
-        summary = {"calibrated_on": calibration.from_, "accelerometer_bias": bias, "errors": errors}
         ranged = {"ranges": modelled["encoders"], "plain_ranges": modelled["filterpy"]}
-        summary |= by_range(partial(differences, *own, ranged, calibration), motion.qd)
+        compared_with_imu = ImuComparison(
+            errors=acceleration_errors(accelerations),
+            calibrated_on=[*calibration.from_],
+            accelerometer_bias=bias,
+            **by_range(partial(differences, *own, ranged, calibration), motion.qd),
+        )
     accelerations.write(output.accelerations)
-    write_json(summary, output.summary)
+    write_json(compared_with_imu, output.summary)

@@ -9,10 +9,11 @@ import pandas as pd
 from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.quality import Quality
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared
 from ur5lib.report.reference import Reference, read_reference
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_csv, read_json, read_table, write_csv
+from ur5lib.tables import read_csv, read_record, read_table, write_csv
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 
@@ -38,7 +39,7 @@ def explained(reference: Reference, input: Any, params: Any) -> Iterator[Explain
                 values = loop_error(robot, signals, way.closed_loop)
             if way.acceleration:
                 imu = read_table(input.imu[place])
-                start = read_json(input.quality[place])["starts"]["imu"]
+                start = read_record(Quality, input.quality[place]).starts["imu"]
                 kinematics = Kinematics.read(input.kinematics[place])
                 values = mean_absolute_error(
                     *explained_accelerations(

@@ -4,14 +4,16 @@ from typing import Any
 
 import pandas as pd
 
+from ur5lib.pipeline.records.truth import TrueParameters
 from ur5lib.report.truth_rows import arm_rows, recording_rows
 from ur5lib.report.truth_table import COLUMNS
-from ur5lib.tables import read_json, write_csv
+from ur5lib.tables import read_record, write_csv
 from ur5lib.timeseries.lowpass import Butterworth
 
 
 def compare_with_truth(input: Any, output: Any, params: Any) -> None:
-    truths = dict(zip(params.recordings, map(read_json, input.truth_summary), strict=True))
+    known = [read_record(TrueParameters, path) for path in input.truth_summary]
+    truths = dict(zip(params.recordings, known, strict=True))
     arms = {
         robot: {
             "described": input.described[k],
@@ -26,11 +28,11 @@ def compare_with_truth(input: Any, output: Any, params: Any) -> None:
     rows = [
         {"robot": robot} | row
         for robot, files in arms.items()
-        for row in arm_rows(files, {n: t for n, t in truths.items() if t["robot"] == robot})
+        for row in arm_rows(files, {n: t for n, t in truths.items() if t.robot == robot})
     ]
     design = Butterworth(params.order, params.cutoff_hz)
     for k, (name, truth) in enumerate(truths.items()):
-        files = arms[truth["robot"]] | {
+        files = arms[truth.robot] | {
             "truth": input.truth[k],
             "clocks": input.clocks[k],
             "motion": input.motion[k],
@@ -38,6 +40,6 @@ def compare_with_truth(input: Any, output: Any, params: Any) -> None:
             "accelerations": input.accelerations[k],
             "forces": input.forces[k],
         }
-        known = {"recording": name, "robot": truth["robot"]}
-        rows += [known | row for row in recording_rows(files, truth, design)]
+        about = {"recording": name, "robot": truth.robot}
+        rows += [about | row for row in recording_rows(files, truth, design)]
     write_csv(pd.DataFrame(rows, columns=COLUMNS), output.truth)

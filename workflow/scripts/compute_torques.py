@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ur5lib.pipeline.carried import carried, load_account
+from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.torques import joint_torques
@@ -16,4 +16,4 @@ def compute_torques(input: Any, output: Any, params: Any) -> None:
     load = carried(declared, signals)
     robot = load_robot(input.arm).mounted(params.gravity)
     joint_torques(robot, load, signals, motion).write(output.torques)
-    write_json(load_account(load), output.summary)
+    write_json(load, output.summary)

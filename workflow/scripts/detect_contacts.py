@@ -1,5 +1,6 @@
 """Contacts by each estimate: alarms, comparison with the sensor, smallest detectable force."""
 
+from dataclasses import replace
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
@@ -11,28 +12,28 @@ from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import read_json, read_record, write_json
+from ur5lib.tables import read_record, write_json
 
 TRIALS = 120  # pushes
 
 
 def detect_contacts(input: Any, output: Any, params: Any) -> None:
     forces, sensor = Forces.read(input.forces), SensorWrenches.read(input.sensor)
-    currents, thresholds = Currents.read(input.currents), read_json(input.threshold)
-    regressor, residuals = (
-        LoadRegressor.read(input.regressor),
-        read_record(Residuals, input.residuals),
-    )
+    currents = Currents.read(input.currents)
+    thresholds = read_record(dict[str, float], input.threshold)
+    regressor = LoadRegressor.read(input.regressor)
+    residuals = read_record(Residuals, input.residuals)
     prior = ContactPrior(force=params.contact_force_n)
-    kind = load_finder(currents, forces, regressor, residuals.tau_ext)
+    named = load_finder(currents, forces, regressor, residuals.tau_ext)
     found = all_alarms(forces, PublishedForces.read(input.published), thresholds)
-    summary = detected(found, sensor, thresholds, kind)
-    if "Fmap" in summary and (causal := causally(forces, sensor, thresholds)):
-        summary["Fmap"]["causal"] = causal
+    summary = detected(found, sensor, thresholds, named)
+    if "Fmap" in summary:
+        causal = causally(forces, sensor, thresholds)
+        summary["Fmap"] = replace(summary["Fmap"], causal=causal)
     if params.role == "validate" and "Fmap" in summary:
         motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
         problem = direct_problems(motion, currents, residuals)["Fmap"]
         known = thresholds["Fmap"], forces.log_odds["Fmap"], TRIALS
         trials = pushed(problem, jacobian, prior, *known)
-        summary["Fmap"]["smallest_force_95"] = [*by_axis(trials)]
+        summary["Fmap"] = replace(summary["Fmap"], smallest_force_95=[*by_axis(trials)])
     write_json(summary, output.detection)

@@ -4,12 +4,13 @@ from typing import Any
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.identification.validation import WANTED
+from ur5lib.pipeline.records.observability import Observability
 from ur5lib.report.arm_state_figures import observability_figure
 from ur5lib.report.house_style import save
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record
 
 
 def draw_observability(input: Any, output: Any, params: Any) -> None:
-    known = read_json(input.observability)
-    figure = observability_figure(known["pushes"], known["shares"], WANTED, MOST)
+    known = read_record(Observability, input.observability)
+    figure = observability_figure(known.pushes, known.shares, WANTED, MOST)
     save(figure, output.observability)

@@ -13,18 +13,21 @@ from ur5lib.pipeline.force_estimates import (
     repeat_problem,
     repeated_runs,
 )
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, FreeRuns, Prediction
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, read_record
+from ur5lib.tables import read_record
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    fitted = is_fitted(read_json(input.friction), read_json(input.contradictions))
+    contradictions = read_record(Contradictions, input.contradictions)
+    fitted = is_fitted(read_record(Friction, input.friction), contradictions)
     run = _fitted(input, params) if fitted else Run(static=_static(input, params))
     found = {one.name: one.estimate(run) for one in ESTIMATORS}
     causal, background = run.causal_odds, run.background
@@ -45,15 +48,13 @@ def _fitted(input: Any, params: Any) -> Run:
     motion, currents = Motion.read(input.motion), Currents.read(input.currents)
     residuals = read_record(Residuals, input.residuals)
     found = direct_problems(motion, currents, residuals)
-    rows = used_rows(motion.segment, motion.period)
-    jacobian = Kinematics.read(input.kinematics, rows).jacobian
+    jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
     if "Fmap" in found:
-        index, load = read_json(input.free_runs), read_json(input.load).get("load")
+        index = read_record(FreeRuns, input.free_runs)
+        load = read_record(Prediction, input.load).load
         files = repeated_runs(found["Fmap"].input, params.recording, load, index)
         alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
-        if repeat := repeat_problem(found["Fmap"], alike, params.cutoff_hz):
-            found["repeat"] = repeat
+        found |= repeat_problem(found["Fmap"], alike, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)
-    estimates = {name: problem.solve(jacobian, prior) for name, problem in found.items()}
-    return Run(estimates, causal)
+    return Run({name: own.solve(jacobian, prior) for name, own in found.items()}, causal)

@@ -10,8 +10,8 @@ from ur5lib.pipeline.closed_loop import (
     simulated,
     tracking_of,
 )
+from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop
 from ur5lib.robots.description import load_robot
 from ur5lib.tables import write_json
 
@@ -20,7 +20,7 @@ def estimate_gains(input: Any, output: Any, params: Any) -> None:
     signals = Signals.read(input.signals)
     robot = load_robot(input.arm).mounted(params.gravity)
     closed_loop = ClosedLoop(time=signals.time, segment=signals.segment)
-    summary: dict[str, Any] = {}
+    summary = GainSummary()
     tracking = tracking_of(signals)
     if tracking is not None:
         joints, published = fit_gains(tracking), published_gains(robot)

@@ -4,6 +4,7 @@ from typing import Any
 
 from ur5lib.pipeline.carried import carried, disagreements
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.recordings.stop_signs import CHECKED, stop_signs
 from ur5lib.robots.description import Payload, load_robot
 from ur5lib.tables import column_names, read_table, write_json
@@ -16,6 +17,4 @@ def find_contradictions(input: Any, output: Any, params: Any) -> None:
     del signals
     table = read_table(input.signals, [*CHECKED.intersection(column_names(input.signals))])
     signs = stop_signs(table, arm, load.configured, load.payload, params.role == "fit")
-    found = {"stop_signs": signs, "findings": doubts}
-    rows = {kind: [one.as_row() for one in its] for kind, its in found.items()}
-    write_json(rows, output.contradictions)
+    write_json(Contradictions(signs, doubts), output.contradictions)

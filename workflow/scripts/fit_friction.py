@@ -6,12 +6,14 @@ from typing import Any
 from ur5lib.errors import reason
 from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.friction_fit import ContradictionError, friction_summary, require_no_stop_sign
+from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_record, write_json
 
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
@@ -26,14 +28,13 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
         if record is not None:
             records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion))
-    summary: dict[str, Any] = {"from": []}
-    found = zip(params.recordings, map(read_json, input.contradictions), strict=True)
+    found = [read_record(Contradictions, path) for path in input.contradictions]
     try:
-        require_no_stop_sign(dict(found))
+        require_no_stop_sign(dict(zip(params.recordings, found, strict=True)))
         prior = prior_of(robot, ratios)
-        summary = friction_summary(records, prior, smooth, params.terms) | {"model": model}
+        friction = fitted_friction(records, prior, smooth, params.terms, model)
     except ContradictionError as sign:
-        summary["stopped"] = sign.remark
+        friction = Friction(stopped=sign.remark)
     except ValueError as error:
-        summary["refused"] = reason(error)
-    write_json(summary, output.friction)
+        friction = Friction(refused=reason(error))
+    write_json(friction, output.friction)

@@ -4,6 +4,7 @@ from typing import Any
 
 from ur5lib.identification import rotor_inertia
 from ur5lib.pipeline.controller_torque import rotor_samples
+from ur5lib.pipeline.records.models import Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot
@@ -21,8 +22,8 @@ def fit_rotor_inertia(input: Any, output: Any, params: Any) -> None:
         for name, gravity, signals, motion in recordings
     }
     known = {name: sample for name, sample in samples.items() if sample is not None}
-    summary: dict[str, Any] = {"from": list(known)}
+    rotors = Rotors()
     if known:
         fit = rotor_inertia.fit_rotor_inertia(*zip(*known.values(), strict=True))
-        summary |= {"value": fit.value._asdict(), "std_error": fit.std_error._asdict()}
-    write_json(summary, output.rotors)
+        rotors = Rotors([*known], fit.value, fit.std_error)
+    write_json(rotors, output.rotors)

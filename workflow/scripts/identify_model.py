@@ -1,21 +1,23 @@
 """The rigid-body model identified from the controller's torque, as a further model of the arm."""
 
+from dataclasses import replace
 from typing import Any
 
 from ur5lib.errors import reason
 from ur5lib.pipeline.controller_torque import torque_blocks
 from ur5lib.pipeline.identification import with_identified, with_rotors
+from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.robots.description import load_robot, robot_yaml
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
-from ur5lib.tables import read_json, write_json, write_text
+from ur5lib.tables import read_record, write_json, write_text
 from ur5lib.timeseries.lowpass import Butterworth
 
 
 def identify_model(input: Any, output: Any, params: Any) -> None:
-    robot = with_rotors(load_robot(input.arm), read_json(input.rotors))
+    robot = with_rotors(load_robot(input.arm), read_record(Rotors, input.rotors))
     design = Butterworth(params.order, params.cutoff_hz)
     recordings = zip(params.recordings, params.gravities, input.signals, input.motion, strict=True)
     blocks = {
@@ -27,13 +29,12 @@ def identify_model(input: Any, output: Any, params: Any) -> None:
         for name, gravity, signals, motion in recordings
     }
     known = [block for part in blocks.values() for block in part]
-    summary: dict[str, Any] = {"from": [name for name, part in blocks.items() if part]}
     try:
         robot, found = with_identified(robot, params.gravities, known)
-        summary |= found
     except ValueError as error:  # too little was recorded, or nothing physical explains it
-        summary["refused"] = reason(error)
+        found = Identification(refused=reason(error))
     name = "identified" if "identified" in robot.models else robot.chosen_model
     write_text(robot_yaml(robot), output.arm)
     write_text(urdf(robot, rigid_bodies(robot, name)), output.urdf)
-    write_json(summary, output.summary)
+    fitted_on = [name for name, part in blocks.items() if part]
+    write_json(replace(found, from_=fitted_on), output.summary)

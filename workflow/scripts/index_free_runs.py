@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from ur5lib.tables import read_json, write_json
+from ur5lib.pipeline.records.currents import FreeRun, Prediction
+from ur5lib.tables import read_record, write_json
 
 KINDS = ("currents", "motion")
 
@@ -11,8 +12,8 @@ KINDS = ("currents", "motion")
 def index_free_runs(input: Any, output: Any, params: Any) -> None:
     index = {}
     for name, path in zip(params.recordings, input.currents, strict=True):
-        summary = read_json(path)
-        if summary.get("extent"):
-            files = {kind: str(Path(path).with_name(f"{kind}.parquet")) for kind in KINDS}
-            index[name] = {"load": summary["load"], "extent": summary["extent"], **files}
+        run = read_record(Prediction, path)
+        if run.extent is not None:
+            files = [str(Path(path).with_name(f"{kind}.parquet")) for kind in KINDS]
+            index[name] = FreeRun(run.load, run.extent, *files)
     write_json(index, output.index)

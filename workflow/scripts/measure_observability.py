@@ -4,27 +4,28 @@ from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.residual_model import Residuals
-from ur5lib.identification.currents import fit_for
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.observability import judged, observability, pushed
-from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.tables import read_json, read_record, write_json
+from ur5lib.tables import read_record, write_json
 
 
 def measure_observability(input: Any, output: Any, params: Any) -> None:
-    friction, thresholds = read_json(input.friction), read_json(input.threshold)
+    friction = read_record(Friction, input.friction)
+    thresholds = read_record(dict[str, float], input.threshold)
     residuals = read_record(Residuals, input.residuals)
     prior, trials, errors = ContactPrior(force=params.contact_force_n), [], []
     files = input.motion, input.currents, input.kinematics, input.forces, input.loads
     for name, *paths in zip(params.recordings, *files, strict=True):
-        load, currents = read_json(paths[4]).get("load"), Currents.read(paths[1])
-        if currents.external_torque is None or (load and load["taken"]):
+        currents, loaded = Currents.read(paths[1]), read_record(Prediction, paths[4]).is_loaded
+        if currents.external_torque is None or loaded:
             continue
         motion = Motion.read(paths[0])
-        errors.append(judged(motion, currents, fit_for(name, friction)))
+        errors.append(judged(motion, currents, friction.fit_for(name)))
         if "Fmap" in thresholds and (found := direct_problems(motion, currents, residuals)):
             jacobian = Kinematics.read(paths[2]).jacobian
             odds = Forces.read(paths[3]).log_odds["Fmap"]

@@ -7,12 +7,14 @@ from typing import Any
 from ur5lib.pipeline.published_constants import current_torque, published_constants
 from ur5lib.pipeline.published_forces import Settings, published_forces
 from ur5lib.pipeline.records.forces import PublishedForces
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_json, write_json
+from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.lowpass import Butterworth
 
 
@@ -22,9 +24,11 @@ def rebuild_forces(input: Any, output: Any, params: Any) -> None:
     settings = Settings(Butterworth(params.order, params.cutoff_hz), params.min_singular_value)
     robot = load_robot(input.arm)
     forces = PublishedForces(time=signals.time, segment=signals.segment)
-    found = read_json(input.contradictions)
-    stopped = found["stop_signs"] or "stopped" in read_json(input.friction)
-    if not stopped:
+    found, friction = (
+        read_record(Contradictions, input.contradictions),
+        read_record(Friction, input.friction),
+    )
+    if not found.stop_signs and not friction.stopped:
         forces = published_forces(robot, signals, motion, torques, jacobian, settings)
     forces.write(output.forces)
     write_json(published_constants(current_torque(robot, signals, torques)), output.constants)

@@ -1,5 +1,6 @@
 """Read the devices' files, and repair the robot's frames on a uniform grid."""
 
+from dataclasses import replace
 from typing import Any
 
 import pandas as pd
@@ -19,4 +20,4 @@ def repair_frames(input: Any, output: Any, params: Any) -> None:
     write_table(intake.sensors.get("force", NO_SAMPLES), output.force)
     write_table(intake.sensors.get("imu", NO_SAMPLES), output.imu)
     read = {path: checksum(path) for path in input.raw}
-    write_json(intake.quality | {"read": read}, output.quality)
+    write_json(replace(intake.quality, read=read), output.quality)

@@ -2,23 +2,26 @@
 
 from typing import Any
 
-from ur5lib.identification.currents import CurrentFit
 from ur5lib.pipeline.current_samples import current_record, smoother
-from ur5lib.pipeline.health import checkup, dated, enough, health_summary
+from ur5lib.pipeline.health import checkup, dated, enough, health_of
+from ur5lib.pipeline.records.currents import Prediction
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
+from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import as_record, read_json, write_json
+from ur5lib.tables import read_record, write_json
 
 
 def track_health(input: Any, output: Any, params: Any) -> None:
-    model, friction = load_robot(input.arm).fullest_model(), read_json(input.friction)
-    qualities, currents = ([*map(read_json, paths)] for paths in (input.quality, input.currents))
+    model = load_robot(input.arm).fullest_model()
+    qualities = [read_record(Quality, path) for path in input.quality]
+    currents = [read_record(Prediction, path) for path in input.currents]
     days = [*map(dated, params.dates, qualities, currents)]
     checkups = []
     if enough(days):
-        fit = as_record(CurrentFit, friction["fit"])
+        fit = read_record(Friction, input.friction).fit
         smooth = smoother(params.order, params.cutoff_hz)
         rows = zip(params.recordings, days, input.signals, input.motion, input.torques, strict=True)
         for place, (name, day, signals, motion, torques) in enumerate(rows):
@@ -26,4 +29,4 @@ def track_health(input: Any, output: Any, params: Any) -> None:
             record = current_record(name, *tables, model)
             if day is not None and record is not None:
                 checkups.append(checkup(record, smooth, fit, day, qualities[place]))
-    write_json(health_summary(checkups), output.health)
+    write_json(health_of(checkups), output.health)

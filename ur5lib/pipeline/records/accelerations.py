@@ -1,9 +1,9 @@
-"""Acceleration of the end effector."""
+"""Acceleration of the end effector, and its errors beside an IMU."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Float
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
 PUBLISHED = ("euler", "euler, B corrected")
@@ -22,3 +22,41 @@ class Accelerations(SegmentedTable):
     acceleration: dict[str, Array] = channels("acceleration_{}", MOTION, JOINTS, ESTIMATES)
     published_felt: Array | None = channel("published_felt", MOTION, JOINTS, optional=True)
     published: dict[str, Array] = channels("published_{}", MOTION, JOINTS, PUBLISHED)
+
+
+@dataclass(frozen=True)
+class AccelerationErrors:
+    """MAE of an estimate beside the IMU by component, and that of zero [m/s², rad/s²]."""
+
+    mae: dict[str, Float]
+    zero_mae: dict[str, Float]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far encoders and IMU differ in a range of frequency, x, y, z [m/s²], rx, ry, rz [rad/s²].
+
+    square: (6,), mean squares; quantiles: (101, 6), of the absolute difference.
+    """
+
+    square: Array
+    quantiles: Array
+
+
+ByRange = dict[str, dict[str, Difference]]  # by range of frequency, in motion and at rest
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImuComparison:
+    """accelerations.json: errors by estimate beside the IMU, and differences by range of frequency.
+
+    calibrated_on: the recordings that calibrated the IMU; accelerometer_bias: (3,) [m/s²];
+    plain_ranges: differences of a plain filter. Empty where no IMU's clock could be estimated from
+    its motion.
+    """
+
+    errors: dict[str, AccelerationErrors] = field(default_factory=dict)
+    calibrated_on: list[str] = field(default_factory=list)
+    accelerometer_bias: Array | None = None
+    ranges: ByRange = field(default_factory=dict)
+    plain_ranges: ByRange = field(default_factory=dict)

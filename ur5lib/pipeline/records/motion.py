@@ -1,9 +1,10 @@
-"""Joint motion by the Kalman smoother."""
+"""Joint motion by the Kalman smoother, and the test of its innovations."""
 
 from dataclasses import dataclass
 
 from ur5lib.pipeline.records.table import JOINTS, XYZ, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.kalman import InnovationTest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,3 +51,15 @@ class FusedMotion(Motion):
     gyroscope_bias: Array = channel("gyroscope_bias", "rad/s", XYZ)
     accelerometer_bias_std: Array = channel("accelerometer_bias_std", "m/s2", XYZ)
     gyroscope_bias_std: Array = channel("gyroscope_bias_std", "rad/s", XYZ)
+
+
+@dataclass(frozen=True)
+class MotionAccount:
+    """The estimated noise by name, and the test of the innovations, in motion.json and
+    fused_motion.json by smoother.
+
+    noise: what varies with time as its quantiles (3, 6) of 10, 50 and 90 %, what lasts as (6,).
+    """
+
+    noise: dict[str, Array]
+    innovations: InnovationTest

@@ -1,9 +1,10 @@
-"""Joint torques of the link models."""
+"""Joint torques of the link models, and the torque constants that they show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from ur5lib.force.current_based import TorqueLine
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -26,16 +27,15 @@ class Torques(SegmentedTable):
     gravity_torque: Array = channel("gravity_torque", "Nm", JOINTS)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ClosedLoop(SegmentedTable):
-    """The joints in closed loop, (N, 6) each, by the set of gains: a link model's published ones,
-    or "estimated".
+@dataclass(frozen=True)
+class PublishedConstants:
+    """published_constants.json: the lines of Equation 6.5 in both directions of regression; empty
+    where currents or targets were not recorded.
 
-    q [rad], qd [rad/s], qdd [rad/s²]; torque: inverse dynamics at that motion [Nm], of the link
-    model whose gains they are.
+    mean_torque: (6,) [Nm]; correlation: (6,), of torques with currents, with and without friction.
     """
 
-    q: dict[str, Array] = channels("q_{}", "rad", JOINTS)
-    qd: dict[str, Array] = channels("qd_{}", "rad/s", JOINTS)
-    qdd: dict[str, Array] = channels("qdd_{}", "rad/s2", JOINTS)
-    torque: dict[str, Array] = channels("tau_{}", "Nm", JOINTS)
+    lines: dict[str, TorqueLine] = field(default_factory=dict)
+    mean_torque: Array = field(default_factory=lambda: np.zeros(0))
+    correlation: Array = field(default_factory=lambda: np.zeros(0))
+    correlation_without_friction: Array = field(default_factory=lambda: np.zeros(0))

@@ -6,6 +6,8 @@ from typing import Self
 import numpy as np
 
 from ur5lib.pipeline.records.table import JOINTS, Table, channel
+from ur5lib.robots.description import Payload, Vector3
+from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.sampling import interpolated
 
@@ -32,3 +34,37 @@ class Truth(Table):
             if own.name != "time"
         }
         return type(self)(time=time, **arrays)
+
+
+@dataclass(frozen=True)
+class TruePlan:
+    """What a simulated arm carries, its IMU, and the seed of its noise."""
+
+    seed: int
+    payload: Payload | None
+    undeclared_payload: Payload | None
+    imu: Imu | None
+
+
+@dataclass(frozen=True)
+class TrueDrive:
+    """The simulated torque constants (6,) [Nm/A]."""
+
+    torque_constant: Array
+
+
+@dataclass(frozen=True)
+class TrueParameters:
+    """What estimates are compared with of truth.json, which `ur5lib.stand.truth` writes.
+
+    model: simulated link model; friction: `ur5lib.stand.friction.FrictionParameters` (6,) by name;
+    clocks: `offset_s` and `drift_ppm` by device.
+    """
+
+    robot: str
+    gravity: Vector3
+    model: str
+    plan: TruePlan
+    drive: TrueDrive
+    friction: dict[str, Array]
+    clocks: dict[str, dict[str, float]]

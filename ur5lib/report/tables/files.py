@@ -1,10 +1,12 @@
 """Rows of tables about the recordings' files: their size, clocks and findings."""
 
 from collections.abc import Iterator
+from dataclasses import asdict
 
 import numpy as np
 
 from ur5lib.pipeline.records.signals import Signals
+from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.findings import sentence, worded
 from ur5lib.report.tables.source import Row, Source
 
@@ -13,13 +15,16 @@ TRAVEL = 0.02  # rad, between the ends of the path of a joint that moves
 
 def recordings(source: Source) -> Iterator[Row]:
     """Yield a recording's size, duration, time steps, devices and moving joints."""
-    quality = source["quality"]
+    quality: Quality = source["quality"]
     yield {
-        "rows_read": quality["rows"],
-        "jitter_s": quality["jitter_s"]["99 %"],
-        "devices": " ".join(quality["devices"]),
+        "rows_read": quality.rows,
+        "jitter_s": quality.jitter_s["99 %"],
+        "devices": " ".join(quality.devices),
         "moving_joints": " ".join(map(str, moving_joints(source["signals"]))),
-    } | {name: quality[name] for name in ("duration_s", "frames", "longest_step_s")}
+        "duration_s": quality.duration_s,
+        "frames": quality.frames,
+        "longest_step_s": quality.longest_step_s,
+    }
 
 
 def moving_joints(signals: Signals) -> list[int]:
@@ -30,7 +35,7 @@ def moving_joints(signals: Signals) -> list[int]:
 
 def files(source: Source) -> Iterator[Row]:
     """Yield the files that a recording was read from."""
-    for file, checksum in source["quality"]["read"].items():
+    for file, checksum in source["quality"].read.items():
         yield {"file": file, "sha256": checksum}
 
 
@@ -39,12 +44,12 @@ def clocks(source: Source) -> Iterator[Row]:
     for device, clock in source["clocks"].items():
         yield {
             "device": device,
-            "offset_s": clock["offset"],
-            "offset_std_s": clock["offset_std"],
-            "drift_ppm": _ppm(clock["drift"]),
-            "drift_std_ppm": _ppm(clock["drift_std"]),
-            "method": clock["method"],
-            "end_std_s": clock["end_std"],
+            "offset_s": clock.offset,
+            "offset_std_s": clock.offset_std,
+            "drift_ppm": _ppm(clock.drift),
+            "drift_std_ppm": _ppm(clock.drift_std),
+            "method": clock.method,
+            "end_std_s": clock.end_std,
         }
 
 
@@ -54,10 +59,10 @@ def _ppm(drift: float | None) -> float | None:
 
 def quality(source: Source) -> Iterator[Row]:
     """Yield the findings about a recording's files, clocks and sensors."""
-    contradictions = source["contradictions"]
-    yield from map(worded, contradictions.get("stop_signs", []))
-    yield from map(worded, source["quality"]["findings"])
-    yield from map(worded, contradictions.get("findings", []))
+    contradictions = source["contradictions"] or Contradictions()
+    yield from map(worded, contradictions.stop_signs)
+    yield from map(worded, source["quality"].findings)
+    yield from map(worded, contradictions.findings)
     yield from _copies(source)
     yield from _poor_clocks(source)
     yield from _doubted_sensor(source)
@@ -71,10 +76,10 @@ def _finding(device: str, finding: str, values: Row, severity: str = "warning") 
 def _poor_clocks(source: Source) -> Iterator[Row]:
     """Yield a warning for each clock without a measured drift."""
     for device, clock in source["clocks"].items():
-        if clock["warning"]:
-            yield _finding(device, "clock by stamps alone", clock)
-        elif clock["drift"] is None:
-            yield _finding(device, "unknown drift", clock)
+        if clock.warning:
+            yield _finding(device, "clock by stamps alone", asdict(clock))
+        elif clock.drift is None:
+            yield _finding(device, "unknown drift", asdict(clock))
 
 
 def _doubted_sensor(source: Source) -> Iterator[Row]:
@@ -82,16 +87,16 @@ def _doubted_sensor(source: Source) -> Iterator[Row]:
     may be a push.
     """
     for doubted in ("mounting", "offset"):
-        if doubt := source["forces"].get(f"{doubted}_doubt"):
-            yield _finding("force", doubted, {"doubt": doubt})
+        if doubt := getattr(source["forces"], f"{doubted}_doubt", None):
+            yield _finding("force", doubted, {"doubt": asdict(doubt)})
 
 
 def _copies(source: Source) -> Iterator[Row]:
     """Yield device files that are identical to those of another recording."""
-    checksums = {name: quality["files"] for name, quality in source.others("quality").items()}
-    for device, checksum in source["quality"]["files"].items():
+    checksums = {name: quality.files for name, quality in source.others("quality").items()}
+    for device, checksum in source["quality"].files.items():
         others = [name for name, files in checksums.items() if files.get(device) == checksum]
         if others:
-            used = "used" if device in source["quality"]["devices"] else "not used"
+            used = "used" if device in source["quality"].devices else "not used"
             same = _finding(device, "same file", {"others": others, "used": used}, "note")
             yield same | {"count": len(others)}

@@ -4,6 +4,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ur5lib.force.contact_link import touched_link
+from ur5lib.pipeline.records.contacts import Detected
+from ur5lib.pipeline.records.forces import Audit
+from ur5lib.pipeline.records.observability import Observability
 from ur5lib.report.tables.source import Row, Source, transposed
 
 LINKS = [f"on_link_{link}" for link in range(1, 7)]
@@ -14,7 +17,7 @@ STDS = ("Fx_std", "Fy_std", "Fz_std")
 def force_mae(source: Source) -> Iterator[Row]:
     """Yield the errors of the force estimates against the sensor."""
     tables = {figure: source.published(f"force_{figure}") for figure in ("mae", "max")}
-    for kind, estimates in source["forces"]["errors"].items():
+    for kind, estimates in source["forces"].errors.items():
         for estimate, periods in estimates.items():
             determined = _determined(periods.get("contact"))
             for during, figures in periods.items():
@@ -43,25 +46,25 @@ def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, bool]:
 
 def contact_errors(source: Source) -> Iterator[Row]:
     """Yield the errors of each estimate by contact at the sensor."""
-    for estimate, contacts in source["forces"].get("contacts", {}).items():
-        yield from ({"estimate": estimate} | row for row in contacts)
+    for estimate, contacts in source["forces"].contacts.items():
+        yield from (vars(one) | {"estimate": estimate} for one in contacts)
 
 
 def sensed(source: Source) -> Iterator[Row]:
     """Yield the largest reading of a force sensor, and its contacts."""
-    if felt := source["forces"].get("felt"):
+    if felt := source["forces"].felt:
         yield {
-            "largest_force_n": felt["largest"],
-            "at_s": felt["at_s"],
-            "share_in_contact": felt["contact"],
-            "contacts": felt["contacts"],
+            "largest_force_n": felt.largest,
+            "at_s": felt.at_s,
+            "share_in_contact": felt.contact,
+            "contacts": felt.contacts,
         }
 
 
 def ablation(source: Source) -> Iterator[Row]:
     """Yield the error in contact with each part of the estimate left out."""
     for variant, figures in source["ablation"].items():
-        rows = transposed(figures, "component", FORCES)
+        rows = transposed(vars(figures), "component", FORCES)
         yield from ({"variant": variant} | row for row in rows)
 
 
@@ -70,58 +73,63 @@ def detection(source: Source) -> Iterator[Row]:
 
     Without a force sensor, one row an estimate and no force.
     """
-    same = ("threshold", "precision", "time_in_alarm", "free_time_in_alarm", "alarms_per_min")
     for estimate, found in source["detection"].items():
-        pushes = {
-            f"smallest_force_{kind}_{'' if push['speed_low'] else 'rest_'}{push['axis']}": force
-            for push in found.get("smallest_force_95", [])
-            for kind, force in (("95", push["force"]), ("std", push["std"]))
+        row = vars(found) | {
+            "estimate": estimate,
+            "false_alarms_per_min": found.false_per_min,
+            "extra_alarms": found.extra,
+            "alarms": len(found.raised),
         }
-        classes, causal = found.get("classes", [{}]), found.get("causal", {})
-        past = causal.get("classes", [{}] * len(classes))
-        for i, (offline, online) in enumerate(zip(classes, past, strict=True)):
-            yield {
-                "estimate": estimate,
-                "force_class_n": offline.get("force"),
-                **{name: offline.get(name) for name in ("contacts", "found", "recall")},
-                "median_delay_s": offline.get("median_delay"),
-                "causal_delay_s": online.get("median_delay"),
-                "causal_found": online.get("found"),
-                "causal_false_alarms_per_min": causal.get("false_per_min"),
-                "causal_alarms_per_min": causal.get("alarms_per_min"),
-                **(pushes if i == 0 else {}),
-                **{name: found.get(name) for name in (*same, "roc_area")},
-                "false_alarms_per_min": found.get("false_per_min"),
-                "extra_alarms": found.get("extra"),
-                "alarms": len(found["raised"]),
-            }
+        if causal := found.causal:
+            row["causal_false_alarms_per_min"] = causal.false_per_min
+            row["causal_alarms_per_min"] = causal.alarms_per_min
+        pushes = _smallest_pushes(found)
+        yield from _by_class(row, found, pushes) if found.classes else [row | pushes]
+
+
+def _by_class(row: Row, found: Detected, pushes: Row) -> Iterator[Row]:
+    """Yield a row for each class of forces, the first with the smallest pushes."""
+    past = found.causal.classes if found.causal else [None] * len(found.classes)
+    for offline, online in zip(found.classes, past, strict=True):
+        yield row | {
+            "force_class_n": offline.force,
+            "contacts": offline.contacts,
+            "found": offline.found,
+            "recall": offline.recall,
+            "median_delay_s": offline.median_delay,
+            "causal_delay_s": online and online.median_delay,
+            "causal_found": online and online.found,
+            **(pushes if offline is found.classes[0] else {}),
+        }
+
+
+def _smallest_pushes(found: Detected) -> Row:
+    return {
+        f"smallest_force_{kind}_{'' if push.speed_low else 'rest_'}{push.axis}": force
+        for push in found.smallest_force_95
+        for kind, force in (("95", push.force), ("std", push.std))
+    }
 
 
 def fixed_threshold(source: Source) -> Iterator[Row]:
     """Yield the pushes found above the thesis's fixed threshold, and the share of time above it."""
     for estimate, found in source["detection"].items():
-        for axis, figures in found["axes"].items():
-            yield {
-                "estimate": estimate,
-                "component": f"F{axis}",
-                "force_n": figures["force"],
-                **{name: figures.get(name) for name in ("pushes", "found", "time_above")},
-            }
+        for axis, own in found.axes.items():
+            about = {"estimate": estimate, "component": f"F{axis}", "force_n": own.force}
+            yield vars(own) | about
 
 
 def contacts(source: Source) -> Iterator[Row]:
     """Yield each alarm: times, largest force, mass of a load, probabilities of the links."""
     for estimate, found in source["detection"].items():
-        links = {one["start"]: one["links"] for one in source["links"].get(estimate, [])}
-        for alarm in found["raised"]:
-            yield {
+        links = {one.start: one.links for one in source["links"].get(estimate, [])}
+        for alarm in found.raised:
+            yield vars(alarm) | {
                 "estimate": estimate,
-                "kind": alarm.get("kind", "contact"),
-                **{name: alarm.get(name) for name in ("load_mass", "load_mass_std")},
-                **{f"{name}_s": alarm[name] for name in ("start", "end", "peak")},
-                **_place(links.get(alarm["start"])),
-                **dict(zip(FORCES, alarm["force"], strict=True)),
-                **dict(zip(STDS, alarm["force_std"], strict=True)),
+                **{f"{name}_s": getattr(alarm, name) for name in ("start", "end", "peak")},
+                **_place(links.get(alarm.start)),
+                **dict(zip(FORCES, alarm.force, strict=True)),
+                **dict(zip(STDS, alarm.force_std, strict=True)),
             }
 
 
@@ -140,22 +148,23 @@ def observability(source: Source) -> Iterator[Row]:
     within the band, by speed of the joint; least_velocity: lower end of the speeds at which this
     share suffices.
     """
-    summary, names = source["observability"], ("joint", "speed_low", "speed_high", "samples")
-    for push in [*summary["pushes"], *summary["axes"]]:
-        along = f"_{push['axis']}" if "axis" in push else ""
+    known: Observability = source["observability"]
+    for push in [*known.pushes, *known.axes]:
+        along = f"_{push.axis}" if push.axis else ""
         about = {"quantity": f"smallest_push_95{along}", "speed_unit": "m/s", "unit": "N"}
-        numbers = {"value": push["force"], "std_error": push["std"], "samples": push["tried"]}
-        yield about | numbers | {name: push[name] for name in ("speed_low", "speed_high")}
-    for share in summary["shares"]:
+        numbers = {"value": push.force, "std_error": push.std, "samples": push.tried}
+        yield vars(push) | about | numbers
+    for share in known.shares:
         about = {"quantity": "friction_in_band", "speed_unit": "rad/s", "unit": "1"}
-        yield about | {name: share[name] for name in names} | {"value": share["share"]}
-    for least in summary["predicted"]:
+        yield vars(share) | about | {"value": share.share}
+    for least in known.predicted:
         about = {"quantity": "least_velocity", "speed_unit": "rad/s", "unit": "rad/s"}
-        yield about | least | {"value": least["speed_low"]}
+        yield vars(least) | about | {"value": least.speed_low}
 
 
 def audit(source: Source) -> Iterator[Row]:
     """Yield the audit of a wrist's force sensor; one row where the contact-free time is short."""
-    if summary := source["audit"]:
-        yield {"quantity": "free_time", "value": summary["free_s"], "unit": "s"}
-        yield from summary["rows"]
+    found: Audit | None = source["audit"]
+    if found is not None and found.free_s is not None:
+        yield {"quantity": "free_time", "value": found.free_s, "unit": "s"}
+        yield from map(vars, found.rows)

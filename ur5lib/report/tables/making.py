@@ -4,21 +4,36 @@ Tidy: one value a row, SI units, joints from 1.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from ur5lib.force.residual_model import Residuals
+from ur5lib.pipeline.records.accelerations import ImuComparison
+from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
+from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
+from ur5lib.pipeline.records.currents import Prediction
+from ur5lib.pipeline.records.forces import Ablated, Audit, Compared
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.health import Health
+from ur5lib.pipeline.records.models import Identification, Rotors
+from ur5lib.pipeline.records.motion import MotionAccount
+from ur5lib.pipeline.records.observability import Observability
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import ClosedLoop, Torques
+from ur5lib.pipeline.records.torques import PublishedConstants, Torques
+from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
 from ur5lib.report.tables.source import Source
 from ur5lib.robots.description import load_robot
+from ur5lib.signals.clock import SettledClock
+from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.strict import Strict, read_yaml
-from ur5lib.tables import read_json
+from ur5lib.tables import read_record
 
 GROUPS: dict[str, ModuleType] = {
     "files": files,
@@ -32,6 +47,29 @@ READERS: dict[str, Callable[[str], Any]] = {
     "torques": Torques.read,
     "closed_loop": ClosedLoop.read,
     "arm": load_robot,
+}
+RECORDS: dict[str, Any] = {
+    "quality": Quality,
+    "clocks": dict[str, SettledClock],
+    "contradictions": Contradictions,
+    "gains": GainSummary,
+    "accelerations": ImuComparison,
+    "motion": dict[str, MotionAccount],
+    "fused": dict[str, MotionAccount],
+    "forces": Compared,
+    "constants": PublishedConstants,
+    "rotors": Rotors,
+    "identification": Identification,
+    "calibration": dict[str, ImuCalibration],
+    "friction": Friction,
+    "health": Health,
+    "residuals": Residuals,
+    "currents": Prediction,
+    "detection": dict[str, Detected],
+    "links": dict[str, list[TouchedLinks]],
+    "ablation": dict[str, Ablated],
+    "observability": Observability,
+    "audit": Audit,
 }
 WORDS = {True: "yes", False: "no"}
 
@@ -68,7 +106,7 @@ class LazyResults(Mapping[str, Any]):
     """
 
     def __init__(self, kind: str, paths: Sequence[str]) -> None:
-        self._read = READERS.get(kind, cache(read_json))
+        self._read = READERS.get(kind) or cache(partial(read_record, RECORDS[kind]))
         self._files = {Path(path).parent.name: path for path in paths}
 
     def __getitem__(self, name: str) -> Any:
@@ -106,4 +144,4 @@ def make_table(
 
 
 def _in_words(value: Any) -> Any:
-    return WORDS[value] if isinstance(value, bool) else value
+    return WORDS[bool(value)] if isinstance(value, bool | np.bool_) else value

@@ -1,10 +1,13 @@
 """Rows of tables about the link models: torques, rotors, identified parameters, remarks of fits."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
+from ur5lib.errors import Remark
+from ur5lib.identification.excitation import Excitation
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Rotors
 from ur5lib.report.findings import in_words
 from ur5lib.report.tables.source import Row, Source, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
@@ -42,9 +45,9 @@ def torque_mae(source: Source) -> Iterator[Row]:
 
 def rotor_inertia(source: Source) -> Iterator[Row]:
     """Yield rotor inertias, and further fitted terms that should be zero."""
-    rotors = source["rotors"]
-    if rotors["from"]:
-        value, std = rotors["value"], rotors["std_error"]
+    rotors: Rotors = source["rotors"]
+    if rotors.value is not None and rotors.std_error is not None:
+        value, std = vars(rotors.value), vars(rotors.std_error)
         columns = {"value": value["inertia"], "std_error": std["inertia"]}
         for term in ("offset", "coulomb", "viscous"):
             columns |= {term: value[term], f"{term}_std_error": std[term]}
@@ -53,34 +56,40 @@ def rotor_inertia(source: Source) -> Iterator[Row]:
 
 def parameters(source: Source) -> Iterator[Row]:
     """Yield the base parameters of the identified model."""
-    yield from source["identification"].get("parameters", [])
+    yield from map(vars, source["identification"].parameters)
 
 
 def excitation(source: Source) -> Iterator[Row]:
     """Yield the excitation of an arm's parameters by the recordings, and advice."""
-    if found := source["identification"].get("excitation"):
-        advice = found["advice"]
+    found: Excitation | None = source["identification"].excitation
+    if found is not None:
         yield {
-            "combinations": found["combinations"],
-            "undetermined": len(found["undetermined"]),
-            **found["condition"],
-            "advice": "; ".join(map(in_words, advice)),
-            "motion": advice[0]["values"].get("motion") if advice else None,
+            "combinations": found.combinations,
+            "undetermined": len(found.undetermined),
+            **found.condition,
+            "advice": "; ".join(map(in_words, found.advice)),
+            "motion": found.advice[0].values.get("motion") if found.advice else None,
         }
 
 
 def remarks(source: Source) -> Iterator[Row]:
     """Yield remarks of the fits by joint, and reasons of fits that failed."""
     for kind, step in FITS.items():
-        summary = source[kind]
-        for remark in [*summary.get("remarks", []), *filter(None, [summary.get("refused")])]:
+        fitted = source[kind]
+        refused = filter(None, [getattr(fitted, "refused", None)])
+        for remark in [*getattr(fitted, "remarks", ()), *refused]:
             yield _remark(step, remark)
-        if "stopped" in summary:
-            yield _remark(STOP, summary["stopped"])
-        for joint, fit in enumerate(summary.get("fit", {}).get("joints", []), start=1):
-            for remark in fit["remarks"]:
-                yield _remark(step, remark) | {"joint": joint}
+        if isinstance(fitted, Friction):
+            yield from _remarks_of_joints(fitted)
 
 
-def _remark(step: str, remark: Mapping[str, Any]) -> Row:
-    return {"step": step, "code": remark["code"], "remark": in_words(remark)}
+def _remarks_of_joints(friction: Friction) -> Iterator[Row]:
+    if friction.stopped is not None:
+        yield _remark(STOP, friction.stopped)
+    for joint, fit in enumerate(friction.fit.joints, start=1):
+        for remark in fit.remarks:
+            yield _remark("friction", remark) | {"joint": joint}
+
+
+def _remark(step: str, remark: Remark) -> Row:
+    return {"step": step, "code": remark.code, "remark": in_words(remark)}

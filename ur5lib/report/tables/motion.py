@@ -1,12 +1,15 @@
 """Rows of tables about the motion: the closed loop, accelerations beside an IMU, the smoother."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
+from ur5lib.pipeline.records.accelerations import Difference, ImuComparison
+from ur5lib.pipeline.records.closed_loop import GainSummary
 from ur5lib.report.tables.source import Row, Source, by_joint
+from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.kalman import InnovationTest
 from ur5lib.timeseries.metrics import NORMAL95, largest_error, mean_absolute_error
 
 COMPONENTS = {"x": "m/s2", "y": "m/s2", "z": "m/s2", "rx": "rad/s2", "ry": "rad/s2", "rz": "rad/s2"}
@@ -41,49 +44,51 @@ def gains(source: Source) -> Iterator[Row]:
 
     low and high: of the range that fits equally well, empty where it reaches a search bound.
     """
-    for joint, found in enumerate(source["gains"].get("joints", []), start=1):
-        for name, unit in (("position", "1/s2"), ("velocity", "1/s")):
-            gain = found[name]
-            determined = gain["determined"]
-            bounds = gain["grid"][0], gain["grid"][-1]
+    for joint, found in enumerate(source["gains"].joints, start=1):
+        for name, gain, unit in (
+            ("position", found.position, "1/s2"),
+            ("velocity", found.velocity, "1/s"),
+        ):
+            bounds = gain.grid[0], gain.grid[-1]
             yield {
                 "joint": joint,
                 "gain": name,
                 "unit": unit,
-                "value": gain["best"] if determined else None,
-                "std_error": gain["std_error"] if determined else None,
-                "determined": determined,
-            } | {end: None if gain[end] in bounds else gain[end] for end in ("low", "high")}
+                "value": gain.best if gain.determined else None,
+                "std_error": gain.std_error if gain.determined else None,
+                "determined": gain.determined,
+                "low": None if gain.low in bounds else gain.low,
+                "high": None if gain.high in bounds else gain.high,
+            }
 
 
 def published_gains(source: Source) -> Iterator[Row]:
     """Yield whether published gains fit as well as the best ones, of joints whose target moves."""
-    for model, costs in source["gains"].get("published", {}).items():
-        for joint, (cost, found) in enumerate(
-            zip(costs, source["gains"]["joints"], strict=True), start=1
-        ):
-            if found["excited"]:
+    gains: GainSummary = source["gains"]
+    for model, costs in gains.published.items():
+        for joint, (cost, found) in enumerate(zip(costs, gains.joints, strict=True), start=1):
+            if found.excited:
                 yield {
                     "model": model,
                     "joint": joint,
                     "cost": cost,
-                    "least_cost": found["cost"],
-                    "limit": found["limit"],
-                    "fits": cost <= found["limit"],
+                    "least_cost": found.cost,
+                    "limit": found.limit,
+                    "fits": bool(cost <= found.limit),
                 }
 
 
 def acceleration_mae(source: Source) -> Iterator[Row]:
     """Yield the MAE of the end effector's acceleration against the IMU."""
     printed = source.published("acceleration_mae")
-    for estimate, errors in source["accelerations"]["errors"].items():
-        for index, (component, mae) in enumerate(errors["mae"].items()):
+    for estimate, errors in source["accelerations"].errors.items():
+        for index, (component, mae) in enumerate(errors.mae.items()):
             yield {
                 "estimate": estimate,
                 "component": component,
                 "mae": mae,
                 "printed": printed[estimate][index] if estimate in printed else None,
-                "zero_mae": errors["zero_mae"][component],
+                "zero_mae": errors.zero_mae[component],
             }
 
 
@@ -94,25 +99,25 @@ def acceleration_bands(source: Source) -> Iterator[Row]:
     The band comes from the other recordings and contains all errors: noise of encoders and IMU,
     calibration, bending links. No rows without another recording.
     """
-    summary, others = source["accelerations"], source.others("accelerations")
-    calibrating = [others[name] for name in summary.get("calibrated_on", ()) if name in others]
-    ranges = [other["ranges"] for other in calibrating if "ranges" in other]
-    for name, states in summary.get("ranges", {}).items():
+    compared: ImuComparison = source["accelerations"]
+    others = source.others("accelerations")
+    ranges = [others[name].ranges for name in compared.calibrated_on if name in others]
+    for name, states in compared.ranges.items():
         for state, found in states.items():
-            squares = [part["square"] for one in ranges if (part := one.get(name, {}).get(state))]
+            squares = [part.square for one in ranges if (part := one.get(name, {}).get(state))]
             if squares:
                 std = np.sqrt(np.mean(squares, axis=0))
-                rows = _band(found, std, summary["plain_ranges"][name][state]["square"])
+                rows = _band(found, std, compared.plain_ranges[name][state].square)
                 yield from ({"range": name, "during": state} | row for row in rows)
 
 
-def _band(summary: Mapping[str, Any], std: Array, plain: list[float]) -> Iterator[Row]:
-    held = _held(np.array(summary["quantiles"]), NORMAL95 * std)
+def _band(found: Difference, std: Array, plain: Array) -> Iterator[Row]:
+    held = _held(found.quantiles, NORMAL95 * std)
     for index, (component, unit) in enumerate(COMPONENTS.items()):
         yield {
             "component": component,
             "unit": unit,
-            "rms": float(np.sqrt(summary["square"][index])),
+            "rms": float(np.sqrt(found.square[index])),
             "std": float(std[index]),
             "held": float(held[index]),
             "filterpy_rms": float(np.sqrt(plain[index])),
@@ -133,31 +138,28 @@ def imu_calibration(source: Source) -> Iterator[Row]:
     described: place by the arm's description; held_out: error on recordings left out with the
     estimated place, divided by that with the described one; below 1, the estimate is used.
     """
-    fit = source["calibration"].get("all", {})
+    fit: ImuCalibration | None = source["calibration"].get("all")
     for quantity, unit in CALIBRATED.items() if fit else ():
-        values, errors = fit[quantity], fit[f"{quantity}_std"]
+        values, errors = getattr(fit, quantity), getattr(fit, f"{quantity}_std")
         for i, (axis, value, std) in enumerate(zip("xyz", values, errors, strict=False)):
-            row = {"quantity": quantity, "axis": axis, "unit": unit}
+            row: Row = {"quantity": quantity, "axis": axis, "unit": unit}
             row |= {"value": value, "std_error": std}
-            if quantity == "place":
-                row |= {
-                    "described": fit["described"][i],
-                    "held_out": fit["held_out"],
-                }
+            if fit and quantity == "place":
+                row |= {"described": fit.described[i], "held_out": fit.held_out}
             yield row
 
 
 def innovations(source: Source) -> Iterator[Row]:
     """Yield whether the smoother's innovations are as wide as stated, and white."""
-    for estimate, summary in (source["motion"] | source["fused"]).items():
-        test = summary["innovations"]
-        for index, channel in enumerate(CHANNELS[: len(test["variance"])]):
-            low, high = test["variance_limits"][index]
+    for estimate, account in (source["motion"] | source["fused"]).items():
+        test: InnovationTest = account.innovations
+        for index, channel in enumerate(CHANNELS[: len(test.variance)]):
+            low, high = test.variance_limits[index]
             names = ("variance", "portmanteau", "consistent", "white", "colour")
             yield {
                 "estimate": estimate,
                 "channel": channel,
                 "variance_low": low,
                 "variance_high": high,
-                "portmanteau_limit": test["portmanteau_limit"],
-            } | {name: test[name][index] for name in names}
+                "portmanteau_limit": test.portmanteau_limit,
+            } | {name: getattr(test, name)[index] for name in names}

@@ -1,0 +1,106 @@
+"""The contacts that each estimate detects, and the links on which they may be."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from ur5lib.timeseries.arrays import Array, Float
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm: start, end and time of the largest force [s], this force (3,) [N] and its standard
+    deviation; whether it is a contact or a load, and the mass of a load [kg].
+    """
+
+    start: float
+    end: float
+    peak: float
+    force: Array
+    force_std: Array
+    kind: Literal["contact", "load"] = "contact"
+    load_mass: float | None = None
+    load_mass_std: float | None = None
+
+
+@dataclass(frozen=True)
+class OnAxis:
+    """An estimate with the thesis's fixed threshold on one axis.
+
+    force: the threshold [N]; time_above: share of the recording; pushes: that reach the threshold
+    at the sensor; found: of these. None without a sensor.
+    """
+
+    force: float
+    time_above: float
+    pushes: int | None = None
+    found: int | None = None
+
+
+@dataclass(frozen=True)
+class ForceClass:
+    """The contacts that reach a force at the sensor [N], how many are found, and how late [s]."""
+
+    force: float
+    contacts: int
+    found: int
+    recall: Float
+    median_delay: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Matched:
+    """Alarms a minute, and how they match the contacts at a sensor; None without one.
+
+    classes: by the force that a contact reaches; precision: share of alarms that are contacts;
+    false_per_min: alarms in no contact; extra: further alarms in a contact.
+    """
+
+    alarms_per_min: float
+    classes: list[ForceClass] = field(default_factory=list)
+    precision: Float = float("nan")
+    false_per_min: float | None = None
+    extra: int | None = None
+
+
+@dataclass(frozen=True)
+class SmallestPush:
+    """The force [N] that is detected in 95 of 100 trials, with its standard error, in a range of
+    the flange's speed [m/s], along an axis or along any.
+
+    tried, found: numbers of trials.
+    """
+
+    speed_low: float
+    speed_high: float | None
+    tried: int
+    found: int
+    force: Float
+    std: Float
+    axis: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Detected(Matched):
+    """An estimate in detection.json.
+
+    time_in_alarm, free_time_in_alarm: shares of all samples and of those without contact; axes:
+    with the thesis's threshold; roc_area: under the receiver's curve; causal: from past samples
+    alone.
+    """
+
+    threshold: float
+    raised: list[Alarm]
+    time_in_alarm: float
+    axes: dict[str, OnAxis]
+    free_time_in_alarm: float | None = None
+    roc_area: float | None = None
+    causal: Matched | None = None
+    smallest_force_95: list[SmallestPush] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class TouchedLinks:
+    """A contact in links.json: its start [s], and the probability of each link (6,)."""
+
+    start: float
+    links: list[float]

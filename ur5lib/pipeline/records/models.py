@@ -1,0 +1,58 @@
+"""The link models that were identified: rotors, and rigid bodies."""
+
+from dataclasses import dataclass, field
+
+from ur5lib.errors import Remark
+from ur5lib.identification.excitation import Excitation
+from ur5lib.identification.rotor_inertia import Terms
+from ur5lib.tables import BY_KEY
+from ur5lib.timeseries.arrays import Array, Float
+
+
+@dataclass(frozen=True)
+class Rotors:
+    """rotor_inertia.json: rotor inertias, and the terms that should be zero.
+
+    from_: the recordings of the fit; None where no torques were recorded.
+    """
+
+    __pydantic_config__ = BY_KEY
+
+    from_: list[str] = field(default_factory=list)
+    value: Terms | None = None
+    std_error: Terms | None = None
+
+
+@dataclass(frozen=True)
+class BaseParameter:
+    """A base parameter in SI units.
+
+    parameter: the sum for which it stands, in words; determined: whether the data determine it;
+    weights: (P,), of the arm's parameters π in that sum.
+    """
+
+    parameter: str
+    value: float
+    std_error: Float
+    determined: bool
+    weights: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """identification.json: the rigid bodies that the controller's torques show.
+
+    from_: the recordings with torques; noise: of the torques (n,) [Nm]; mae [Nm] and
+    smallest_eigenvalues [kg m², kg]: (n,), "without constraint" and "consistent"; refused: why
+    nothing was identified.
+    """
+
+    __pydantic_config__ = BY_KEY
+
+    from_: list[str] = field(default_factory=list)
+    noise: Array | None = None
+    parameters: list[BaseParameter] = field(default_factory=list)
+    mae: dict[str, Array] = field(default_factory=dict)
+    smallest_eigenvalues: dict[str, Array] = field(default_factory=dict)
+    excitation: Excitation | None = None
+    refused: Remark | None = None
