@@ -33,8 +33,7 @@ from ur5lib.force.external_torque import SETTLING, finite_rows, joint_states
 from ur5lib.identification.samples import Record
 from ur5lib.pipeline.carried import Carried, carried
 from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.fused_motion import fused_record, imu_model

@@ -38,8 +38,7 @@ from ur5lib.identification.samples import (
     smoothed_moving,
 )
 from ur5lib.identification.validation import baseline_current, least_squares_coefficients
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.records.currents import Currents, Prediction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals

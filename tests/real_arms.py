@@ -28,8 +28,7 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.current_prediction import predicted_currents
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.force_estimates import Problem, direct_problems, repeat_problem
 from ur5lib.pipeline.friction_fit import fitted_friction
 from ur5lib.pipeline.records.currents import Currents

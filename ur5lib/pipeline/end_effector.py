@@ -1,13 +1,19 @@
 """Acceleration of the end effector: from joints, through Euler angles, and from an IMU."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from ur5lib.pipeline.imu_samples import imu_samples
-from ur5lib.pipeline.records.accelerations import AccelerationErrors, Accelerations
+from ur5lib.pipeline.records.accelerations import (
+    AccelerationErrors,
+    Accelerations,
+    ByRange,
+    Difference,
+)
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -24,11 +30,16 @@ from ur5lib.timeseries.lowpass import (
 )
 from ur5lib.timeseries.metrics import mean_absolute_error
 from ur5lib.timeseries.sampling import differentiate
-from ur5lib.timeseries.segments import by_segment
+from ur5lib.timeseries.segments import DEAD_ZONE, by_segment
 
 COMPONENTS = ("x", "y", "z", "rx", "ry", "rz")
 RANGE_ORDER = 4  # of the filters that separate ranges of frequency
 EULER = {"euler": True, "euler, B corrected": False}  # whether by Equation 2.33 as printed
+CUTOFFS = {"below 2 Hz": (None, 2.0), "below 5 Hz": (None, 5.0), "5 to 20 Hz": (5.0, 20.0)}
+LEVELS = np.linspace(0, 1, 101)  # shares of which quantiles are stated
+
+Differences = Callable[[float], Mapping[str, Array]]
+"""Returns by motion how far both differ in acceleration (N, 6), low-passed at a cut-off [Hz]."""
 
 
 def at_the_imu(
@@ -171,3 +182,24 @@ def _errors(estimates: Mapping[str, Array], felt: Array) -> dict[str, Accelerati
         )
         for name, values in estimates.items()
     }
+
+
+def by_range(differences: Differences, qd: Array) -> dict[str, ByRange]:
+    """Return how far both differ, by motion and range of frequency, in motion and at rest.
+
+    qd: (N, 6) [rad/s]. A state without any sample is left out.
+    """
+    moving = np.abs(qd).max(axis=1) > DEAD_ZONE
+    low = {cutoff: differences(cutoff) for cutoff in (2.0, 5.0, 20.0)}
+    ranges: dict[str, ByRange] = {name: {} for name in low[2.0]}
+    for motion, (name, (above, below)) in product(ranges, CUTOFFS.items()):
+        within = low[below][motion] - (low[above][motion] if above else 0)
+        known = np.isfinite(within).all(axis=1)
+        states = {"motion": within[known & moving], "rest": within[known & ~moving]}
+        ranges[motion][name] = {state: _summed(part) for state, part in states.items() if len(part)}
+    return ranges
+
+
+def _summed(difference: Array) -> Difference:
+    quantiles = np.quantile(np.abs(difference), LEVELS, axis=0)
+    return Difference(np.mean(difference**2, axis=0), quantiles)

@@ -8,8 +8,7 @@ from ur5lib.force.contact_wrench import LEAST_ERROR, at_rest, static_wrench, tor
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.current_prediction import smoothed_external_torque
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques

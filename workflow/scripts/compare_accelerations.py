@@ -3,11 +3,11 @@
 from functools import partial
 from typing import Any
 
-from ur5lib.pipeline.acceleration_ranges import by_range
 from ur5lib.pipeline.clocks import by_stamps
 from ur5lib.pipeline.end_effector import (
     acceleration_errors,
     at_the_imu,
+    by_range,
     compared,
     differences,
 )

@@ -4,8 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from ur5lib.errors import reason
-from ur5lib.pipeline.current_prior import controllers_ratio, prior_of
-from ur5lib.pipeline.current_samples import current_record, smoother
+from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
