@@ -8,8 +8,6 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.table import Table
 from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import Payload, Robot, load_robot
@@ -18,6 +16,7 @@ from ur5lib.study.reading import read_study
 from ur5lib.tables import read_csv, read_record, read_table, read_units
 
 Record = TypeVar("Record", bound=Table)
+Fitted = TypeVar("Fitted")
 
 
 class FinishedStudy:
@@ -59,18 +58,9 @@ class FinishedStudy:
         """Return an arm with the link models that were identified."""
         return load_robot(self._existing("parameters", robot, "arm.yaml"))
 
-    def friction(self, robot: str) -> Friction:
-        """Return an arm's torque constants and friction."""
-        return read_record(Friction, self._existing("parameters", robot, "friction.json"))
-
-    def rotors(self, robot: str) -> Rotors:
-        """Return an arm's rotor inertias."""
-        return read_record(Rotors, self._existing("parameters", robot, "rotor_inertia.json"))
-
-    def identification(self, robot: str) -> Identification:
-        """Return an arm's base parameters."""
-        path = self._existing("parameters", robot, "identification.json")
-        return read_record(Identification, path)
+    def fitted(self, kind: type[Fitted], robot: str, name: str) -> Fitted:
+        """Return parameters/<robot>/<name>.json as a record."""
+        return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
 
     def quality(self, recording: str) -> Quality:
         """Return the files and the timing of a recording."""

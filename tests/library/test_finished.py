@@ -8,6 +8,7 @@ import pytest
 
 import ur5lib
 from ur5lib.errors import InputError
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.tables import write_csv, write_table
 
 
@@ -55,4 +56,4 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
 
 def test_a_missing_file_is_named(results: Path) -> None:
     with pytest.raises(InputError, match=r"parameters/ur5/friction\.json.*run snakemake"):
-        ur5lib.load(results).friction("ur5")
+        ur5lib.load(results).fitted(Friction, "ur5", "friction")

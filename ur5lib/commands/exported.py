@@ -12,7 +12,8 @@ from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit, Parameter, torque_constants
 from ur5lib.pipeline.records.currents import Currents
-from ur5lib.pipeline.records.models import BaseParameter, Rotors
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.findings import in_words
@@ -77,7 +78,7 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     """Return the Coulomb and viscous friction that is closest to the identified friction, which has
     more terms, on the recordings of its fit; None without a fit.
     """
-    friction = study.friction(robot)
+    friction = study.fitted(Friction, robot, "friction")
     if not friction.from_:
         return None
     fit = friction.fit
@@ -138,8 +139,9 @@ def identified_parameters(
     friction: in the form of simulators. Lists are empty where nothing could be fitted. Raises
     InputError where a summary is missing.
     """
-    rotors, model = study.rotors(robot), study.identification(robot)
-    currents = study.friction(robot)
+    rotors = study.fitted(Rotors, robot, "rotor_inertia")
+    model = study.fitted(Identification, robot, "identification")
+    currents = study.fitted(Friction, robot, "friction")
     return {
         "base_parameters": [_base_parameter(row) for row in model.parameters],
         "rotor_inertia": [*_rotor_rows(rotors)],

@@ -11,6 +11,7 @@ from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.pipeline.records.currents import Currents
+from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
@@ -32,7 +33,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     study = FinishedStudy(results)
     recording = study.recording(name)
     robot = recording.arm.known_as
-    arm, friction = study.arm(robot), study.friction(robot)
+    arm, friction = study.arm(robot), study.fitted(Friction, robot, "friction")
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted_current is None or signals.actual_current is None:

@@ -9,18 +9,9 @@ from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.recordings.quality import Device, StartOffset
 from ur5lib.signals.clock import OwnClock, clock_from_stamps
 from ur5lib.signals.device_clock import device_clock
-from ur5lib.signals.resampling import resample
 from ur5lib.timeseries.arrays import Array
 
 GYROSCOPE = SENSOR_COLUMNS["imu"][3:]
-
-
-def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
-    """Return a sensor's reading (N, 6) at the robot's times (N,) [s] by its start stamp alone, as
-    in the thesis; device: on its own clock; sensor: "force" or "imu".
-    """
-    clock = clock_from_stamps(start.seconds, start.std)
-    return resample(device, clock, time)[SENSOR_COLUMNS[sensor]].to_numpy()
 
 
 def own_clocks(

@@ -46,8 +46,8 @@ def compare_forces(input: Any, output: Any, params: Any) -> None:
 def read_sensor(input: Any, robot: Any, signals: Signals, kinematics: Kinematics) -> SensorReading:
     """Return the reading of the arm's own sensor, or of one with a clock of its own."""
     # slow to import, and most recordings have no sensor
-    from ur5lib.pipeline.clocks import by_stamps
     from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
+    from ur5lib.pipeline.stamps import by_stamps
 
     moved = moved_tool(robot, kinematics, Motion.read(input.motion))
     start = read_record(Quality, input.quality).starts.get("force")
