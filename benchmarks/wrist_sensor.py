@@ -19,7 +19,7 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
-from ur5lib.pipeline.records.forces import Audit
+from ur5lib.pipeline.records.force_errors import Audit
 from ur5lib.tables import read_record
 
 PROJECT = Path(__file__).resolve().parent.parent

@@ -16,7 +16,7 @@ from ur5lib.study.reading import read_study
 from ur5lib.tables import read_csv, read_record, read_table, read_units
 
 Record = TypeVar("Record", bound=Table)
-Fitted = TypeVar("Fitted")
+Parameters = TypeVar("Parameters")
 
 
 class FinishedStudy:
@@ -58,8 +58,8 @@ class FinishedStudy:
         """Return an arm with the link models that were identified."""
         return load_robot(self._existing("parameters", robot, "arm.yaml"))
 
-    def fitted(self, kind: type[Fitted], robot: str, name: str) -> Fitted:
-        """Return parameters/<robot>/<name>.json as a record."""
+    def parameters(self, kind: type[Parameters], robot: str, name: str) -> Parameters:
+        """Return what was fitted to an arm, e.g. `Friction` of parameters/<arm>/friction.json."""
         return read_record(kind, self._existing("parameters", robot, f"{name}.json"))
 
     def quality(self, recording: str) -> Quality:

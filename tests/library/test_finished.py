@@ -56,4 +56,4 @@ def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
 
 def test_a_missing_file_is_named(results: Path) -> None:
     with pytest.raises(InputError, match=r"parameters/ur5/friction\.json.*run snakemake"):
-        ur5lib.load(results).fitted(Friction, "ur5", "friction")
+        ur5lib.load(results).parameters(Friction, "ur5", "friction")

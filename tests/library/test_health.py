@@ -24,8 +24,8 @@ from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, design
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_of, together
-from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.health import Health
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.cells import days

@@ -28,9 +28,7 @@ from ur5lib.signals.imu_fusion import (
     LinearImu,
     add_imu,
     imu_noise,
-    jacobian_derivative,
     linearise_imu,
-    point_jacobian,
     smooth_with_imu,
 )
 from ur5lib.signals.noise import (
@@ -40,6 +38,7 @@ from ur5lib.signals.noise import (
     moving_mean,
     quantum,
 )
+from ur5lib.signals.point_motion import jacobian_derivative, point_jacobian
 from ur5lib.signals.smoothing import (
     SmoothedJoints,
     SmoothedMotion,

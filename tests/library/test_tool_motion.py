@@ -19,7 +19,8 @@ from ur5lib.pipeline.sensor_reading import moved_tool, sensor_reading
 from ur5lib.pipeline.smoothed_motion import measured, motion_record
 from ur5lib.robots.description import Payload, Robot
 from ur5lib.signals.clock import clock_from_stamps
-from ur5lib.signals.end_effector import ToolMotion, expected, point_acceleration, tool_motion
+from ur5lib.signals.end_effector import ToolMotion, expected, tool_motion
+from ur5lib.signals.point_motion import point_acceleration
 from ur5lib.signals.resampling import resample
 from ur5lib.signals.smoothing import smooth_encoders
 from ur5lib.tables import channel

@@ -24,11 +24,12 @@ from ur5lib.pipeline.carried import Carried
 from ur5lib.pipeline.force_estimates import is_fitted, repeated_runs
 from ur5lib.pipeline.force_input import passed
 from ur5lib.pipeline.records.contacts import Alarm, Detected
-from ur5lib.pipeline.records.currents import Currents, FreeRun, LoadRegressor, Prediction
+from ur5lib.pipeline.records.currents import Currents, LoadRegressor
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import FreeRun, Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction

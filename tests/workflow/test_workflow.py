@@ -166,20 +166,20 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         ("ur5lib/signals/clock.py", jobs(*FROM_CLOCKS) | DRIFTS | ARM | REPORT),
         ("ur5lib/signals/resampling.py", jobs("align_signals", *FROM_SIGNALS) | ARM | REPORT),
         ("ur5lib/timeseries/kalman.py",
-         jobs("draw_tracking", *FROM_MOTION) | IMU | MODELS | FRICTION | REPORT),
+         jobs("draw_tracking", *FROM_MOTION) | MODELS | FRICTION | REPORT),
         # Side branches: no force estimate runs again.
-        ("ur5lib/signals/imu_fusion.py",  # a wrist sensor's tool moves by its Jacobian
+        ("ur5lib/signals/imu_fusion.py", jobs(*FROM_IMU) | REPORT),
+        ("ur5lib/signals/point_motion.py",  # a wrist sensor's tool moves by its Jacobian
          jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/signals/imu_calibration.py", jobs(*FROM_IMU) | IMU | REPORT),
-        ("ur5lib/signals/end_effector.py",
-         jobs("fuse_imu", "compare_accelerations", *FROM_SENSOR) | IMU | REPORT),
         ("ur5lib/identification/closed_loop.py",
          jobs("estimate_gains", "draw_tracking") | REPORT),
         ("ur5lib/identification/rotor_inertia.py",
          jobs("draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/robots/friction.py",  # whose terms a study may name
          jobs(*FROM_FRICTION) | FRICTION | {"compare_studies": 1} | REPORT),
-        ("ur5lib/dynamics/rigid_body.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
+        ("ur5lib/dynamics/rigid_body.py",
+         jobs("estimate_gains", "draw_tracking", *FROM_TORQUES) | MODELS | FRICTION | REPORT),
         ("ur5lib/dynamics/kinematics.py", jobs(*FROM_KINEMATICS) | DRIFTS | ARM | REPORT),
         ("ur5lib/force/sensor.py", jobs(*FROM_SENSOR) | REPORT),
         ("ur5lib/force/residual_model.py",
@@ -195,6 +195,7 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
         # The wording of a warning, verdict or caption: no step but those of the report.
         ("ur5lib/report/templates/findings.yaml", REPORT),
         ("ur5lib/report/verdicts/force.py", {"write_report": 1}),
+        ("ur5lib/report/contents.yaml", {"write_report": 1}),
         ("ur5lib/report/sentences.yaml", {"write_report": 1}),
         ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),

@@ -194,8 +194,10 @@ def problem_after(
     scaled to the study's standard errors, which include correlated residuals and differences
     between recordings. Raises InputError where a file is missing.
     """
-    friction = study.fitted(Friction, arm.name, "friction")
-    base = study.fitted(Identification, arm.name, "identification")
+    friction, base = (
+        study.parameters(Friction, arm.name, "friction"),
+        study.parameters(Identification, arm.name, "identification"),
+    )
     problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
     recordings = [*_recorded(arm, study, sorted({*friction.from_, *base.from_}))]
     if friction.from_:

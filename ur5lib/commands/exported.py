@@ -78,7 +78,7 @@ def simulator_friction(robot: str, model: str, study: FinishedStudy) -> JointFri
     """Return the Coulomb and viscous friction that is closest to the identified friction, which has
     more terms, on the recordings of its fit; None without a fit.
     """
-    friction = study.fitted(Friction, robot, "friction")
+    friction = study.parameters(Friction, robot, "friction")
     if not friction.from_:
         return None
     fit = friction.fit
@@ -139,9 +139,11 @@ def identified_parameters(
     friction: in the form of simulators. Lists are empty where nothing could be fitted. Raises
     InputError where a summary is missing.
     """
-    rotors = study.fitted(Rotors, robot, "rotor_inertia")
-    model = study.fitted(Identification, robot, "identification")
-    currents = study.fitted(Friction, robot, "friction")
+    rotors, model = (
+        study.parameters(Rotors, robot, "rotor_inertia"),
+        study.parameters(Identification, robot, "identification"),
+    )
+    currents = study.parameters(Friction, robot, "friction")
     return {
         "base_parameters": [_base_parameter(row) for row in model.parameters],
         "rotor_inertia": [*_rotor_rows(rotors)],

@@ -33,7 +33,7 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     study = FinishedStudy(results)
     recording = study.recording(name)
     robot = recording.arm.known_as
-    arm, friction = study.arm(robot), study.fitted(Friction, robot, "friction")
+    arm, friction = study.arm(robot), study.parameters(Friction, robot, "friction")
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted_current is None or signals.actual_current is None:

@@ -5,7 +5,7 @@ import torch
 
 from ur5lib.dynamics import kinematics
 from ur5lib.dynamics.arm import build_arm
-from ur5lib.dynamics.link_model import PullBack, with_pull_back
+from ur5lib.dynamics.gradients import PullBack, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks

@@ -1,38 +1,17 @@
 """An arm under one of its link models: arrays in, arrays out."""
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 import torch
-from torch import Tensor
 
 from ur5lib.dynamics import rigid_body
 from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.gradients import PullBack, with_pull_back
 from ur5lib.robots.description import Robot
 from ur5lib.robots.inertia import link_tail
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.segments import in_chunks
-
-PullBack = Callable[[Array], tuple[Array, ...]]
-"""From ∂f/∂value, an array like the value, to ∂f/∂state of each state, arrays like the states."""
-
-
-def with_pull_back(function: Callable[..., Tensor], *states: Array) -> tuple[Array, PullBack]:
-    """Return function(*states) and its pull-back, by automatic differentiation.
-
-    The pull-back may be called once.
-    """
-    inputs = [torch.from_numpy(state).requires_grad_() for state in states]
-    value = function(*inputs)
-
-    def pull_back(sensitivity: Array) -> tuple[Array, ...]:
-        gradients = torch.autograd.grad(
-            value, inputs, torch.from_numpy(sensitivity), materialize_grads=True
-        )
-        return tuple(gradient.numpy() for gradient in gradients)
-
-    return value.detach().numpy(), pull_back
 
 
 class LinkModel:

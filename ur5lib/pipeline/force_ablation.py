@@ -8,7 +8,7 @@ from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.detection import contacts, in_contact
 from ur5lib.force.wrench_estimate import Ablation
 from ur5lib.pipeline.force_estimates import Problem
-from ur5lib.pipeline.records.forces import Ablated
+from ur5lib.pipeline.records.force_errors import Ablated
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import coverage, interval_score, mean_absolute_error
 from ur5lib.timeseries.segments import marked

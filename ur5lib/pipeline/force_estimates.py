@@ -15,9 +15,10 @@ from ur5lib.force.template import repeat_aware
 from ur5lib.force.wrench_estimate import Ablation, WrenchEstimate, estimate_wrench, used_rows
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.pipeline.force_input import force_input
-from ur5lib.pipeline.records.currents import Currents, FreeRun
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import FreeRun
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.metrics import NORMAL95

@@ -10,8 +10,8 @@ import numpy as np
 from ur5lib.identification.condition import UNITS, Estimates, joint_conditions
 from ur5lib.identification.currents import CurrentFit
 from ur5lib.identification.samples import Record, Smooth, passed
-from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.health import Condition, Health, JointChange
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Quality
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.changes import FEWEST, Series, find_changes

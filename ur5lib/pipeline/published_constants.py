@@ -1,17 +1,37 @@
 """The thesis's torque constants and offsets (Equations 6.5, 6.6), rebuilt from a recording."""
 
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.current_based import current_on_torque, friction_torque, torque_on_current
+from ur5lib.force.current_based import (
+    TorqueLine,
+    current_on_torque,
+    friction_torque,
+    torque_on_current,
+)
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import PublishedConstants, Torques
+from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import BLOCK
 
 LINES = {"torque_on_current": torque_on_current, "current_on_torque": current_on_torque}
+
+
+@dataclass(frozen=True)
+class PublishedConstants:
+    """published_constants.json: the lines of Equation 6.5 in both directions of regression; empty
+    where currents or targets were not recorded.
+
+    mean_torque: (6,) [Nm]; correlation: (6,), of torques with currents, with and without friction.
+    """
+
+    lines: dict[str, TorqueLine] = field(default_factory=dict)
+    mean_torque: Array = field(default_factory=lambda: np.zeros(0))
+    correlation: Array = field(default_factory=lambda: np.zeros(0))
+    correlation_without_friction: Array = field(default_factory=lambda: np.zeros(0))
 
 
 class CurrentTorque(NamedTuple):

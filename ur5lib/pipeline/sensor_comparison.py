@@ -15,13 +15,8 @@ from ur5lib.force.sensor import (
     opposite_axes,
     wrench_of_environment,
 )
-from ur5lib.pipeline.records.forces import (
-    Compared,
-    Forces,
-    OffsetAccount,
-    PublishedForces,
-    SensorWrenches,
-)
+from ur5lib.pipeline.records.force_errors import Compared, OffsetAccount
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.table import WRENCH

@@ -12,7 +12,7 @@ from ur5lib.timeseries.arrays import Array
 def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
     """Return a sensor's reading (N, 6) at the robot's times (N,) [s].
 
-    device: on its own clock; start: its stamp; sensor: "force" or "imu".
+    device: on its own clock; start: of its stamp; sensor: "force" or "imu".
     """
     clock = clock_from_stamps(start.seconds, start.std)
     return resample(device, clock, time)[SENSOR_COLUMNS[sensor]].to_numpy()

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ur5lib.signals.noise import moving_mean
+from ur5lib.signals.point_motion import jacobian_derivative, point_jacobian
 from ur5lib.signals.smoothing import (
     LINK,
     STATES,
@@ -71,18 +72,6 @@ def linearise_imu(
     offset = np.zeros((len(J), 6))
     offset[:, :3] = (to_sensor @ free[..., None])[..., 0]
     return LinearImu(offset, H)
-
-
-def point_jacobian(R6: Array, J: Array, point: Array) -> Array:
-    """Return J_v of a point of frame 6, (N, 3, 6): J_v − [R_6 p]× J_w."""
-    return J[:, :3] + np.cross(J[:, 3:], (R6 @ point)[:, :, None], axis=1)
-
-
-def jacobian_derivative(J_v: Array, J_w: Array) -> Array:
-    """Return ∂J_v,i/∂q_j = J_w,min(i,j) × J_v,max(i,j), (N, 3, i, j), of any point of link 6."""
-    i = np.arange(6)
-    first, last = np.minimum(i[:, None], i), np.maximum(i[:, None], i)
-    return np.cross(J_w[:, :, first], J_v[:, :, last], axis=1)
 
 
 BIAS = np.repeat([0.5, 0.1], 3)  # m/s², rad/s: prior standard deviation of the biases

@@ -3,7 +3,8 @@
 from typing import Any
 
 from ur5lib.pipeline.carried import Carried
-from ur5lib.pipeline.records.forces import Compared, Forces, PublishedForces, SensorWrenches
+from ur5lib.pipeline.records.force_errors import Compared
+from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals

@@ -13,11 +13,12 @@ from ur5lib.pipeline.force_estimates import (
     repeat_problem,
     repeated_runs,
 )
-from ur5lib.pipeline.records.currents import Currents, FreeRuns, Prediction
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import FreeRuns, Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from ur5lib.pipeline.records.currents import FreeRun, Prediction
+from ur5lib.pipeline.records.prediction import FreeRun, Prediction
 from ur5lib.tables import read_record, write_json
 
 KINDS = ("currents", "motion")

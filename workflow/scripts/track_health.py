@@ -4,9 +4,9 @@ from typing import Any
 
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.health import checkup, dated, enough, health_of
-from ur5lib.pipeline.records.currents import Prediction
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Quality

@@ -1,10 +1,9 @@
-"""Joint torques of the link models, and the torque constants that they show."""
+"""Joint torques of the link models."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
-from ur5lib.force.current_based import TorqueLine
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array, Mask
 
@@ -25,17 +24,3 @@ class Torques(SegmentedTable):
     momentum: Array = channel("momentum", "Nm s", JOINTS)
     coriolis_torque: Array = channel("coriolis_torque", "Nm", JOINTS)
     gravity_torque: Array = channel("gravity_torque", "Nm", JOINTS)
-
-
-@dataclass(frozen=True)
-class PublishedConstants:
-    """published_constants.json: the lines of Equation 6.5 in both directions of regression; empty
-    where currents or targets were not recorded.
-
-    mean_torque: (6,) [Nm]; correlation: (6,), of torques with currents, with and without friction.
-    """
-
-    lines: dict[str, TorqueLine] = field(default_factory=dict)
-    mean_torque: Array = field(default_factory=lambda: np.zeros(0))
-    correlation: Array = field(default_factory=lambda: np.zeros(0))
-    correlation_without_friction: Array = field(default_factory=lambda: np.zeros(0))

@@ -5,7 +5,7 @@ from typing import Any
 
 from ur5lib.force.contact_link import touched_link
 from ur5lib.pipeline.records.contacts import Detected
-from ur5lib.pipeline.records.forces import Audit
+from ur5lib.pipeline.records.force_errors import Audit
 from ur5lib.pipeline.records.observability import Observability
 from ur5lib.report.tables.source import Row, Source, transposed
 

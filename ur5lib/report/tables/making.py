@@ -13,18 +13,19 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.force.residual_model import Residuals
+from ur5lib.pipeline.published_constants import PublishedConstants
 from ur5lib.pipeline.records.accelerations import ImuComparison
 from ur5lib.pipeline.records.closed_loop import ClosedLoop, GainSummary
 from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
-from ur5lib.pipeline.records.currents import Prediction
-from ur5lib.pipeline.records.forces import Ablated, Audit, Compared
+from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.health import Health
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import MotionAccount
 from ur5lib.pipeline.records.observability import Observability
+from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import PublishedConstants, Torques
+from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion

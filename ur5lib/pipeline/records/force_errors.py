@@ -1,0 +1,92 @@
+"""What a force sensor shows of the estimates, and of itself."""
+
+from dataclasses import dataclass, field
+
+from ur5lib.errors import Remark
+from ur5lib.force.contact_figures import ContactErrors
+from ur5lib.force.detection import Felt
+from ur5lib.timeseries.arrays import Array, Float
+
+
+@dataclass(frozen=True, kw_only=True)
+class OffsetAccount:
+    """What was subtracted from a force sensor's reading, as in `ur5lib.force.sensor.SensorOffset`.
+
+    free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean at the
+    start.
+    """
+
+    bias: Array
+    bias_std: Array
+    mass: Float
+    mass_std: Float
+    moment_arm: Array
+    moment_arm_std: Array
+    noise: Array
+    free: float
+    agreeing: float
+    rival: float
+    start_bias: Array
+
+
+Figures = dict[str, dict[str, Float]]  # by name, then by component
+ByPeriod = dict[str, Figures]  # in contact, free and all
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """forces.json: every estimate of the contact wrench beside the force sensor.
+
+    std: median standard deviation by estimate and component; errors: by kind of reference,
+    estimate and period; contacts: errors of each contact by estimate; felt: what the sensor felt;
+    offset_doubt: why its bias may be a push; mounting_doubt: why its mounting may be wrong.
+    """
+
+    force_sensor: bool = False
+    share_near_singularity: Float = float("nan")
+    std: Figures = field(default_factory=dict)
+    offset: OffsetAccount | None = None
+    offset_doubt: Remark | None = None
+    mounting_doubt: Remark | None = None
+    felt: Felt | None = None
+    errors: dict[str, dict[str, ByPeriod]] = field(default_factory=dict)
+    contacts: dict[str, list[ContactErrors]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class AuditRow:
+    """A value in the audit of a wrist's force sensor, with its 95 % interval from low to high.
+
+    verdict: unknown, wrong or right, as by `ur5lib.pipeline.sensor_audit.row`; empty without an
+    expected value.
+    """
+
+    quantity: str
+    component: str
+    value: Float
+    std_error: Float
+    low: Float
+    high: Float
+    unit: str
+    expected: float | None
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Audit:
+    """audit.json: what is wrong with the force sensor in an arm's wrist.
+
+    free_s: contact-free time [s], None where there is nothing to audit.
+    """
+
+    free_s: float | None = None
+    rows: list[AuditRow] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Ablated:
+    """Errors of an estimate of the force in contact, (3,) each, in ablation.json by variant."""
+
+    mae: Array
+    coverage95: Array
+    interval_score95: Array
