@@ -188,13 +188,33 @@ def read_record(kind: type[Record], path: str | Path) -> Record:
 
 
 def as_record(kind: type[Record], data: object) -> Record:
-    """Return plain data as a dataclass, or a dictionary of dataclasses.
+    """Return plain data as a dataclass, or a dictionary of dataclasses; null for a number is NaN.
 
     Raises pydantic's ValidationError where the fields differ.
     """
     from pydantic import TypeAdapter  # slow to import
+    from pydantic_core import SchemaValidator
 
-    return TypeAdapter(kind).validate_python(data)
+    schema = _null_is_nan(TypeAdapter(kind).core_schema)
+    record: Record = SchemaValidator(schema).validate_python(data)
+    return record
+
+
+def _null_is_nan(schema: Any) -> Any:
+    """Return pydantic's schema with every number that may not be null as NaN where it is."""
+    if isinstance(schema, list):
+        return [_null_is_nan(part) for part in schema]
+    if not isinstance(schema, dict) or _is_optional_number(schema):
+        return schema
+    if schema.get("type") == "float":
+        from pydantic_core.core_schema import no_info_before_validator_function as before
+
+        return before(lambda value: math.nan if value is None else value, schema)
+    return {name: _null_is_nan(part) for name, part in schema.items()}
+
+
+def _is_optional_number(schema: Mapping[str, Any]) -> bool:
+    return schema.get("type") == "nullable" and schema["schema"].get("type") == "float"
 
 
 def key(field: str) -> str:

@@ -3,6 +3,7 @@
 import resource
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -136,6 +137,23 @@ def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:
     assert read_json(tmp_path / "x.json") == {"a": [1.0, None], "b": [None]}
     write_csv(pd.DataFrame({"mae": [0.123456789012, None]}), tmp_path / "x.csv")
     assert (tmp_path / "x.csv").read_text() == 'mae\n0.123456789\n""\n'
+
+
+@dataclass
+class Measured:
+    value: float
+    interval: tuple[float, float]
+    by_name: dict[str, float] | None
+    expected: float | None
+
+
+def test_an_unknown_number_of_a_record_is_read_as_nan_or_as_none_where_that_is_declared(
+    tmp_path: Path,
+) -> None:
+    write_json(Measured(np.nan, (np.inf, 2.0), {"a": np.nan}, None), tmp_path / "x.json")
+    found = read_record(Measured, tmp_path / "x.json")
+    expected = {"value": np.nan, "interval": (np.nan, 2.0), "by_name": {"a": np.nan}}
+    np.testing.assert_equal(vars(found), expected | {"expected": None})
 
 
 def test_a_summary_of_another_version_is_refused_with_its_place(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ur5lib.force.detection import CONTACT, contacts, in_contact, is_free, overlap
-from ur5lib.timeseries.arrays import Array, Float, Mask
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
     correlation,
     coverage,
@@ -125,9 +125,9 @@ class ContactErrors:
     end_s: float
     component: str
     peak: float
-    peak_error: Float
+    peak_error: float
     impulse: float
-    impulse_error: Float
+    impulse_error: float
     onset_error_s: float | None = None
 
 

@@ -15,7 +15,7 @@ from scipy.ndimage import minimum_filter
 from scipy.optimize import OptimizeResult, least_squares, minimize_scalar
 from scipy.special import fdtri
 
-from ur5lib.timeseries.arrays import Array, Float, Labels
+from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import unbroken
 
 NODES = 31  # of the grid of gains, on each axis
@@ -54,10 +54,10 @@ class Gain:
     minimum of the cost over the other gain at each.
     """
 
-    best: Float
-    std_error: Float
-    low: Float
-    high: Float
+    best: float
+    std_error: float
+    low: float
+    high: float
     determined: bool
     grid: Array
     profile: Array
@@ -76,9 +76,9 @@ class JointGains:
     velocity: Gain
     excited: bool
     noise: Array
-    cost: Float
-    limit: Float
-    stiff: Float
+    cost: float
+    limit: float
+    stiff: float
 
 
 def simulate_closed_loop(

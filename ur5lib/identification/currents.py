@@ -39,7 +39,7 @@ from ur5lib.identification.selection import (
     left_out_residuals,
 )
 from ur5lib.robots.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
-from ur5lib.timeseries.arrays import Array, Float, Labels, Mask
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import COVERED, NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
@@ -72,8 +72,8 @@ class JointFit:
     presliding: float
     reversal_errors: tuple[float, ...]
     held: float
-    band_moving: Float
-    band_rest: Float
+    band_moving: float
+    band_rest: float
     remarks: tuple[Remark, ...]
     contradicted: float | None = None
 

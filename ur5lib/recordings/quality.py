@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Literal, SupportsInt, TypeVar
 
 from ur5lib.errors import InputError
-from ur5lib.timeseries.arrays import Float
 
 T = TypeVar("T")
 Device = Literal["robot", "force", "imu"]
@@ -56,9 +55,9 @@ class Quality:
     rows: int = 0
     frames: int = 0
     duration_s: float = 0.0
-    period_s: Float = float("nan")
-    longest_step_s: Float = float("nan")
-    jitter_s: dict[str, Float] = field(default_factory=dict)
+    period_s: float = float("nan")
+    longest_step_s: float = float("nan")
+    jitter_s: dict[str, float] = field(default_factory=dict)
     start_epoch_s: float | None = None
     devices: list[Device] = field(default_factory=list)
     starts: dict[Device, StartOffset] = field(default_factory=dict)

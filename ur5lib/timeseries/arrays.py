@@ -22,16 +22,6 @@ class FromLists:
         return by(lambda rows: np.array(rows, self.dtype))
 
 
-class FromNull:
-    """Reads a number from JSON, where null stands for NaN."""
-
-    def __get_pydantic_core_schema__(self, kind: Any, handler: Any) -> "CoreSchema":
-        from pydantic_core.core_schema import no_info_before_validator_function as before
-
-        return before(lambda value: np.nan if value is None else value, handler(kind))
-
-
-Float = Annotated[float, FromNull()]
 Array = Annotated[NDArray[np.float64], FromLists(np.float64)]
 Labels = Annotated[NDArray[np.int64], FromLists(np.int64)]
 Mask = Annotated[NDArray[np.bool_], FromLists(np.bool_)]

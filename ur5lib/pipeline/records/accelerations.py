@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
-from ur5lib.timeseries.arrays import Array, Float
+from ur5lib.timeseries.arrays import Array
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
 PUBLISHED = ("euler", "euler, B corrected")
@@ -28,8 +28,8 @@ class Accelerations(SegmentedTable):
 class AccelerationErrors:
     """MAE of an estimate beside the IMU by component, and that of zero [m/s², rad/s²]."""
 
-    mae: dict[str, Float]
-    zero_mae: dict[str, Float]
+    mae: dict[str, float]
+    zero_mae: dict[str, float]
 
 
 @dataclass(frozen=True)

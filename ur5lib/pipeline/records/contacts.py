@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ur5lib.timeseries.arrays import Array, Float
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class ForceClass:
     force: float
     contacts: int
     found: int
-    recall: Float
+    recall: float
     median_delay: float | None
 
 
@@ -57,7 +57,7 @@ class Matched:
 
     alarms_per_min: float
     classes: list[ForceClass] = field(default_factory=list)
-    precision: Float = float("nan")
+    precision: float = float("nan")
     false_per_min: float | None = None
     extra: int | None = None
 
@@ -74,8 +74,8 @@ class SmallestPush:
     speed_high: float | None
     tried: int
     found: int
-    force: Float
-    std: Float
+    force: float
+    std: float
     axis: str = ""
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from ur5lib.errors import Remark
 from ur5lib.force.contact_figures import ContactErrors
 from ur5lib.force.detection import Felt
-from ur5lib.timeseries.arrays import Array, Float
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,8 +18,8 @@ class OffsetAccount:
 
     bias: Array
     bias_std: Array
-    mass: Float
-    mass_std: Float
+    mass: float
+    mass_std: float
     moment_arm: Array
     moment_arm_std: Array
     noise: Array
@@ -29,7 +29,7 @@ class OffsetAccount:
     start_bias: Array
 
 
-Figures = dict[str, dict[str, Float]]  # by name, then by component
+Figures = dict[str, dict[str, float]]  # by name, then by component
 ByPeriod = dict[str, Figures]  # in contact, free and all
 
 
@@ -43,7 +43,7 @@ class Compared:
     """
 
     force_sensor: bool = False
-    share_near_singularity: Float = float("nan")
+    share_near_singularity: float = float("nan")
     std: Figures = field(default_factory=dict)
     offset: OffsetAccount | None = None
     offset_doubt: Remark | None = None
@@ -63,10 +63,10 @@ class AuditRow:
 
     quantity: str
     component: str
-    value: Float
-    std_error: Float
-    low: Float
-    high: Float
+    value: float
+    std_error: float
+    low: float
+    high: float
     unit: str
     expected: float | None
     verdict: str

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ur5lib.timeseries.arrays import Float
-
 
 @dataclass(frozen=True)
 class Condition:
@@ -18,7 +16,7 @@ class Condition:
     quantity: str
     value: float
     joint: int | None = None
-    temperature_c: Float | None = None
+    temperature_c: float | None = None
     group: int | None = None
     std_error: float | None = None
 

@@ -6,7 +6,7 @@ from ur5lib.errors import Remark
 from ur5lib.identification.excitation import Excitation
 from ur5lib.identification.rotor_inertia import Terms
 from ur5lib.tables import BY_KEY
-from ur5lib.timeseries.arrays import Array, Float
+from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class BaseParameter:
 
     parameter: str
     value: float
-    std_error: Float
+    std_error: float
     determined: bool
     weights: Array
 

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 from ur5lib.pipeline.records.contacts import SmallestPush
-from ur5lib.timeseries.arrays import Float
 
 
 @dataclass(frozen=True)
@@ -15,7 +14,7 @@ class Share:
     joint: int
     speed_low: float
     speed_high: float | None
-    share: Float
+    share: float
     samples: float
 
 
@@ -27,7 +26,7 @@ class Predicted:
     """
 
     joint: int
-    speed_low: Float
+    speed_low: float
     speed_high: float | None
 
 
