@@ -1,7 +1,6 @@
 """Figures of one recording, after the thesis's 4.4, 5.1 to 5.4, 5.9 to 5.15 and 6.4 to 6.9."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import matplotlib
 import numpy as np
@@ -11,6 +10,8 @@ from matplotlib.figure import Figure
 
 from ur5lib.pipeline.estimators import NEW
 from ur5lib.pipeline.records.accelerations import Accelerations
+from ur5lib.pipeline.records.closed_loop import ClosedLoop
+from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces, PublishedForces, SensorWrenches
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
@@ -29,10 +30,6 @@ from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import starts
-
-if TYPE_CHECKING:  # their modules name the methods of other steps
-    from ur5lib.pipeline.records.closed_loop import ClosedLoop
-    from ur5lib.pipeline.records.currents import Currents
 
 Lines = Mapping[str, tuple[Array | None, str]]  # values (N, 6), if known, and style, by label
 Series = dict[str, tuple[Array, str]]
@@ -58,7 +55,7 @@ def chosen_gains(robot: Robot) -> str:
     return robot.chosen_model if robot.chosen_model in robot.closed_loop_gains else "estimated"
 
 
-def tracking_figure(signals: Signals, closed_loop: "ClosedLoop", gains: str, state: str) -> Drawing:
+def tracking_figure(signals: Signals, closed_loop: ClosedLoop, gains: str, state: str) -> Drawing:
     """Return Figures 5.1 and 5.9 (state q) or 5.2 and 5.10 (qd): the closed loop under some gains.
 
     The measured motion, its target and the closed loop, and the errors of the latter two.
@@ -102,7 +99,7 @@ def older_torque_figure(
     return draw_lines(signals, lines, TORQUE, {"[21], printed mean": (mean, "second")})
 
 
-def current_figure(signals: Signals, currents: "Currents") -> Drawing:
+def current_figure(signals: Signals, currents: Currents) -> Drawing:
     """Return the measured current and that predicted for motion without contact."""
     lines: Lines = {
         "actual_current": (signals.actual_current, "measured"),

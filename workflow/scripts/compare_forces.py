@@ -25,14 +25,11 @@ from ur5lib.tables import read_record, read_table, write_json
 def compare_forces(input: Any, output: Any, params: Any) -> None:
     signals, kinematics = Signals.read(input.signals), Kinematics.read(input.kinematics)
     published, forces = PublishedForces.read(input.published), Forces.read(input.forces)
-    near = kinematics.smallest_singular_value < params.min_singular_value
-    found = Compared(
-        force_sensor=signals.force_sensor is not None,
-        share_near_singularity=float(near.mean()),
-        std=band_widths(forces),
-    )
+    near = float((kinematics.smallest_singular_value < params.min_singular_value).mean())
+    is_sensed, widths = signals.force_sensor is not None, band_widths(forces)
+    found = Compared(force_sensor=is_sensed, share_near_singularity=near, std=widths)
     sensor = SensorWrenches(time=signals.time, segment=signals.segment)
-    if signals.force_sensor is not None:
+    if is_sensed:
         robot = load_robot(input.arm).mounted(params.gravity).with_force_sensor(*params.mounting)
         reading, window = read_sensor(input, robot, signals, kinematics), params.bias_window_s
         sensor = sensor_wrenches(robot, signals, reading, kinematics, window)

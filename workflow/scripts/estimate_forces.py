@@ -31,17 +31,17 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
     fitted = is_fitted(read_record(Friction, input.friction), contradictions)
     run = _fitted(input, params) if fitted else Run(static=_static(input, params))
     found = {one.name: one.estimate(run) for one in ESTIMATORS}
-    causal, background = run.causal_odds, run.background
+    rest = run.background, run.causal_odds
     del run  # of a long recording, either all inputs are held or all results
-    Forces.of(Motion.read(input.motion), found, background, causal).write(output.forces)
+    Forces.of(Motion.read(input.motion), found, *rest).write(output.forces)
 
 
 def _static(input: Any, params: Any) -> Stated | None:
     # slow to import, and friction of most arms is fitted
     from ur5lib.pipeline.static_forces import static_forces
 
-    motion, jacobian = Motion.read(input.motion), Kinematics.read(input.kinematics).jacobian
-    known = Signals.read(input.signals), motion, Torques.read(input.torques), jacobian
+    moved = Motion.read(input.motion), Torques.read(input.torques)
+    known = Signals.read(input.signals), *moved, Kinematics.read(input.kinematics).jacobian
     return static_forces(load_robot(input.arm), *known, params.order, params.cutoff_hz)
 
 
@@ -51,11 +51,10 @@ def _fitted(input: Any, params: Any) -> Run:
     found = direct_problems(motion, currents, residuals)
     jacobian = Kinematics.read(input.kinematics, used_rows(motion.segment, motion.period)).jacobian
     if "Fmap" in found:
-        index = read_record(FreeRuns, input.free_runs)
-        load = read_record(Prediction, input.load).load
-        files = repeated_runs(found["Fmap"].input, params.recording, load, index)
-        alike = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
-        found |= repeat_problem(found["Fmap"], alike, params.cutoff_hz)
+        known = read_record(Prediction, input.load).load, read_record(FreeRuns, input.free_runs)
+        files = repeated_runs(found["Fmap"].input, params.recording, *known)
+        runs = ((Currents.read(currents), Motion.read(motion)) for currents, motion in files)
+        found |= repeat_problem(found["Fmap"], runs, params.cutoff_hz)
     prior = ContactPrior(force=params.contact_force_n)
     causal = causal_odds(motion, currents, residuals, jacobian, prior)
     return Run({name: own.solve(jacobian, prior) for name, own in found.items()}, causal)
