@@ -124,7 +124,7 @@ def read_motion(path: File) -> Motion:
     """Return the states of a trajectory in a CSV without a header: time [s], q1 .. q6 [rad]."""
     clock, *angles = np.loadtxt(path, delimiter=",").T
     at = np.arange(clock[0], clock[-1], STEP)
-    q = interpolated(at, clock, angles.T)
+    q = interpolated(at, clock, np.array(angles).T)
     qd = np.gradient(q, STEP, axis=0)
     return Motion(q, qd, np.gradient(qd, STEP, axis=0))
 

@@ -36,7 +36,7 @@ from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import Residuals
 from ur5lib.identification.samples import apart_from
 from ur5lib.pipeline.contacts import alarms_by_odds, strongest
-from ur5lib.pipeline.force_estimates import Problem, direct_problems
+from ur5lib.pipeline.force_estimates import direct_problems
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
@@ -439,7 +439,8 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     time = motion.time - motion.time[0]
     if "Fmap" not in found or time[-1] < START + SHORTEST + MARGIN:
         return
-    (run, model), kinematics = found["Fmap"], Kinematics.read(own.file("kinematics.parquet"))
+    problem, kinematics = found["Fmap"], Kinematics.read(own.file("kinematics.parquet"))
+    run = problem.input
     jacobian, prior = kinematics.jacobian, ContactPrior(force=settings.contact.force_n)
     lowpass = settings.lowpass.currents
     profile = sustained(time, run.period, lowpass.order, lowpass.cutoff_hz)
@@ -447,11 +448,10 @@ def pushed(fold: Fold, own: Recording, quick: bool) -> Iterator[dict[str, Any]]:
     few = 1 if quick else None
     for axis, lever, size in product("zyx"[:few], LEVERS[:few], SIZES[::-1][:few]):
         wrench = wrench_of(profile, "xyz".index(axis), size, lever, kinematics.rotation)
-        torque = run.torque + (jacobian.mT @ wrench[..., None])[..., 0]
-        problem = Problem(run.with_torque(torque, run.states), model)
-        estimate = problem.solve(jacobian[problem.rows], prior)
-        told = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
-        yield told | figures(estimate.wrench, estimate.std, wrench, where, run)
+        pushed = problem.pushed((jacobian.mT @ wrench[..., None])[..., 0])
+        estimate = pushed.solve(jacobian[problem.rows], prior)
+        push = {"recording": own.name, "axis": axis, "lever": lever, "size": size}
+        yield push | figures(estimate.wrench, estimate.std, wrench, where, run)
 
 
 def sustained(time: Array, step: float, order: int, cutoff: float) -> Array:
