@@ -3,20 +3,24 @@
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from ur5lib.identification.currents import Parameter
+from ur5lib.identification.rotor_inertia import Terms
 from ur5lib.pipeline.fused_motion import no_fused_motion
 from ur5lib.pipeline.records.forces import Forces
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.models import Rotors
 from ur5lib.pipeline.records.motion import FusedMotion, Motion
-from ur5lib.pipeline.records.truth import Truth
+from ur5lib.pipeline.records.truth import TrueParameters, Truth
 from ur5lib.report.compose import shown_table
 from ur5lib.report.results import Results
 from ur5lib.report.truth_table import (
     COLUMNS,
+    Row,
     clock_rows,
     errors,
     friction_rows,
@@ -27,24 +31,34 @@ from ur5lib.report.truth_table import (
     wrench_rows,
 )
 from ur5lib.report.views.first_screen import beside_truth
+from ur5lib.signals.clock import SettledClock
+from ur5lib.signals.imu_calibration import ImuCalibration
+from ur5lib.stand.plan import Imu
+from ur5lib.tables import as_record
 from ur5lib.timeseries.arrays import Array
 
-TRUTH: dict[str, Any] = {
-    "clocks": {"imu": {"offset_s": 0.02, "drift_ppm": -3000}},
-    "drive": {"torque_constant": [10.0] * 6},
-    "friction": {
-        "coulomb": [8.0] * 6, "viscous": [9.0] * 6, "load": [0.05] * 6,
-        "periodic": [0.4] * 6, "phase": [0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0],
-        "coulomb_warming": [-0.003] * 6, "viscous_warming": [-0.009] * 6,
+TRUTH = as_record(
+    TrueParameters,
+    {
+        "robot": "ur5", "gravity": (0.0, 0.0, -9.81), "model": "C",
+        "plan": {"seed": 0, "payload": None, "undeclared_payload": None, "imu": None},
+        "clocks": {"imu": {"offset_s": 0.02, "drift_ppm": -3000}},
+        "drive": {"torque_constant": [10.0] * 6},
+        "friction": {
+            "coulomb": [8.0] * 6, "viscous": [9.0] * 6, "load": [0.05] * 6,
+            "periodic": [0.4] * 6, "phase": [0.0, np.pi / 2, 0.0, 0.0, 0.0, 0.0],
+            "coulomb_warming": [-0.003] * 6, "viscous_warming": [-0.009] * 6,
+        },
     },
-}  # fmt: skip
+)  # fmt: skip
+CLOCK = SettledClock(0.03, 0.01, -0.0029, 2e-5, "motion", warning=None, end_std=0.01)
 
 
 COUNT = 100
 
 
 def test_a_joint_that_did_not_move_has_no_rotor_beside_the_truth() -> None:
-    rows = [*values("rotor_inertia", [1, 2], "kg m2", [0.5, 0.6], [0.5, None], [0.1, None])]
+    rows = [*values("rotor_inertia", [1, 2], "kg m2", [0.5, 0.6], [0.5, np.nan], [0.1, np.nan])]
     assert [row["index"] for row in rows] == [1]
 
 
@@ -79,10 +93,10 @@ def test_an_interval_holds_the_truth_or_not() -> None:
 
 def test_few_recordings_make_wide_intervals() -> None:
     """Three recordings leave two degrees of freedom: 4.3 standard errors instead of 1.96."""
-    rotors: dict[str, Any] = {"value": {"inertia": [4.0] * 6}, "std_error": {"inertia": [1.0] * 6}}
-    for recordings, told in (("abc", "yes"), ("abcdefghijklmnop", "no"), ("a", "no")):
-        rows = list(rotor_rows(rotors | {"from": [*recordings]}, [0.5] * 6))
-        assert {row["within95"] for row in rows} == {told}
+    terms = [Terms(np.full(6, size), *np.zeros((3, 6))) for size in (4.0, 1.0)]
+    for recordings, inside in (("abc", "yes"), ("abcdefghijklmnop", "no"), ("a", "no")):
+        rows = list(rotor_rows(Rotors([*recordings], *terms), [0.5] * 6))
+        assert {row["within95"] for row in rows} == {inside}
 
 
 def test_errors_stand_beside_those_of_zero() -> None:
@@ -93,40 +107,40 @@ def test_errors_stand_beside_those_of_zero() -> None:
 
 
 def test_clocks_without_drift_have_no_row_of_it() -> None:
-    clock = {"offset": 0.03, "offset_std": 0.01, "method": "start stamps"}
-    rows = list(clock_rows({"imu": clock | {"drift": None, "drift_std": None}}, TRUTH))
+    rows = list(clock_rows({"imu": replace(CLOCK, drift=None, drift_std=None)}, TRUTH))
     assert [(row["quantity"], row["within95"]) for row in rows] == [("clock_offset", "yes")]
-    drifting = clock | {"drift": -0.0029, "drift_std": 2e-5}
-    drift = list(clock_rows({"imu": drifting}, TRUTH))[1]
+    drift = list(clock_rows({"imu": CLOCK}, TRUTH))[1]
     assert drift["estimate"] == pytest.approx(-2900)
     assert drift["within95"] == "no"
 
 
+def friction_beside_truth(*names: str, joint: int, value: float, half: float) -> list[Row]:
+    """The rows of fitted values with intervals of this half width."""
+    interval = value - half, value + half
+    fitted = [Parameter(joint, name, value, 0.19, interval, 0.0, True) for name in names]
+    return list(friction_rows(Friction(parameters=fitted), TRUTH.drive, TRUTH.friction))
+
+
 def test_friction_that_the_stand_lacks_has_no_truth() -> None:
-    row = {"value": 8.1, "std_error": 0.1, "interval": (7.9, 8.3), "joint": 2}
-    names = ["coulomb", "stribeck_0.1", "periodic_1_sin", "torque_constant"]
-    friction = {"parameters": [row | {"name": name} for name in names]}
-    found = {r["quantity"]: r["truth"] for r in friction_rows(friction, TRUTH)}
+    names = "coulomb", "stribeck_0.1", "periodic_1_sin", "torque_constant"
+    rows = friction_beside_truth(*names, joint=2, value=8.1, half=0.2)
+    found = {row["quantity"]: row["truth"] for row in rows}
     assert found == {"coulomb": 8.0, "periodic_1_sin": -0.4, "torque_constant": 10.0}
 
 
-@pytest.mark.parametrize(("half", "told"), [(0.5, "yes"), (0.3, "no")])
-def test_friction_is_held_against_the_interval_that_is_stated(half: float, told: str) -> None:
-    row = {"name": "coulomb", "joint": 1, "value": 8.4, "std_error": 0.19}
-    friction = {"parameters": [row | {"interval": (8.4 - half, 8.4 + half)}]}
-    assert [r["within95"] for r in friction_rows(friction, TRUTH)] == [told]
+@pytest.mark.parametrize(("half", "inside"), [(0.5, "yes"), (0.3, "no")])
+def test_friction_is_held_against_the_interval_that_is_stated(half: float, inside: str) -> None:
+    (row,) = friction_beside_truth("coulomb", joint=1, value=8.4, half=half)
+    assert row["within95"] == inside
 
 
-def test_an_imu_s_mounting_is_told_in_radians() -> None:
-    calibration = {
-        name: np.zeros(count)
-        for part, count in (("mounting", 3), ("tilt", 2), ("gyroscope_bias", 3), ("place", 3))
-        for name in (part, f"{part}_std")
-    }
-    imu = {"mounting_deg": [180, 0, 0], "gyroscope_bias": [1, 2, 3]}
-    rows = list(imu_rows(calibration | {"described": np.array([4, 5, 6])}, imu))
+def test_an_imu_s_mounting_is_in_radians() -> None:
+    counts = {"mounting": 3, "tilt": 2, "gyroscope_bias": 3, "place": 3}
+    zeros = {f"{part}{end}": np.zeros(n) for part, n in counts.items() for end in ("", "_std")}
+    calibration = ImuCalibration(**zeros, described=np.array([4.0, 5, 6]), held_out=1.0)
+    imu = Imu(mounting_deg=(180, 0, 0), gyroscope_bias=(1, 2, 3))
     truth = [np.pi, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6]
-    assert [row["truth"] for row in rows] == pytest.approx(truth)
+    assert [row["truth"] for row in imu_rows(calibration, imu)] == pytest.approx(truth)
 
 
 def test_accelerations_are_held_against_their_bands() -> None:
@@ -166,8 +180,7 @@ def test_intervals_that_hold_the_truth_too_often_are_called_too_wide(
 
 
 def test_the_section_counts_and_shows_what_is_in_the_table() -> None:
-    clock = {"offset": 0.03, "offset_std": 0.01, "drift": -0.0029, "drift_std": 2e-5}
-    rows = [{"recording": "a"} | r for r in clock_rows({"imu": clock | {"method": "m"}}, TRUTH)]
+    rows = [{"recording": "a"} | r for r in clock_rows({"imu": CLOCK}, TRUTH)]
     rows += [{"recording": "a"} | r for r in joint_acceleration_rows(motions(), made_truth())]
     table = pd.DataFrame(rows, columns=COLUMNS)
     told = " ".join(beside_truth(table))
