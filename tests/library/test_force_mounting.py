@@ -1,7 +1,5 @@
 """A force sensor that is mounted otherwise than its readings are read."""
 
-from dataclasses import asdict
-
 import numpy as np
 import pytest
 
@@ -45,7 +43,7 @@ def test_what_was_not_read_hides_nothing() -> None:
 def test_a_tool_that_pulls_upwards_is_told() -> None:
     doubt = told(TURNED["sign"])[1]
     assert doubt is not None
-    assert "the weight of the sensor's tool points upwards (-0.3 ±" in in_words(asdict(doubt))
+    assert "the weight of the sensor's tool points upwards (-0.3 ±" in in_words(doubt)
 
 
 @pytest.mark.parametrize(("size", "told"), [(0.95, False), (1.05, True)])

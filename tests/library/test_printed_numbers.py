@@ -14,6 +14,7 @@ from ur5lib.pipeline.explained_errors import explained_accelerations, loop_error
 from ur5lib.pipeline.explanations import AccelerationError, LoopError
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
+from ur5lib.recordings.quality import StartOffset
 from ur5lib.report.compose import shown_table
 from ur5lib.report.printed_numbers import COLUMNS, Explained, compared, judged
 from ur5lib.report.recording_figures import filtered_first_figure
@@ -242,7 +243,7 @@ def test_gravity_begins_with_a_step_where_the_imu_is_filtered_before_it_is_rotat
     reading = np.hstack([[0, 0, 9.81] @ rotation[0], np.zeros(3)])
     imu = pd.DataFrame(np.tile(reading, (len(time), 1)), columns=SENSOR_COLUMNS["imu"])
     imu.insert(0, "time", time)
-    start, way = {"seconds": 0.0, "std": 0.01}, AccelerationError(model_delay_s=0.08)
+    start, way = StartOffset(0.0, 0.01), AccelerationError(model_delay_s=0.08)
     modelled, felt = explained_accelerations(robot, signals, kinematics, imu, start, way)
     assert modelled == pytest.approx(np.zeros_like(modelled), abs=1e-9)
     assert felt[0] == pytest.approx([0, 0, -9.81, 0, 0, 0], abs=1e-3)

@@ -579,7 +579,7 @@ def test_the_pattern_of_lost_frames_is_counted(
     steps = np.diff(stamps[: taken.quality.rows])
     (lost,) = [f for f in taken.quality.findings if f.finding == "lost frames"]
     assert f"{short} of 8 ms, {long} of 24 ms" in said(lost)
-    assert lost["count"] == 2 * long
+    assert lost.count == 2 * long
     assert (np.sum(steps <= 0.016), np.sum(steps > 0.016)) == (short, long)  # counted here
 
 
@@ -606,7 +606,7 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
     quality = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1).quality
     found = {one.finding: one for one in quality.findings}
-    assert found["unused channels"]["count"] == 3
+    assert found["unused channels"].count == 3
     assert said(found["unknown channels"]).startswith("i_actual_0: ")
 
 

@@ -1,7 +1,6 @@
 """Sentences: templates in one file, and the numbers that they state."""
 
 import re
-from dataclasses import asdict
 from typing import NamedTuple
 
 import pandas as pd
@@ -92,19 +91,19 @@ def test_every_topic_of_names_is_used() -> None:
 
 def test_every_remark_has_a_sentence_and_every_sentence_its_remark() -> None:
     library = "".join(path.read_text() for path in (PROJECT / "ur5lib").rglob("*.py"))
-    stated = r'(?:remark|contradiction|RefusalError|ContradictionError)\(\s*"([^"]+)"'
+    stated = r'\b(?:remark|contradiction|RefusalError|ContradictionError)\(\s*"([^"]+)"'
     assert {*re.findall(stated, library)} <= templates().keys()
     assert [code for code in templates() if f'"{code}"' not in library] == []
 
 
 def test_remarks_stand_in_the_sentences_of_others() -> None:
     reasons = [remark("negative weight", mass=-0.3, std=0.02), remark("other reason", reason="so")]
-    told = in_words(asdict(remark("turned sensor", reasons=reasons)))
-    assert told.startswith(
+    found = in_words(remark("turned sensor", reasons=reasons))
+    assert found.startswith(
         "the weight of the sensor's tool points upwards (-0.3 ± 0.02 kg) and so: "
     )
 
 
 def test_a_number_that_json_does_not_know_is_unknown() -> None:
-    known = {"code": "other constant", "values": {"joint": 3, "fitted": None, "known": 9.5}}
+    known = remark("other constant", joint=3, fitted=None, known=9.5)
     assert in_words(known) == "joint 3 with unknown instead of 9.5 Nm/A"
