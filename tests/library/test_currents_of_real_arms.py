@@ -100,7 +100,7 @@ def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
     fitted = real_ur3.fitted(names)
     fit, known = fitted.whole, fitted.friction.known_constants
     rows = [row for row in parameters(fit) if row.name == "torque_constant"]
-    for row, value, width in zip(rows, known["value"], known["std_error"], strict=True):
+    for row, value, width in zip(rows, known.value, known.std_error, strict=True):
         assert row.interval[0] - width < value < row.interval[1] + width
     robot = fitted.recordings[0].robot
     largest = [robot.motor(joint).torque_max for joint in range(1, 7)]

@@ -1,5 +1,7 @@
 """Rotor inertias: known ones come back, and the real ones explain recordings not used."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
@@ -62,8 +64,8 @@ def test_all_four_terms_come_back() -> None:
     terms = np.random.default_rng(1).normal(size=(4, 6))
     residual = terms[0] * qdd + terms[1] + terms[2] * np.sign(qd) + terms[3] * qd
     found = fit([(residual, qd, qdd)])
-    np.testing.assert_allclose(np.array(found.value), terms, atol=1e-6)
-    np.testing.assert_allclose(np.array(found.std_error), 0, atol=1e-6)
+    np.testing.assert_allclose(astuple(found.value), terms, atol=1e-6)
+    np.testing.assert_allclose(astuple(found.std_error), 0, atol=1e-6)
 
 
 def test_standard_errors_hold_what_they_promise() -> None:
@@ -90,7 +92,7 @@ def test_missing_rows_and_order_change_nothing() -> None:
     plain = fit(recordings)
     for other in (fit(holed), fit(recordings[::-1])):
         for mine, its in ((other.value, plain.value), (other.std_error, plain.std_error)):
-            np.testing.assert_allclose(np.array(mine), np.array(its), rtol=1e-4, atol=1e-8)
+            np.testing.assert_allclose(astuple(mine), astuple(its), rtol=1e-4, atol=1e-8)
 
 
 def test_a_joint_that_kept_still_tells_nothing() -> None:
@@ -137,7 +139,9 @@ def test_without_rotors_much_is_left(of_the_ur5: dict[str, Sample]) -> None:
 
 
 def test_a_controllers_model_has_neither_offset_nor_friction(ur5_rotors: RotorFit) -> None:
-    for value, error in list(zip(ur5_rotors.value, ur5_rotors.std_error, strict=True))[1:]:
+    for value, error in list(
+        zip(*map(astuple, (ur5_rotors.value, ur5_rotors.std_error)), strict=True)
+    )[1:]:
         assert (np.abs(value) < STUDENT * error).all()
         assert (np.abs(value) < 0.02).all()
 

@@ -142,12 +142,12 @@ def test_what_contacts_leave_is_found(left: float) -> None:
 
 
 def test_a_verdict_needs_an_interval_narrower_than_what_matters() -> None:
-    told = {row("scale", "x", v, s, "1", 1.0, 0.05)["verdict"] for v, s in [(1.01, 0.1)]}
+    told = {row("scale", "x", v, s, "1", 1.0, 0.05).verdict for v, s in [(1.01, 0.1)]}
     assert told == {"unknown"}
-    assert row("scale", "x", 1.2, 0.01, "1", 1.0, 0.05)["verdict"] == "wrong"
-    assert row("scale", "x", 1.02, 0.01, "1", 1.0, 0.05)["verdict"] == "right"
-    assert row("scale", "x", 1.2, 0.2, "1", 1.0, 0.05)["verdict"] == "unknown"
-    assert row("bias", "Fx", 5.0, 0.1, "N", None, None)["verdict"] == ""
+    assert row("scale", "x", 1.2, 0.01, "1", 1.0, 0.05).verdict == "wrong"
+    assert row("scale", "x", 1.02, 0.01, "1", 1.0, 0.05).verdict == "right"
+    assert row("scale", "x", 1.2, 0.2, "1", 1.0, 0.05).verdict == "unknown"
+    assert row("bias", "Fx", 5.0, 0.1, "N", None, None).verdict == ""
 
 
 def slowly(seed: int, seconds: float) -> Array:
