@@ -123,7 +123,7 @@ def test_lost_samples_are_counted_as_the_device_lost_them(
     gone = set(range(int(numbers[0]), int(numbers[-1]))) - set(numbers.astype(int))
     assert len(gone) == lost
     assert len(double.delivery.lost) > 10
-    assert double.delivery.late
+    assert bool(double.delivery.late) == (opened is net_ft)  # a serial line keeps the order
     hit = {*double.delivery.lost, *double.delivery.late}
     arrived = numbers[-1] - 25  # later ones may still be in transmission
     assert {k for k in gone if k < arrived} == {k for k in hit if numbers[0] < k < arrived}
