@@ -184,7 +184,7 @@ def simulated(own: Taken, calibration: ImuCalibration, fitted: bool) -> Run:
     return Run(
         own.record.name,
         own.robot,
-        own.summary["model"],
+        own.summary.model,
         carried(None, signals),
         signals,
         own.kinematics.jacobian,
