@@ -31,15 +31,15 @@ MAJORITY, RIVAL, FEWEST = 0.5, 0.5, 100
 TURNED = 0.2  # std of gravity's unit vector in sensor axes: below, weight and bias are inseparable
 
 
-@dataclass(frozen=True)
-class SensorOffset:
-    """The sensor's reading without contact: its bias and the weight of its tool.
+@dataclass(frozen=True, kw_only=True)
+class Offset:
+    """Bias and tool of a force sensor, as its reading without contact shows them.
 
     bias: (6,) [N, Nm]; mass [kg]; moment_arm: mass times centre of mass, (3,) [kg m], sensor
     frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
     separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
-    free sample; free: (N,), the contact-free samples used; agreeing: share of the samples that
-    agree with this offset; rival: largest share of the others that agree on another offset.
+    free sample; agreeing: share of the samples that agree with this offset; rival: largest share
+    of the others that agree on another offset.
     """
 
     bias: Array
@@ -49,9 +49,15 @@ class SensorOffset:
     moment_arm: Array
     moment_arm_std: Array
     noise: Array
-    free: Mask
     agreeing: float
     rival: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class SensorOffset(Offset):
+    """The sensor's reading without contact; free: (N,), the contact-free samples used."""
+
+    free: Mask
 
     def center(self) -> Array:
         """Return the tool's centre of mass, (3,) [m], in the sensor's frame."""

@@ -5,27 +5,19 @@ from dataclasses import dataclass, field
 from ur5lib.errors import Remark
 from ur5lib.force.contact_figures import ContactErrors
 from ur5lib.force.detection import Felt
+from ur5lib.force.sensor import Offset
 from ur5lib.timeseries.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
-class OffsetAccount:
-    """What was subtracted from a force sensor's reading, as in `ur5lib.force.sensor.SensorOffset`.
+class OffsetAccount(Offset):
+    """What was subtracted from a force sensor's reading.
 
     free: share of the samples that are free of contact; start_bias: (6,) [N, Nm], mean at the
     start.
     """
 
-    bias: Array
-    bias_std: Array
-    mass: float
-    mass_std: float
-    moment_arm: Array
-    moment_arm_std: Array
-    noise: Array
     free: float
-    agreeing: float
-    rival: float
     start_bias: Array
 
 
