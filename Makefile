@@ -1,6 +1,7 @@
 # The project's commands; `make help` lists them.
 PYTHON ?= python3
 DATA ?=
+ESTIMATOR ?=
 SPEED := dynamics smoothing stream rtde_csv study
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
@@ -34,8 +35,8 @@ lint: .venv/ready ## check style and types
 bench: .venv/ready ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done
 
-leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md
-	python -m benchmarks.leaderboard --page
+leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md; ESTIMATOR=package.module:Class adds another
+	python -m benchmarks.leaderboard --page $(if $(ESTIMATOR),--estimator "$(ESTIMATOR)")
 
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json

@@ -1,6 +1,6 @@
 """All estimators of the contact force on the same recordings, in one table.
 
-    python -m benchmarks.leaderboard [<study> ...] [--page] [--quick]
+    python -m benchmarks.leaderboard [<study> ...] [--page] [--quick] [--estimator <module:Class>]
 
 Takes results/<study> as built; by default `thesis` and `ur10e`. Every estimator of
 benchmarks/estimators learns its constants and its noise from the contact-free recordings of the
@@ -9,6 +9,7 @@ or, without one, by the force that it shows on recordings of the role `validate`
 and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with the tables of
 `simulated_contacts`, `contact_link` and `current_prediction` as these left them in results/, or as
 the page already has them.
+`--estimator` adds one that is not among them, and the page is then results/benchmark.md.
 `--quick` takes four estimators: it only shows that it runs.
 """
 
@@ -26,6 +27,7 @@ from benchmarks.harness import page
 from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.estimator import Estimator, Learned
 from benchmarks.harness.options import built, study_options
+from benchmarks.harness.outside import outside
 from benchmarks.harness.run import Run
 from benchmarks.harness.scores import Estimates, free_rows, sensed_rows
 from benchmarks.harness.sections import sections
@@ -36,6 +38,7 @@ from ur5lib.tables import write_csv, write_text
 QUICK = (OURS, "zero", "least squares", "momentum observer")
 RESULTS = Path("results")
 PAGE = Path(__file__).parents[1] / "docs" / "benchmark.md"
+BESIDE = RESULTS / "benchmark.md"  # with an estimator from outside
 
 
 class Entry(NamedTuple):
@@ -49,10 +52,13 @@ def main() -> None:
     """Learn, score, print and write."""
     options = study_options(__doc__)
     options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
+    options.add_argument("--estimator", help="package.module:Class, beside the rivals")
     given = options.parse_args()
-    folders = built(RESULTS / name for name in given.studies)
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
     chosen = [own for own in all_estimators() if not given.quick or own.name in QUICK]
+    if given.estimator:
+        chosen.insert(0, outside(given.estimator, [own.name for own in all_estimators()]))
+    folders = built(RESULTS / name for name in given.studies)
     arms = [arm for folder in folders for arm in read_arms(folder)]
     table = pd.DataFrame([row for arm in arms for row in arm_rows(arm, chosen)])
     write_csv(table, RESULTS / "leaderboard.csv")
@@ -60,7 +66,11 @@ def main() -> None:
     if given.page:
         further = sections(RESULTS) | {"detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
-        write_text(page.with_kept(text, PAGE.read_text(), further, names), PAGE)
+        text = page.with_kept(text, PAGE.read_text(), further, names)
+        if given.estimator:
+            write_text(text.replace("](methods.md", "](../docs/methods.md"), BESIDE)
+        else:
+            write_text(text, PAGE)
 
 
 def arm_rows(arm: Arm, chosen: list[Estimator]) -> Iterator[dict[str, Any]]:

@@ -3,9 +3,11 @@
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
+import numpy as np
+
 from ur5lib.force.external_torque import States, finite_rows
 from ur5lib.force.force_input import Gears
-from ur5lib.timeseries.arrays import Array, Labels
+from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import unbroken
 
 
@@ -72,6 +74,14 @@ class Run:
             smoothed=self.smoothed + torque,
             rate=self.rate - torque,
         )
+
+    def complete(self) -> Mask:
+        """Return the samples (N,) in which all inputs are known."""
+        inputs = [self.q, self.qd, self.model, self.friction, self.torque, self.smoothed]
+        inputs += [self.momentum, self.rate, *self.jacobian.transpose(1, 0, 2)]
+        if self.position_error is not None:
+            inputs.append(self.position_error)
+        return finite_rows(np.sum(inputs, axis=0))
 
     def known(self) -> list[slice]:
         """Return the stretches without a gap in which momentum and its rate are known."""

@@ -58,9 +58,21 @@ def test_few_recordings_are_tried(demo: Workflow) -> None:
     assert "in motion" in printed
 
 
-def test_estimators_are_compared(demo: Workflow) -> None:
-    printed = run_benchmark("leaderboard", demo.folder, "demo")
-    assert "| momentum observer | yes |" in printed
+def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -> None:
+    """That of the page's example: in table and page copy; the page itself stays as it is."""
+    page = PROJECT / "docs" / "benchmark.md"
+    before = page.read_text()
+    (demo.folder / "moving_average.py").write_text(before.split("```python\n")[1].split("```")[0])
+    chosen = ("--estimator", "moving_average:MovingAverage")
+    printed = run_benchmark("leaderboard", demo.folder, "demo", "--page", *chosen)
+    beside = (demo.folder / "results" / "benchmark.md").read_text()
+    for name in ("momentum observer", "moving average"):
+        assert f"| {name} | yes |" in printed
+        assert f"| {name} | yes |" in beside
+    table = read_csv(demo.folder / "results" / "leaderboard.csv")
+    counts = table.groupby("estimator").size()
+    assert counts["moving average"] == counts["least squares"]
+    assert page.read_text() == before
 
 
 def test_currents_along_unseen_paths_are_predicted(demo: Workflow) -> None:

@@ -22,6 +22,7 @@ from benchmarks.estimators.recursive_least_squares import ForgettingLeastSquares
 from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
+from benchmarks.harness.outside import check
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import free_rows, sensed_rows
 from tests.conftest import PROJECT
@@ -161,6 +162,15 @@ def test_latencies_are_at_most_50_ms(learned: dict[str, Learned]) -> None:
     known = [own.latency for own in learned.values() if own.latency is not None]
     assert len(known) >= 8
     assert max(known) <= tuning.MOST + 1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_an_estimator_from_outside_is_refused_for_no_rival_does(
+    name: str, learned: dict[str, Learned]
+) -> None:
+    run = synthetic_run(3)
+    run.torque[100:110] = np.nan
+    check(learned[name].method(run), run, name)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,0 +1,141 @@
+"""An estimator from outside this project: found by its name, and held to the rule of all rivals.
+
+It gets copies of the runs that all estimators get, without the force sensor and without what the
+study's own estimates say. Whoever breaks the protocol is refused in one sentence.
+"""
+
+import importlib
+import sys
+from collections.abc import Collection, Sequence
+from copy import deepcopy
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any, NoReturn
+
+import numpy as np
+
+from benchmarks.harness.estimator import Estimator, Learned, Method
+from benchmarks.harness.run import Estimate, Run
+from benchmarks.harness.tuning import MOST, latency
+from ur5lib.timeseries.arrays import Array
+
+PAGE = "docs/benchmark.md shows an example"
+FIELDS = {"name": str, "source": str, "causal": bool}
+SAME = 0.01  # N, up to which two estimates of one sample are the same
+
+
+def outside(place: str, taken: Collection[str]) -> Estimator:
+    """Return the estimator at `package.module:Class`, or exit with a sentence on what it lacks.
+
+    place: names a class that is made without arguments, or an object; taken: names of the rivals.
+    """
+    own = made(place)
+    for field, kind in FIELDS.items():
+        value = getattr(own, field, None)
+        if not isinstance(value, kind):
+            refuse(place, f"needs `{field}`, a {kind.__name__}; {PAGE}")
+        if isinstance(value, str) and (not value.strip() or set("|\r\n") & set(value)):
+            refuse(place, f"has a `{field}` that is empty, or holds | or a line break; change it")
+    if not callable(getattr(own, "learn", None)):
+        refuse(place, f"needs a method `learn(runs)`; {PAGE}")
+    if own.name in taken:
+        refuse(place, f"is called `{own.name}` like an estimator of the benchmark; rename it")
+    return Estimator(own.name, own.source, own.causal, lambda runs: learn(own, place, runs))
+
+
+def refuse(place: str, fault: str) -> NoReturn:
+    """Exit with a sentence."""
+    sys.exit(f"{place} {fault}")
+
+
+def made(place: str) -> Any:
+    """Return what `package.module:Class` names, an object of it if it is a class."""
+    module, _, name = place.partition(":")
+    if not module or not name:
+        refuse(place, f"is not of the form package.module:Class; {PAGE}")
+    try:
+        found = importlib.import_module(module)
+    except Exception as error:  # whatever the module does
+        why = f"{type(error).__name__}: {error}".splitlines()[0]
+        refuse(place, f"cannot be imported ({why}); PYTHONPATH has to name its folder")
+    if not hasattr(found, name):
+        near = get_close_matches(name, dir(found), 1)
+        refuse(place, f"is not there{f'; did you mean `{near[0]}`?' if near else ''}")
+    own = getattr(found, name)
+    try:
+        return own() if isinstance(own, type) else own
+    except TypeError as error:
+        refuse(place, f"cannot be made without arguments ({error})")
+
+
+def learn(own: Any, place: str, runs: Sequence[Run]) -> Learned:
+    """Return what it learns, and its latency as measured here, None if it is not causal.
+
+    Exits with a sentence if its estimates on the same runs break the protocol or the rule.
+    """
+    learned = own.learn([shown(run) for run in runs])
+    if not isinstance(learned, Learned):
+        kind = type(learned).__name__
+        refuse(place, f"has a `learn` that returns {kind} instead of Learned; {PAGE}")
+
+    def method(run: Run) -> Estimate | None:
+        found = learned.method(shown(run))
+        check(found, run, place)
+        return found
+
+    estimated = [run for run in runs if method(run) is not None]
+    if not own.causal or not estimated:
+        return Learned(method, learned.constants)
+    longest = max(estimated, key=lambda run: len(run.q))
+    check_causal(method, longest, place)
+    delay = latency(lambda run: torque_of(method, run), [longest])
+    if delay > MOST + 1e-9:
+        late = "never" if np.isinf(delay) else f"after {1000 * delay:.0f} ms"
+        refuse(place, f"shows 63 % of a push {late}; causal estimators have {1000 * MOST:.0f} ms")
+    return Learned(method, learned.constants, delay)
+
+
+def shown(run: Run) -> Run:
+    """Return a copy of what every rival may use of a run."""
+    return deepcopy(replace(run, sensor=None, ready={}))
+
+
+def check(found: Any, run: Run, place: str) -> None:
+    """Exit unless it is an estimate of the force at each sample whose inputs are known, or None."""
+    if found is None:
+        return
+    if not isinstance(found, Estimate):
+        kind = type(found).__name__
+        refuse(place, f"returns {kind} on {run.name} instead of Estimate or None; {PAGE}")
+    for what, values in found._asdict().items():
+        if values is None and what == "std":
+            continue
+        if np.shape(values) != run.q.shape:
+            size = np.shape(values)
+            refuse(
+                place, f"returns a {what} of shape {size} on {run.name} instead of {run.q.shape}"
+            )
+        unknown = run.complete() & ~np.isfinite(values[:, :3]).all(axis=1)
+        if unknown.any():
+            count, first = unknown.sum(), run.period * unknown.argmax()
+            refuse(place, f"states no finite {what} in {count} samples of {run.name} whose inputs "
+                   f"are known, the first {first:.3f} s after its start")  # fmt: skip
+    if found.std is not None and (found.std[:, :3] <= 0).any():
+        refuse(place, f"states a std of zero or less on {run.name}")
+
+
+def check_causal(method: Method, run: Run, place: str) -> None:
+    """Exit if the first half of a run has another force where the second half is not known yet."""
+    half = len(run.q) // 2
+    alone, whole = method(run.part(slice(half))), method(run)
+    assert alone is not None
+    assert whole is not None
+    if not np.allclose(alone.wrench[:, :3], whole.wrench[:half, :3], 0, SAME, equal_nan=True):
+        refuse(place, f"is called causal, but later samples of {run.name} change its estimate")
+
+
+def torque_of(method: Method, run: Run) -> Array:
+    """Return the torque J_vᵀ F (N, 6) [Nm] of an estimated force."""
+    found = method(run)
+    assert found is not None
+    return np.einsum("nij,ni->nj", run.jacobian[:, :3], found.wrench[:, :3])
