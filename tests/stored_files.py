@@ -9,7 +9,9 @@ import h5py
 import numpy as np
 import pandas as pd
 import scipy.io
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag1 import Writer as Ros1Writer
+from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import Writer as Ros2Writer
 from rosbags.typesys import Stores, get_typestore
 
 from tests.entries import read_recording
@@ -100,40 +102,45 @@ def write_bag(
     others: int = 0,
     wrench: np.ndarray | None = None,
 ) -> None:
-    """A ROS 2 bag (.db3 or .mcap) without its metadata.
+    """A ROS 1 bag (.bag), or a ROS 2 bag (.db3 or .mcap) without its metadata.
 
     Effort is whatever channel remains; names: of the joints, in the order of the columns; others:
     how many messages about a gripper; wrench: (n, 6).
     """
-    store = get_typestore(Stores.ROS2_HUMBLE)
+    ros1 = path.suffix == ".bag"
+    store = get_typestore(Stores.ROS1_NOETIC if ros1 else Stores.ROS2_HUMBLE)
+    serialize, first = (store.serialize_ros1, [0]) if ros1 else (store.serialize_cdr, [])
     types = store.types
     plugin = StoragePlugin.MCAP if path.suffix == ".mcap" else StoragePlugin.SQLITE3
-    folder = path.with_suffix(".bag")
+    folder = path.with_suffix(".folder")
     header, stamp = types["std_msgs/msg/Header"], types["builtin_interfaces/msg/Time"]
     state, vector = types["sensor_msgs/msg/JointState"], types["geometry_msgs/msg/Vector3"]
     effort = next(iter(channels.keys() - {"actual_q", "actual_qd", "actual_TCP_pose"}), None)
     empty = np.empty((len(time), 0))
     rows = [channels.get(n or "", empty) for n in ("actual_q", "actual_qd", effort)]
-    with Writer(folder, version=9, storage_plugin=plugin) as bag:
+    path.unlink(missing_ok=True)
+    writer = Ros1Writer(path) if ros1 else Ros2Writer(folder, version=9, storage_plugin=plugin)
+    with writer as bag:
         joints = bag.add_connection("/joint_states", state.__msgtype__, typestore=store)
         forces = bag.add_connection("/wrench", "geometry_msgs/msg/WrenchStamped", typestore=store)
         for k, now in enumerate(time):
             nanoseconds = round(1e9 * now)
-            head = header(stamp(nanoseconds // 10**9, nanoseconds % 10**9), "base")
+            head = header(*first, stamp(nanoseconds // 10**9, nanoseconds % 10**9), "base")
             message = state(head, list(names), *(np.array(values[k]) for values in rows))
-            raw = store.serialize_cdr(message, state.__msgtype__)
+            raw = serialize(message, state.__msgtype__)
             bag.write(joints, nanoseconds + 1_000_000, raw)
             if k < others:
                 one = np.zeros(1)
-                raw = store.serialize_cdr(state(head, ["finger"], one, one, one), state.__msgtype__)
+                raw = serialize(state(head, ["finger"], one, one, one), state.__msgtype__)
                 bag.write(joints, nanoseconds + 1_100_000, raw)
             if wrench is not None:
                 three = [vector(*map(float, part)) for part in (wrench[k, :3], wrench[k, 3:])]
                 body = types["geometry_msgs/msg/Wrench"](*three)
                 both = types["geometry_msgs/msg/WrenchStamped"](head, body)
-                bag.write(forces, nanoseconds, store.serialize_cdr(both, both.__msgtype__))
-    next(file for file in folder.iterdir() if file.suffix == path.suffix).rename(path)
-    shutil.rmtree(folder)
+                bag.write(forces, nanoseconds, serialize(both, both.__msgtype__))
+    if not ros1:
+        next(file for file in folder.iterdir() if file.suffix == path.suffix).rename(path)
+        shutil.rmtree(folder)
 
 
 def entry_of(format: str, path: Path, names: Sequence[str]) -> dict[str, Any]:
@@ -160,6 +167,7 @@ WRITERS: dict[str, tuple[str, Callable[..., None]]] = {  # file, and how it is w
     "channel-files": ("run", write_channel_files),
     "rosbag": ("run.db3", write_bag),
     "rosbag mcap": ("run.mcap", write_bag),
+    "rosbag 1": ("run.bag", write_bag),
 }
 
 

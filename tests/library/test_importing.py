@@ -35,6 +35,7 @@ from ur5lib.recordings.entries import expand
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import link_frames
 from ur5lib.study.reading import parse_study
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 ORDER = np.array([2, 1, 0, 3, 4, 5])  # elbow, lift, pan, as a lab records them
@@ -103,12 +104,56 @@ def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
 
 def test_the_unit_of_efforts_is_told_by_gravity(tmp_path: Path, made: Made) -> None:
     time, channels = made
-    for factor, channel in ((1.0, "actual_current"), (10.0, "actual_current_as_torque")):
+    for factor, name in ((1.0, "actual_current"), (10.0, "actual_current_as_torque")):
         effort = {"effort": factor * channels["actual_current"]}
         kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
         write_hdf5(tmp_path / "run.h5", time, kept | effort)
         entry, _ = entry_and_comments(tmp_path / "run.h5")
-        assert entry["channels"][channel] == "run/effort"
+        assert entry["channels"][name] == "run/effort"
+
+
+def bare(made: Made, **more: Array) -> Made:
+    """Positions, velocities and poses of a recording, and other arrays."""
+    kept = {name: made[1][name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
+    return made[0], kept | more
+
+
+def currents_read(entry: dict[str, Any]) -> Array:
+    complete = {"units": {}, "joints": None, "time": "relative_s"} | entry
+    return channel(read_recording(complete).robot.table, "actual_current")
+
+
+def test_milliamperes_are_told_by_gravity(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *bare(made, effort=1e3 * made[1]["actual_current"]))
+    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    assert entry["units"] == {"actual_current": "mA"}
+    np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
+
+
+def test_efforts_of_the_opposite_sign_are_turned(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *bare(made, effort=-made[1]["actual_current"]))
+    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    assert entry["units"] == {"actual_current": "opposite"}
+    np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
+
+
+def test_constants_of_a_driver_are_told_by_the_rounding_of_currents(
+    tmp_path: Path, made: Made
+) -> None:
+    """A driver multiplied currents of three decimals by constants of its own, sign included."""
+    current = made[1]["actual_current"].round(3)
+    constants = np.array([-12.925, -13.088, -9.358, -4.572, -4.572, -4.548])
+    time, channels = bare(made, effort=constants * current)
+    write_hdf5(tmp_path / "run.h5", *shuffled((time, channels), ORDER))
+    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    assert entry["joints"] == [3, 2, 1, 4, 5, 6]
+    np.testing.assert_allclose(entry["units"]["actual_current"], 1 / constants[ORDER], rtol=1e-6)
+    np.testing.assert_allclose(currents_read(entry), current, atol=1e-6)
+    names = expand(["time", "actual_q", "actual_qd", "actual_TCP_pose", "actual_current"])
+    table = np.hstack([time[:, None], *channels.values()])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=",".join(names), comments="")
+    units = entry_and_comments(tmp_path / "a.csv", robot="ur5")[0]["units"]
+    np.testing.assert_allclose(units["actual_current"], 1 / constants, rtol=1e-6)
 
 
 def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> None:
@@ -253,7 +298,7 @@ def test_three_commands_are_named(
     assert parse_study(yaml.safe_load(study.read_text()), "written").study == "mine"
 
 
-ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap"]
+ARRAYS = ["hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1"]
 
 
 @pytest.fixture(scope="module")
@@ -290,6 +335,20 @@ def test_demonstrations_of_a_ur5e(ur5e_data: Path) -> None:
         assert ("actual_TCP_force" in entry["channels"]) == (not weak)
         assert entry["role"] == ("fit" if weak else "contact")
         assert ("ambiguous" in comments) == weak
+
+
+def test_bag_and_table_of_one_run_of_a_ur3_agree() -> None:
+    """A lab's driver multiplied the currents in the bag (ROS 1) by constants of its own."""
+    folder = shared_folder("ur3-cb", "they are recordings of a real UR3")
+    for name in ("id1", "id2", "_2019-11-27-20-59-11"):
+        both = [import_files([folder / f"{name}.{end}"], [])[0].entry for end in ("bag", "csv")]
+        for key in ("name", "robot", "role"):
+            assert both[0][key] == both[1][key]
+        complete = {"units": {}, "joints": None, "time": "relative_s"}
+        bag, table = (read_recording(complete | one).robot.table for one in both)
+        assert [*bag] == [*table]
+        assert both[0]["robot"] == "ur3"
+        np.testing.assert_allclose(bag, table, atol=2e-6)
 
 
 def test_a_bag_of_a_ur10() -> None:

@@ -1,4 +1,4 @@
-"""Files that hold arrays: HDF5, MAT, ROS 2 bags, Parquet, Feather, one file a channel."""
+"""Files that hold arrays: HDF5, MAT, ROS bags, Parquet, Feather, one file a channel."""
 
 import random
 import re
@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from tests.damage import DRAWS, FLIPPED, damaged_file, drawn
 from tests.entries import read_and_repair, read_recording
@@ -33,7 +32,7 @@ from ur5lib.recordings.recording import RawRecording
 from ur5lib.robots.description import Robot
 from ur5lib.tables import channel
 
-KINDS = ("hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap")
+KINDS = ("hdf5", "mat", "mat 7.3", "rosbag", "rosbag mcap", "rosbag 1")
 JARGON = re.compile(r"Traceback|Error\b|Exception|numpy|NoneType|dtype|0x[0-9a-f]+|h5py|sqlite")
 SECONDS = 10  # for one file
 TOLERANCE = 0.15  # share of a channel's span within which a value is interpolated or noise
@@ -122,6 +121,25 @@ def test_joints_of_a_bag_are_ordered_by_their_names(tmp_path: Path, made: Made) 
     raw = bag(tmp_path / "run.db3", (time, shuffled), names=names, others=9)
     same(raw, made, [*kept])
     assert [(f.finding, f.count) for f in raw.findings] == [("other messages", 9)]
+
+
+def test_joints_may_have_the_names_of_the_teach_panel(tmp_path: Path, made: Made) -> None:
+    kept = {name: made[1][name] for name in ("actual_q", "actual_qd")}
+    names = ["Base", "Shoulder", "Elbow", "Wrist 1", "Wrist 2", "Wrist 3"]
+    turned = {name: values[:, ::-1] for name, values in kept.items()}
+    raw = bag(tmp_path / "run.bag", (made[0], turned), names=names[::-1])
+    same(raw, made, [*kept])
+    assert raw.findings == []
+
+
+def test_units_may_be_a_number_for_each_column(tmp_path: Path, made: Made) -> None:
+    write_hdf5(tmp_path / "run.h5", *made)
+    entry = entry_of("hdf5", tmp_path / "run.h5", ["actual_q"])
+    factors = [1.0, -1.0, 2.0, 0.5, 1.0, 1.0]
+    table = read_recording(entry | {"units": {"actual_q": factors}}).robot.table
+    np.testing.assert_allclose(channel(table, "actual_q"), factors * made[1]["actual_q"])
+    with pytest.raises(InputError, match="a number for each of its columns"):
+        read_recording(entry | {"units": {"actual_q": factors[1:]}})
 
 
 def test_a_bag_without_an_arm_s_names_says_so(tmp_path: Path, made: Made) -> None:
@@ -231,8 +249,9 @@ def wholes(tmp_path_factory: pytest.TempPathFactory, ur5: Robot) -> dict[str, Wh
     return found
 
 
-@drawn(80)
-@given(kind=st.sampled_from(KINDS), draw=DRAWS)
+@pytest.mark.parametrize("kind", KINDS)
+@drawn(24)
+@given(draw=DRAWS)
 def test_damaged_files_get_an_honest_answer(
     wholes: dict[str, Whole], ur5: Robot, kind: str, draw: random.Random
 ) -> None:

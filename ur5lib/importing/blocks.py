@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ur5lib.channels import SUFFIXES
+from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.rosbag import JOINTS
 from ur5lib.timeseries.arrays import Array
 
@@ -36,12 +37,24 @@ class Block:
     """Columns of a file that belong together.
 
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of their
-    time stamps.
+    time stamps; factors: by which the file's numbers were multiplied, none if they are as read.
     """
 
     names: tuple[str, ...]
     rows: Array
     clock: str
+    factors: tuple[float, ...] = ()
+
+    def scaled(self, factors: Array) -> "Block":
+        """Return the block with each column multiplied by a factor."""
+        whole = tuple(float(factor) for factor in factors * (self.factors or 1.0))
+        return replace(self, rows=self.rows * factors, factors=whole)
+
+    def unit(self) -> str | list[float] | None:
+        """Return the unit of the file's numbers as a study has it, None for SI."""
+        if len({*self.factors}) <= 1:
+            return {-1.0: OPPOSITE, 1e-3: "mA"}.get((self.factors or (1.0,))[0])
+        return [float(f"{factor:.7g}") for factor in self.factors]
 
     @property
     def title(self) -> str:

@@ -1,6 +1,7 @@
 """The channels of a file's efforts, and the frame of a wrench that explains them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -8,15 +9,20 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Evidence
-from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, BlockMeans, size
-from ur5lib.recordings.readings import SURE, Order, own_order, slopes, unit_scores
+from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, BlockMeans, combination, size
+from ur5lib.recordings.readings import SURE, Order, likeliest, own_order, slopes, unit_scores
 from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # least share of a measured effort's residual that friction explains
-UNITS = {"A": "A", "Nm": "Nm", "neither": "a torque less gravity, as some drivers write"}
+UNITS = {
+    **{"A": "A", "mA": "mA", "Nm": "Nm"},
+    "neither": "a torque less gravity, as some drivers write",
+}
+ROUNDED = 1e-3  # A; URScript gives currents with three decimals
+COUNTED = (100, 100_000)  # multiples of a rounded current's step that it reaches
 CHANNELS = {  # by unit, and whether it is a target
     ("A", False): "actual_current",
     ("A", True): "target_current",
@@ -24,6 +30,56 @@ CHANNELS = {  # by unit, and whether it is a target
     ("Nm", True): "target_moment",
 }
 SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that proves a frame
+
+
+def as_amperes(block: Block, evidence: Evidence) -> Block:
+    """Return a block in amperes if its columns are rounded currents times constants of a driver.
+
+    Such columns are whole multiples of steps that are no power of ten.
+    """
+    steps = np.array([_step(np.abs(column)) for column in block.rows.T])
+    decimal = np.abs(np.log10(steps) - np.round(np.log10(steps))) < 1e-4
+    if np.isnan(steps).any() or decimal.all():
+        return block
+    constants = ", ".join(f"{step / ROUNDED:.4g}" for step in steps)
+    evidence.proven.append(
+        f"{block.title} is a current rounded to {1e3 * ROUNDED:.0f} mA, multiplied by constants "
+        f"(joint by joint {constants}): it holds whole multiples of these alone"
+    )
+    return block.scaled(ROUNDED / steps)
+
+
+def _step(sizes: Array) -> float:
+    """Return the number of which sizes (N,) are whole multiples, NaN if there is none."""
+    levels = np.unique(sizes[np.isfinite(sizes)])
+    gaps = np.diff(levels, prepend=0.0)
+    for parts in (1, 2, 3):
+        step = gaps[gaps > 1e-6 * levels.max(initial=0.0)].min(initial=np.inf) / parts
+        counts = np.round(levels / step)
+        if not COUNTED[0] < counts.max(initial=0) < COUNTED[1]:
+            continue
+        step = levels @ counts / (counts @ counts)
+        if np.abs(levels - step * counts).max() < 0.01 * step:
+            return float(step)
+    return np.nan
+
+
+def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
+    """Return whether an effort has the opposite sign: with it, friction would drive the joints.
+
+    Only where gravity agrees: it explains the turned effort far better.
+    """
+    effort = means.currents[name]
+    brakes = []
+    for column in range(6):
+        friction, speed = means.friction(column), np.abs(means.qd[:, column]).mean()
+        terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
+        brakes.append(np.divide(*combination(terms, effort[:, column], [1.0, float(speed)])))
+    if np.nansum(brakes) >= 0:
+        return False
+    ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
+    as_read, turned = (likeliest(way, [name], arms)[0].score for way in ways)
+    return turned - as_read > SURE
 
 
 def name_efforts(
@@ -36,7 +92,7 @@ def name_efforts(
     units = {
         name: _unit(name, block, means, arm, order, evidence) for name, block in blocks.items()
     }
-    currents = [blocks[name] for name, unit in units.items() if unit == "A"]
+    currents = [blocks[name] for name, unit in units.items() if unit in ("A", "mA")]
     smooth = _smoothest(currents, evidence)
     for name, unit in units.items():
         if unit is not None:
@@ -48,20 +104,20 @@ def name_efforts(
             continue
         free = unit == "Nm" and _is_frictionless(name, means, order, arm, block, evidence)
         target = block is smooth or free if block.is_nameless() else block.is_target()
-        channel = CHANNELS[unit, target]
+        channel = CHANNELS[unit.replace("mA", "A"), target]
         if channel in channels:
             evidence.ambiguous.append(
                 f"{block.title} may be {channel}, as {channels[channel].title}; left out, name it"
             )
         else:
-            channels[channel] = block
+            channels[channel] = block.scaled(np.full(6, 1e-3)) if unit == "mA" else block
     return channels
 
 
 def _unit(
     name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
 ) -> str | None:
-    """Return the unit, A or Nm, None where gravity does not determine it."""
+    """Return the unit, A, mA or Nm, None where gravity does not determine it."""
     scores = unit_scores(means, name, arm, order)
     best, rival = sorted(scores, key=lambda unit: -scores[unit])[:2]
     gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])

@@ -51,10 +51,14 @@ def _of_table(proposal: Proposal) -> Entry:
             for column, suffix in zip(order, SUFFIXES[channel], strict=True)
         }
     unchanged = all(name in (column, "time") for column, name in named.items())
-    if proposal.clock == "timestamp" and unchanged and not header.repeated:
+    if proposal.clock == "timestamp" and unchanged and not (header.repeated or proposal.units):
         return {"format": "rtde-csv"}
     columns = _shortened([named.get(column, SKIPPED) for column in header.columns])
-    return {"columns": columns} | _units(proposal) | _time(proposal)
+    units = _units(proposal)
+    for unit in units.get("units", {}).values():
+        if isinstance(unit, list):
+            unit[:] = [unit[column] for column in proposal.order]
+    return {"columns": columns} | units | _time(proposal)
 
 
 def _shortened(columns: Sequence[str]) -> list[str]:

@@ -230,7 +230,7 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
         evidence.assumed.append(f"robot {best.arm}, as given")
     elif named := _named(file, likely):
         evidence.assumed.append(
-            f"robot {named.arm}, by the file's name: the efforts fit others about as well"
+            f"robot {named.arm}, by name of file or folder: the efforts fit others about as well"
         )
         return named
     elif rival and best.score - rival.score < SURE:
@@ -247,11 +247,14 @@ def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Rea
 
 
 def _named(file: Contents, likely: Sequence[Reading]) -> Reading | None:
-    """Return the reading of the only likely arm that occurs in the file's name, if any."""
+    """Return the only likely arm's reading in the name of the file, or of its folder, if any."""
     near = [reading for reading in likely if likely[0].score - reading.score < SURE]
-    words = {*re.split(r"[^a-z0-9]+", file.path.name.lower())}
-    named = [reading for reading in near if reading.arm in words]
-    return named[0] if len(named) == 1 and len(near) > 1 else None
+    for name in (file.path.name, file.path.absolute().parent.name):
+        words = {*re.split(r"[^a-z0-9]+", name.lower())}
+        named = [reading for reading in near if reading.arm in words]
+        if len(named) == 1 and len(near) > 1:
+            return named[0]
+    return None
 
 
 def in_words(order: Order) -> str:

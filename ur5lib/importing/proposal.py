@@ -9,7 +9,7 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents, Evidence
-from ur5lib.importing.efforts import Frame, name_efforts, wrench_frame
+from ur5lib.importing.efforts import Frame, as_amperes, is_opposite, name_efforts, wrench_frame
 from ur5lib.importing.identity import Case, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.recordings.arm_checks import described
@@ -17,8 +17,9 @@ from ur5lib.recordings.block_means import BlockMeans, block_means
 from ur5lib.recordings.entries import OPPOSITE
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.readings import Order, Reading
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Robot, robot_names
 
+Units = dict[str, str | list[float]]  # by channel, as a study has them
 FEWEST = 8  # blocks of 0.1 s
 EFFORTS = ("effort", "actual_current", "target_current", "target_moment")
 OTHERS = (
@@ -45,7 +46,7 @@ class Proposal:
     arm: str
     order: Order
     channels: dict[str, list[Block]]
-    units: dict[str, str]
+    units: Units
     evidence: Evidence
     sensor: list[Block] = field(default_factory=list)
     opposite: bool = False
@@ -60,9 +61,12 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
     evidence = Evidence()
     moving = find_motion(file, evidence)
     clock = moving.position.clock
-    efforts = {f"effort{k}": block for k, block in enumerate(_efforts(file, moving))}
+    efforts = {
+        f"effort{k}": as_amperes(block, evidence) for k, block in enumerate(_efforts(file, moving))
+    }
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
+    _turn(efforts, means, [described(name) for name in arms or robot_names()], evidence)
     reading = identified(Case(file, moving, means, [*efforts], evidence), arms)
     channels = moving.channels()
     named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
@@ -74,8 +78,9 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
     pushed = _pushed(wrench, evidence)
     sensor: list[Block] = []
     opposite = False
-    measured = [block for name, block in named.items() if name.startswith("actual")]
-    usable = [name for name, block in efforts.items() if any(block is one for one in measured)]
+    units = moving.units | {n: unit for n, block in named.items() if (unit := block.unit())}
+    measured = [block.names for name, block in named.items() if name.startswith("actual")]
+    usable = [name for name, block in efforts.items() if block.names in measured]
     if wrench:
         frame = _frame(wrench, usable, means, reading, evidence, pushed)
         sensor = wrench if frame and frame.axes == "flange" else []
@@ -83,8 +88,8 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
         opposite = frame is not None and _opposite(frame, wrench, described(reading.arm), evidence)
     _report_columns(file, evidence)
     if opposite and not sensor:
-        moving.units["actual_TCP_force"] = OPPOSITE
-    parts = file, clock, reading.arm, reading.order, channels, moving.units, evidence
+        units["actual_TCP_force"] = OPPOSITE
+    parts = file, clock, reading.arm, reading.order, channels, units, evidence
     return Proposal(*parts, sensor, opposite, pushed)
 
 
@@ -99,6 +104,19 @@ def _efforts(file: Contents, moving: ImportedMotion) -> list[Block]:
         and not any(block is other for other in motion_blocks)
         and (block.meaning() in EFFORTS or block.is_nameless())
     ]
+
+
+def _turn(
+    efforts: dict[str, Block], means: BlockMeans, arms: Sequence[Robot], evidence: Evidence
+) -> None:
+    """Turn the efforts of the opposite sign, in the blocks and in their means."""
+    for name, block in efforts.items():
+        if is_opposite(means, name, arms):
+            efforts[name] = block.scaled(np.full(6, -1.0))
+            means.currents[name] *= -1
+            evidence.proven.append(
+                f"{block.title} has the opposite sign: else friction would drive"
+            )
 
 
 def _of_meaning(file: Contents, meaning: str, clock: str) -> Block | None:

@@ -37,11 +37,11 @@ FACTORS = {  # from these units to SI
 class Clocked(Strict):
     """Channels with one clock, and their units."""
 
-    units: dict[str, str] = Field(
+    units: dict[str, str | list[float]] = Field(
         default={},
         description="units of the channels not in SI units: deg, deg/s, ms, mA, g, ...; "
         "`opposite`: SI units with the opposite sign, as of a force sensor that reads the force of "
-        "the arm on its surroundings",
+        "the arm on its surroundings; or a list with the SI value of one unit of each column",
     )
     time: Literal["relative_s", "epoch_s", "day_ms", "host_s"] = Field(
         "relative_s",
@@ -58,12 +58,15 @@ class Clocked(Strict):
         units = self.units | ({"time": "ms"} if self.time == "day_ms" else {})
         for channel, unit in units.items():
             names = columns_of(channel)
-            if unit not in FACTORS or not set(names) <= set(table):
+            factor = FACTORS.get(unit) if isinstance(unit, str) else unit
+            fits = not isinstance(factor, list) or len(factor) == len(names)
+            if factor is None or not fits or not set(names) <= set(table):
                 raise InputError(
                     f"`units` in the study give {channel} in {unit}; "
-                    f"use one of {', '.join(FACTORS)}, for channels that `columns` names"
+                    f"use one of {', '.join(FACTORS)}, or a number for each of its columns, for "
+                    "channels that `columns` names"
                 )
-            table[names] = table[names] * FACTORS[unit]
+            table[names] = table[names] * factor
         return table
 
 

@@ -24,12 +24,15 @@ Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
 
 IN_ORDER: Order = (0, 1, 2, 3, 4, 5)
 SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effort per Nm
+SLOPES["mA"] = (1e3 / CONSTANTS[1], 1e3 / CONSTANTS[0])
 NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 KNOWN = 0.2  # spread of torque constants around those of the joints' sizes
 MOST = 40  # blocks that are looked at
 SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
 CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
 LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
+FASTER = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
+TOO_FAST = 100.0  # by which the log-likelihood of an arm falls that cannot move so
 HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
 
 
@@ -79,7 +82,7 @@ def readings(
 
     means: `currents` holds the efforts, columns as in the file.
     """
-    columns = np.array(orders)
+    columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     free = {name: _without_motion(means, means.currents[name]) for name in efforts}
     found = []
     for arm in arms:
@@ -89,6 +92,8 @@ def readings(
         constants = arm.maker_torque_constants()
         scores = [_scores(means, free[name], torque, columns, constants) for name in efforts]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
+        fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
+        total -= TOO_FAST * (speed[columns] > FASTER * fastest).any(axis=1)
         for place, order in enumerate(orders):
             units = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
             found.append(Reading(arm.name, order, units, float(total[place])))
@@ -214,12 +219,12 @@ def _scores(
             rows = columns[:, joint] == column
             own = _project(basis, torque[rows, :, joint])
             slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)
-            known = constants[joint]
+            known = {"A": constants[joint], "mA": constants[joint] / 1e3, "Nm": 1.0}
             for unit, (low, high) in SLOPES.items():
                 bounded = np.clip(slope, low, high)
                 left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
                 total[unit][rows] += means.log_likelihood(left + NOISE**2)
-                total[unit][rows] -= _surprise(bounded, known if unit == "A" else 1.0, own)
+                total[unit][rows] -= _surprise(bounded, known[unit], own)
     return total
 
 

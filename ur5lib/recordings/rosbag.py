@@ -1,4 +1,4 @@
-"""Messages of ROS 2 bags (.db3, .mcap), as arrays by topic and field."""
+"""Messages of bags, ROS 1 (.bag) or ROS 2 (.db3, .mcap), as arrays by topic and field."""
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
@@ -11,6 +11,7 @@ from ur5lib.recordings.array_files import Arrays, array_format, optional_import
 from ur5lib.recordings.quality import Finding
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
+ON_PANEL = ["base", "shoulder", *JOINTS[2:]]  # as the arm's teach panel names them
 XYZ = ("x", "y", "z")
 
 
@@ -23,7 +24,7 @@ class Message(NamedTuple):
     names: tuple[str, ...] = ()
 
 
-@array_format("rosbag", "a ROS 2 bag", ".db3", ".mcap")
+@array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap")
 def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
     """Return the fields of JointState, WrenchStamped and Imu messages by `<topic>/<field>`.
 
@@ -54,8 +55,12 @@ def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Fin
 
 def joint_order(names: tuple[str, ...]) -> list[int] | None:
     """Return where joints 1 to 6 stand among named ones; None where the names leave it open."""
-    order = [[k for k, name in enumerate(names) if joint in name] for joint in JOINTS]
-    return [places[0] for places in order] if all(len(places) == 1 for places in order) else None
+    plain = [name.lower().replace(" ", "_") for name in names]
+    for joints in (JOINTS, ON_PANEL):
+        places = [[k for k, name in enumerate(plain) if joint in name] for joint in joints]
+        if all(len(found) == 1 for found in places):
+            return [found[0] for found in places]
+    return None
 
 
 def _collect(

@@ -171,7 +171,7 @@ class TableRecording(TableFiles, Part):
 
 
 class StoredRecording(StoredFiles, Part):
-    """Arrays in an HDF5, MAT, Parquet or Feather file, or in a ROS 2 bag (.db3, .mcap)."""
+    """Arrays in an HDF5, MAT, Parquet or Feather file, or in a ROS bag (.bag, .db3, .mcap)."""
 
 
 class ChannelFilesRecording(ChannelFiles, Part):
