@@ -2,6 +2,7 @@
 
 import math
 import re
+from difflib import get_close_matches
 from typing import NamedTuple
 
 SIX = tuple(f"_{index}" for index in range(6))
@@ -99,6 +100,8 @@ CHANNELS = {
     "imu_g": ChannelSpec("rad/s", AXES, 50.0),
     "imu_m": ChannelSpec("1", AXES),
 }
+INTERNAL = ("segment", "interpolated", "filled", "received")  # of repaired frames
+RECORDED = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
 
@@ -106,6 +109,24 @@ JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
 def columns(channel: str) -> list[str]:
     """Return the names of a channel's columns: actual_q_0 .. actual_q_5, or its own name."""
     return [channel + suffix for suffix in SUFFIXES.get(channel, ("",))]
+
+
+def channels_of(column: str) -> list[str]:
+    """Return the channels to which a column may belong by its name."""
+    return [name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column)]
+
+
+def meant(column: str) -> str | None:
+    """Return the channel of which a column's name is a misspelling, None where it is none.
+
+    A longer name, as `actual_qdd`, is that of another quantity, except for a plural.
+    """
+    if channels_of(column):
+        return None
+    name = re.sub(r"_\d$", "", column.lower()).rstrip("s")
+    known = {channel.lower(): channel for channel in RECORDED}
+    near = get_close_matches(name, known, cutoff=0.85)
+    return next((known[n] for n in near if n == name or not name.startswith(n)), None)
 
 
 def is_unused(column: str) -> bool:

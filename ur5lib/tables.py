@@ -22,11 +22,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from ur5lib.channels import CHANNELS
+from ur5lib.channels import CHANNELS, channels_of
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array, Labels
 
 ROWS = 1 << 16  # that are read or written at once
+FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose, a twist or a wrench
+NAMES = ("study", "recording", "robot", "model", "fitted_on", "tested_on")  # columns of any text
 Column = NDArray[Any]
 Record = TypeVar("Record")
 
@@ -38,16 +40,18 @@ def unit(column: str) -> str:
     """
     if not has_unit(column):
         raise ValueError(f"column {column!r} has no known unit")
-    return CHANNELS[max(_known_names(column), key=len)].unit
+    return column_unit(column, CHANNELS[max(channels_of(column), key=len)].unit)
+
+
+def column_unit(column: str, unit: str) -> str:
+    """Return the unit of one column of a channel: of `N, Nm`, forces have the first."""
+    first, _, second = unit.partition(", ")
+    return first if FIRST_HALF.search(column) or not second else second
 
 
 def has_unit(column: str) -> bool:
     """Return whether a column is a known channel."""
-    return bool(_known_names(column))
-
-
-def _known_names(column: str) -> list[str]:
-    return [name for name in CHANNELS if re.match(rf"{name}(_|[xyz]?$)", column)]
+    return bool(channels_of(column))
 
 
 def write_table(
@@ -65,7 +69,9 @@ def write_table(
         pa.field(
             name,
             pa.from_numpy_dtype(values.dtype),
-            metadata={"unit": explicit.get(name) or unit(name)},
+            metadata={
+                "unit": column_unit(name, explicit[name]) if explicit.get(name) else unit(name)
+            },
         )
         for name, values in arrays.items()
     ]
@@ -146,8 +152,9 @@ def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
 
 
 def read_csv(path: str | Path) -> pd.DataFrame:
-    """Read a table of results."""
-    return pd.read_csv(path)
+    """Read a table of results: an empty cell is NaN, and a name is text (`nan`, `1e5`)."""
+    names = dict.fromkeys(NAMES, str)
+    return pd.read_csv(path, dtype=names, keep_default_na=False, na_values=[""])
 
 
 def checksum(path: str | Path) -> str:

@@ -9,7 +9,7 @@ import pytest
 
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from ur5lib.errors import InputError
-from ur5lib.exporting.recordings import TABLES, channels, column_unit, write_recordings
+from ur5lib.exporting.recordings import TABLES, channels, write_recordings
 from ur5lib.finished import FinishedStudy
 from ur5lib.tables import columns, write_json, write_table
 
@@ -87,11 +87,6 @@ def test_columns_are_joined_to_channels() -> None:
     joined = {"segment", "q", "ft", "imu_a", "imu_g", "log_odds_F"}
     assert channels(names).keys() == joined
     assert channels(names)["imu_a"] == ["imu_ax", "imu_ay"]
-
-
-def test_a_column_has_one_unit() -> None:
-    assert [column_unit(f"pose_{k}", "m, rad") for k in (2, 3)] == ["m", "rad"]
-    assert column_unit("qd_5", "rad/s") == "rad/s"
 
 
 @pytest.mark.parametrize(

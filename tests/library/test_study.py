@@ -58,6 +58,7 @@ def changed(raw: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
 
 RUN = "recordings[0]."
 MOTION = "settings.lowpass.motion."
+TABLE = {f"{RUN}format": "table-csv", f"{RUN}file": "a.csv"}
 HDF5 = {f"{RUN}format": "hdf5", f"{RUN}file": "a.h5"}
 IMU = {"file": "b.csv", "columns": ["time"], "tim": 1}
 
@@ -72,12 +73,19 @@ IMU = {"file": "b.csv", "columns": ["time"], "tim": 1}
         ({f"{RUN}role": "contacts"}, f"`{RUN}role` 'contacts' `contact` fit, validate,"),
         ({f"{RUN}robot": "ur55"}, f"`{RUN}robot`: `ur55`; docs/robots.md"),
         ({f"{RUN}format": "thesis"}, f"`{RUN}format` 'thesis' `thesis-csv` rtde-csv, hdf5,"),
+        ({f"{RUN}robot": "UR5"}, f"`{RUN}robot`: `UR5` `ur5`?); docs/robots.md"),
+        ({f"{RUN}name": None}, f"`{RUN}name` None; quotes, YAML"),
+        ({f"{RUN}name": True}, f"`{RUN}name` True; quotes, YAML"),
+        (TABLE | {f"{RUN}columns": ["time", "actual_curent"]},
+         f"`{RUN}columns[1]` 'actual_curent'; `actual_current`"),
+        (HDF5 | {f"{RUN}channels": {"time": "t", "actual_curent": "i"}},
+         f"`{RUN}channels` `actual_current` `actual_curent`,"),
         ({f"{RUN}name": "../run"}, f"`{RUN}name` '../run'; letters, digits,"),
         ({f"{RUN}folder": "raw/nowhere"}, f"`{RUN}folder` 'raw/nowhere', {Path.cwd()}; `ur5"),
         ({f"{RUN}columns": ["time"]}, f"`{RUN}columns`; name, payload, simulate"),
         ({f"{RUN}gravity": [0, 0, 0.981]}, f"`{RUN}gravity` 0.981]; [m/s²] 9 10.5"),
         ({f"{RUN}payload": {"mass": float("nan")}}, f"`{RUN}payload.mass` nan; above 0"),
-        ({f"{RUN}format": "table-csv", f"{RUN}file": "a.csv"}, f"`{RUN}columns` missing; list 1"),
+        (TABLE, f"`{RUN}columns` missing; list 1"),
         ({f"{RUN}format": "rtde-csv", f"{RUN}file": "a.csv", f"{RUN}imu": IMU},
          f"`{RUN}imu.tim` `time` columns, start_file,"),
         (HDF5 | {f"{RUN}channels": {"time": "t", "actual_q": []}}, f"`{RUN}channels` []}}; array"),

@@ -5,11 +5,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
 
 from ur5lib import tables
 from ur5lib.errors import InputError
@@ -17,9 +20,11 @@ from ur5lib.tables import (
     channel,
     named,
     read_columns,
+    read_csv,
     read_json,
     read_record,
     read_table,
+    read_units,
     unit,
     write_csv,
     write_json,
@@ -68,7 +73,8 @@ def test_the_same_table_is_the_same_file(table: pd.DataFrame, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("column", "expected"),
     [("actual_q_0", "rad"), ("actual_qd_5", "rad/s"), ("ft_fx", "N"), ("ft_tz", "Nm"),
-     ("imu_gy", "rad/s"), ("target_moment_0", "Nm"), ("payload_cog_1", "m"), ("payload", "kg")],
+     ("imu_gy", "rad/s"), ("actual_TCP_force_2", "N"), ("actual_TCP_force_3", "Nm"),
+     ("target_moment_0", "Nm"), ("payload_cog_1", "m"), ("payload", "kg")],
 )  # fmt: skip
 def test_units(column: str, expected: str) -> None:
     assert unit(column) == expected
@@ -77,6 +83,13 @@ def test_units(column: str, expected: str) -> None:
 def test_a_column_without_a_unit_is_refused() -> None:
     with pytest.raises(ValueError, match="no known unit"):
         unit("something")
+
+
+def test_a_force_is_in_newtons_and_its_torque_in_newton_metres(tmp_path: Path) -> None:
+    forces = pd.DataFrame({"time": [0.0], "Fmap_Fx": [1.0], "Fmap_std_nx": [0.1], "pose_3": [0.2]})
+    given = {"Fmap_Fx": "N, Nm", "Fmap_std_nx": "N, Nm", "pose_3": "m, rad"}
+    write_table(forces, tmp_path / "forces.parquet", given)
+    assert [*read_units(tmp_path / "forces.parquet").values()] == ["s", "N", "Nm", "rad"]
 
 
 def test_a_given_unit_comes_before_that_of_the_channel(table: pd.DataFrame, tmp_path: Path) -> None:
@@ -130,6 +143,19 @@ def full_disk() -> Iterator[None]:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.lists(st.from_regex(r"\A[A-Za-z0-9_-][A-Za-z0-9_.-]*\Z"), min_size=1))
+@example(["nan", "null", "NA", "None"])
+@example(["1e5", "1", "007"])
+@example(["True", "false"])
+def test_names_come_back_as_they_are(names: list[str]) -> None:
+    with TemporaryDirectory() as folder:
+        write_csv(pd.DataFrame({"recording": names, "mae": np.nan}), Path(folder, "mae.csv"))
+        found = read_csv(Path(folder, "mae.csv"))
+    assert [*found["recording"]] == names
+    assert found["mae"].isna().all()
 
 
 def test_missing_numbers_are_null_and_empty(tmp_path: Path) -> None:

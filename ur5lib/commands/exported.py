@@ -17,7 +17,13 @@ from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.report.findings import in_words
-from ur5lib.robots.description import Robot, load_robot, robot_names, robot_path
+from ur5lib.robots.description import (
+    Robot,
+    load_robot,
+    no_description,
+    robot_names,
+    robot_path,
+)
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.mjcf import mjcf
@@ -70,7 +76,7 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
 def described(robot: str) -> Robot:
     """Return an arm by its description. Raises InputError where it has none."""
     if robot not in robot_names():
-        raise InputError(f"no description of `{robot}`; docs/robots.md shows how to add one")
+        raise InputError(no_description(robot))
     return load_robot(robot_path(robot))
 
 

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 DIGITS = 12
 TABLES = ("signals", "motion", "currents", "forces", "sensor")
 INDEX = re.compile(r"_[0-9]+$|_[Fnft][xyz]$|(?<=imu_[agm])[xyz]$")
-FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")  # of a pose or a wrench
 
 
 @dataclass(frozen=True)
@@ -46,16 +45,7 @@ def contents(study: FinishedStudy, name: str) -> Contents:
     """
     frames = {table: study.frame(name, table) for table in TABLES}
     filled = {table: frame for table, frame in frames.items() if len({*frame} - {"segment"})}
-    for frame in filled.values():
-        units = frame.attrs["units"]
-        frame.attrs["units"] = {column: column_unit(column, unit) for column, unit in units.items()}
     return Contents(name, study.start(name), filled)
-
-
-def column_unit(column: str, unit: str) -> str:
-    """Return the unit of one column of a channel: of `N, Nm`, forces have the first."""
-    first, _, second = unit.partition(", ")
-    return first if FIRST_HALF.search(column) or not second else second
 
 
 def channels(columns: list[str]) -> dict[str, list[str]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 
 from ur5lib.channels import columns as columns_of
+from ur5lib.channels import meant
 from ur5lib.errors import InputError
 from ur5lib.recordings.quality import SENSORS, Device
 from ur5lib.robots.description import Vector3
@@ -70,11 +71,18 @@ class Clocked(Strict):
         return table
 
 
+def _spelt(column: str) -> str:
+    """Return a column's name. Raises ValueError where it is a misspelt channel."""
+    if (channel := meant(column)) is not None:
+        raise ValueError(f"`{channel}` if you mean that channel, or `{SKIPPED}` to skip the column")
+    return column
+
+
 class DeviceTable(Clocked):
     """A delimited table of numbers, with or without a header line."""
 
     file: str = Field(description="path within the recording's folder")
-    columns: list[str] = Field(
+    columns: list[Annotated[str, AfterValidator(_spelt)]] = Field(
         min_length=1,
         description="contents of the columns, in order: `time` and channels by their RTDE names; a "
         "channel without suffix stands for all its columns, `-` for a column to skip",
@@ -113,6 +121,9 @@ class ForceSensor(Sensor):
 def _maps_the_time(channels: dict[str, str | list[str]]) -> dict[str, str | list[str]]:
     if "time" not in channels:
         raise ValueError("a mapping with `time`, which names the array of the stamps")
+    for name in channels:
+        if (channel := meant(name)) is not None:
+            raise ValueError(f"`{channel}` instead of `{name}`, if you mean that channel")
     if not all(channels.values()):
         raise ValueError("a mapping in which each channel names an array")
     return channels

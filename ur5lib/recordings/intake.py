@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from ur5lib.channels import is_unused
+from ur5lib.channels import is_unused, meant
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.derived import with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
@@ -99,11 +99,16 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     unread = [name for name in wrench if not sensor or name not in FORCE_CHANNELS]
     others = [name for name in table if not has_unit(name) and name not in unread]
     unused = list(filter(is_unused, others))
-    unknown = [name for name in others if name not in unused]
+    nearest = {name: meant(name) for name in others if name not in unused}
+    misspelt = {name: near for name, near in nearest.items() if near is not None}
+    unknown = [name for name in others if name not in unused and name not in misspelt]
     notes = [Finding("force", "assumed frame", "note", 1)] if sensor else []
     if unread:
         names = {"names": _some(unread)}
         notes.append(Finding("robot", "unused wrench", "warning", len(unread), names))
+    if misspelt:
+        near = {"names": _some([*misspelt]), "near": ", ".join(sorted({*misspelt.values()}))}
+        notes.append(Finding("robot", "misspelt channels", "warning", len(misspelt), near))
     notes += [
         Finding("robot", kind, "note", len(names), {"names": _some(names)})
         for kind, names in (("unused channels", unused), ("unknown channels", unknown))

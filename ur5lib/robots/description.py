@@ -321,6 +321,19 @@ def robot_names() -> list[str]:
     return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 
+def no_description(name: str) -> str:
+    """Return the message about an arm without description, with the name that may be meant."""
+    known = {_letters(other): f" (did you mean `{other}`?)" for other in robot_names()}
+    near = known.get(_letters(name), "")
+    described = ", ".join(robot_names())
+    return f"no description of `{name}`{near}; docs/robots.md shows how to add one to {described}"
+
+
+def _letters(name: str) -> str:
+    """Return the letters and digits of a name, which its spelling shares with `UR-5e`."""
+    return "".join(filter(str.isalnum, name.lower()))
+
+
 def robot_path(name: str) -> Path:
     """Return the YAML file that describes an arm: that of the project, else the one here."""
     project = PROJECT_FOLDER / f"{name}.yaml"

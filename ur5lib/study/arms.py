@@ -15,6 +15,7 @@ from ur5lib.robots.description import (
     Six,
     Vector3,
     load_robot,
+    no_description,
     robot_names,
     robot_path,
 )
@@ -37,8 +38,7 @@ Name = Annotated[  # becomes the name of a folder
 
 def _described(name: str) -> str:
     if name not in robot_names():
-        message = "no description of `{name}`; docs/robots.md shows how to add one"
-        raise PydanticCustomError("no_description", message, {"name": name})
+        raise PydanticCustomError("no_description", "{message}", {"message": no_description(name)})
     if (FOLDER / f"{name}.yaml").is_file() and (PROJECT_FOLDER / f"{name}.yaml").is_file():
         file = PROJECT_FOLDER / f"{name}.yaml"
         raise ValueError(f"another name to {file}: ur5lib describes a {name} too")
