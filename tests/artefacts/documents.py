@@ -53,12 +53,22 @@ def check_in_browser(report: Path, folder: Path) -> None:
             beyond = [line for line in told if not line.startswith(("data:", report.as_uri()))]
             assert beyond == [], "messages, or requests beyond the file"
             assert page.evaluate("document.documentElement.scrollWidth") <= width
+            if width == NARROW:
+                check_on_a_phone(page)
             violations = Axe().run(page).response["violations"]
             assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []
             if width == WIDE and scheme == "light":
                 page.pdf(path=str(folder / "print.pdf"), prefer_css_page_size=True)
             page.close()
     check_margins(folder / "print.pdf", MARGIN["html"])
+
+
+def check_on_a_phone(page: Any) -> None:
+    """Figures and captions are visible as a whole, and row headers leave room for numbers."""
+    right = "all => all.map(one => one.getBoundingClientRect().right)"
+    for whole in ("figure img", "figcaption", "caption div"):
+        assert max(page.eval_on_selector_all(whole, right)) <= NARROW, whole
+    assert max(page.eval_on_selector_all("tbody th", right)) <= NARROW / 2
 
 
 def check_structure(report: Path) -> None:
