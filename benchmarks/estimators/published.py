@@ -1,14 +1,23 @@
 """The controller's own estimate, and the thesis's, as the study rebuilds them. Neither has a band.
 
-`actual_TCP_force` is what Universal Robots' controller streams; its method and its latency are not
-published. F̂* = J⁻ᵀ (k i + b - τ_C - τ_fr) is Equation 6.9 of the thesis, with its printed constants
-and its low-pass without delay; F̂ is the same without the friction τ_fr (6.8).
+`actual_TCP_force` is what Universal Robots' controller streams; on an e-Series arm, it is the wrist
+sensor's, and `wrench_calc_from_currents` is computed from currents. Their methods and latencies are
+not published. F̂* = J⁻ᵀ (k i + b - τ_C - τ_fr) is Equation 6.9 of the thesis, with its printed
+constants and its low-pass without delay; F̂ is the same without the friction τ_fr (6.8).
 """
 
 from benchmarks.harness.estimator import Estimator, ready
+from ur5lib.pipeline.estimators import ESTIMATES
 
+CONTROLLER = ESTIMATES["controller_currents"]
 ESTIMATORS = [
     Estimator("controller, F̂ᵘ", "`actual_TCP_force`, Universal Robots", True, ready("Fu")),
+    Estimator(
+        CONTROLLER,
+        "`wrench_calc_from_currents`, Universal Robots",
+        True,
+        ready("controller_currents"),
+    ),
     Estimator("thesis, F̂", "thesis 2014, Equation 6.8", False, ready("F")),
     Estimator("thesis, F̂*", "thesis 2014, Equation 6.9", False, ready("F*")),
 ]

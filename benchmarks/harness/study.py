@@ -127,7 +127,7 @@ def ready_estimates(folder: Path) -> dict[str, Estimate]:
     forces = Forces.read(folder / "forces.parquet")
     published = PublishedForces.read(folder / "published_forces.parquet").corrected
     return {name: Estimate(wrench) for name, wrench in published.items()} | {
-        name: Estimate(wrench, forces.std[name]) for name, wrench in forces.wrench.items()
+        name: Estimate(wrench, forces.std.get(name)) for name, wrench in forces.wrench.items()
     }
 
 

@@ -11,7 +11,10 @@ from scipy.stats import binom
 
 from ur5lib.tables import read_csv, read_json
 
-ESTIMATES = ("Fmap", "least_squares", "observer", "repeat", "static", "Fu", "F", "F*")
+ESTIMATES = (
+    *("Fmap", "least_squares", "observer", "repeat", "static", "controller_currents"),
+    *("Fu", "F", "F*"),
+)
 MOST_WORDS = 180
 FORCES = ["Fx", "Fy", "Fz"]
 SEVERITIES = ["stop", "error", "warning", "note"]

@@ -134,8 +134,30 @@ def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) ->
         recorded(device, 10)
         device.close()
     assert told["rate_hz"] == 125
-    assert told["missing"] == ["actual_current_as_torque", "ft_raw_wrench"]
-    assert "ft_raw_wrench_0" not in device.columns
+    lacking = ["actual_current_as_torque", "ft_raw_wrench", "wrench_calc_from_currents"]
+    lacking += ["target_gravity", "target_base_acceleration"]
+    lacking += ["collision_detection_ratio", "joint_position_deviation_ratio"]
+    assert told["missing"] == lacking
+    assert not {f"{name}_0" for name in lacking} & {*device.columns}
+
+
+def test_an_e_series_arm_s_wrench_from_currents_is_recorded(controller_ports: None) -> None:
+    """A pull at the flange, of the environment on the arm; with the newest outputs of RTDE."""
+    pull = Push(kind="push", link=6, start_s=0.0, seconds=8.0, force=(0.0, 30.0, 0.0))
+    plan = SimulatedRecording(trajectory=STILL, noise=False, friction=False, contacts=[pull])
+    options = {"software": (5, 26, 0, 0), "ports": Ports.free()}
+    with EmulatedController("ur5e", plan=plan, **options) as controller:
+        device = RtdeArm(HERE, port=controller.setup.ports.rtde)
+        told = device.open()
+        _, values, _ = recorded(device, 2000)
+        device.close()
+        stamps = column(device, values, "timestamp")[:, 0]
+        true = controller.truth.part("wrench", np.asarray(controller.clock.host(stamps)))
+    assert told["missing"] == []
+    assert np.abs(true[:, 1]).max() > 25
+    stated = column(device, values, "wrench_calc_from_currents")
+    np.testing.assert_allclose(stated[500:], true[500:], rtol=0, atol=2.0)  # delayed by 30 ms
+    assert column(device, values, "target_gravity")[0] == pytest.approx([0, 0, 9.82], abs=0.02)
 
 
 def test_a_clock_that_drifts_is_told(controller_ports: None) -> None:

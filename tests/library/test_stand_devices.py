@@ -16,6 +16,7 @@ from ur5lib.dynamics.flange import flange_kinematics
 from ur5lib.force.sensor import fit_offset, move_to_frame_6, wrench_of_environment
 from ur5lib.pipeline.carried import configured_payload
 from ur5lib.pipeline.clocks import own_clocks
+from ur5lib.pipeline.estimators import Run, controller
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.entries import ThesisFiles
 from ur5lib.recordings.intake import Intake
@@ -226,6 +227,23 @@ def test_the_controller_s_force_is_that_of_the_arm(record: Recorder) -> None:
     peak = slice(370, 380)
     assert np.abs(true[peak, :3].mean(axis=0)).min() > 5
     np.testing.assert_allclose(told[peak].mean(axis=0), -true[peak].mean(axis=0), atol=1.5)
+
+
+def test_an_e_series_controller_states_the_force_on_the_arm_from_currents(
+    record: Recorder,
+) -> None:
+    """The environment on the arm at frame 6, axes of the base, whatever its wrist sensor reads."""
+    spring = {"kind": "spring", "start_s": 1, "seconds": 4, "displacement": [0.06, -0.04, 0.02]}
+    still = {"trajectory": {"kind": "standstill"}, "friction": False, "contacts": [spring]}
+    recorded = record("rtde-csv", "ur5e", **still)
+    signals, time = Signals.from_table(recorded.repaired().robot), recorded.true()["time"]
+    stated = controller(Run(controller=signals.wrench_calc_from_currents))
+    true = channel(recorded.true(), "wrench")[(time > 2.96) & (time < 3.04)].mean(axis=0)
+    assert stated is not None
+    told = stated.wrench[(signals.time > 2.96) & (signals.time < 3.04)].mean(axis=0)
+    assert np.abs(true[:3]).min() > 5
+    assert np.abs(true[3:]).max() > 0.5
+    np.testing.assert_allclose(told, true, atol=1.5)
 
 
 # Clocks and sensors

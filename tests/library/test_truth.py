@@ -152,11 +152,12 @@ def test_accelerations_are_held_against_their_bands() -> None:
     assert set(rows["method"]) == {"encoders"}
 
 
-def test_wrenches_are_compared_where_they_state_a_band() -> None:
+def test_wrenches_are_compared_and_the_band_where_they_state_one() -> None:
     grid = {"time": 0.008 * np.arange(COUNT), "segment": np.zeros(COUNT, np.int64)}
     truth = made_truth()
     forces = Forces(**grid, wrench={"Fmap": series(8.0)})
-    assert list(wrench_rows(forces, truth)) == []
+    rows = pd.DataFrame(wrench_rows(forces, truth))
+    assert {*rows["quantity"]} == {"wrench_rmse", "wrench_mae"}
     band = replace(forces, std={"Fmap": series(1.5)})
     rows = pd.DataFrame(wrench_rows(band, truth)).set_index(["quantity", "index"])
     assert rows.loc[("wrench_rmse", "Fz"), "estimate"] == pytest.approx(2.0)

@@ -35,6 +35,7 @@ from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_path
 from ur5lib.tables import read_json, read_record, read_table, write_json
+from ur5lib.timeseries.arrays import Array
 
 PERIOD = 0.016
 BARE = JudgedLoad(0.0, 0.05, (0.0, 0.0), False, 0.0, 0.0, False, np.zeros(3), np.zeros(3))
@@ -53,8 +54,10 @@ class Recording:
         suffix = "json" if name in SUMMARIES else "parquet"
         return str(self.folder / f"{name}.{suffix}")
 
-    def write(self, run: Free, load: JudgedLoad | None = None) -> "Recording":
-        """What estimate_forces reads of it."""
+    def write(
+        self, run: Free, load: JudgedLoad | None = None, controller: Array | None = None
+    ) -> "Recording":
+        """What estimate_forces reads of it; controller: its own wrench from currents (N, 6)."""
         self.folder.mkdir(parents=True, exist_ok=True)
         grid: dict[str, Any] = {"time": run.time, "segment": np.zeros(len(run.time), int)}
         nothing = 0 * run.q
@@ -64,6 +67,8 @@ class Recording:
         torques = dict.fromkeys(("external_torque", "observed_torque", "causal_torque"), run.torque)
         currents = Currents(**grid, load_doubt=nothing, **torques)
         currents.write(self.currents)
+        known = {"interpolated": np.zeros(len(run.time), bool), "actual_q": run.q}
+        Signals(**grid, **known, wrench_calc_from_currents=controller).write(self.signals)
         SensorWrenches(**grid).write(self.sensor)
         PublishedForces(**grid).write(self.published)
         Kinematics(
@@ -94,6 +99,7 @@ class Recording:
             free_runs=self.index,
             friction=self.friction,
             contradictions=self.contradictions,
+            signals=self.signals,
         )
         script("estimate_forces").estimate_forces(input, self, SETTINGS)
         return Forces.from_table(read_table(self.forces))  # another estimate may replace the file
@@ -171,6 +177,18 @@ def test_a_template_is_of_the_same_payload(weighty: tuple[Free, Free], tmp_path:
     alone = own.estimate(alike)
     same(both, alone)  # the loaded one has no part in it
     assert estimates(heavy.estimate(own)) == {"Fmap", "observer"}
+
+
+def test_the_controller_s_own_wrench_stands_beside_the_others(
+    weighty: tuple[Free, Free], tmp_path: Path
+) -> None:
+    """As it was recorded, without band and odds."""
+    bare, _ = weighty
+    wrench = np.arange(6.0) + np.zeros((len(bare.time), 6))
+    forces = Recording(tmp_path).write(bare, BARE, wrench).estimate()
+    assert estimates(forces) == {"Fmap", "observer", "controller_currents"}
+    np.testing.assert_array_equal(forces.wrench["controller_currents"], wrench)
+    assert not {"controller_currents"} & {*forces.std, *forces.log_odds}
 
 
 def test_every_estimate_has_its_band_and_its_odds(

@@ -50,6 +50,7 @@ class Instruments:
             **self._forces(),
             **payload_channels(rig.declared),
             **self._electrics(measured.current),
+            "target_gravity": -np.array(rig.robot.gravity),
             **self._target_tool(targets),
             "actual_tool_accelerometer": state["imu"][:3],
             "joint_temperatures": np.full(6, sensed(arm.plan.temperature(arm.time))),

@@ -17,8 +17,9 @@ if TYPE_CHECKING:  # whoever reads estimates need not load what makes them
 class Stated(Protocol):
     """The environment on the arm, base axes, at the origin of frame 6.
 
-    wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where nothing is known; log_odds:
-    (N,), that there is a contact, None of an estimator that is not gated.
+    wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where nothing is known; std is None
+    of an estimator that states none; log_odds: (N,), that there is a contact, None of an estimator
+    that is not gated.
     """
 
     @property
@@ -26,7 +27,7 @@ class Stated(Protocol):
         """Return the wrench."""
 
     @property
-    def std(self) -> Array:
+    def std(self) -> Array | None:
         """Return its standard deviation."""
 
     @property
@@ -40,12 +41,14 @@ class Run:
 
     solved: the most probable wrenches by the external torque, the observer's, and less that of
     other runs; causal_odds: log-odds (N,) of contact from past currents; static: the estimate
-    without any fit, where there is none.
+    without any fit, where there is none; controller: the wrench (N, 6) [N, Nm] that the controller
+    computes from currents, where it was recorded.
     """
 
     solved: "Mapping[str, WrenchEstimate]" = field(default_factory=dict)
     causal_odds: Array | None = None
     static: Stated | None = None
+    controller: Array | None = None
 
     @property
     def background(self) -> Array | None:
@@ -111,12 +114,39 @@ def static(run: Run) -> Stated | None:
     return run.static
 
 
+class WithoutBand(NamedTuple):
+    """A wrench (N, 6) [N, Nm] that comes without a standard deviation."""
+
+    wrench: Array
+    std: None = None
+    log_odds: None = None
+
+
+def controller(run: Run) -> Stated | None:
+    """Return what an e-Series controller computes from currents, `wrench_calc_from_currents`.
+
+    Of this output, the field's public files state name, type and that it is a wrench (RTDE guide;
+    Universal_Robots_Client_Library, tests/fake_rtde_server.cpp), not frame, point nor sign. They
+    are taken to be those of the same controller's `actual_TCP_force`: the environment acting on
+    the arm, at the flange, which is the origin of frame 6, in base axes
+    (Universal_Robots_ROS2_Driver, pull request 1615).
+    """
+    return None if run.controller is None else WithoutBand(run.controller)
+
+
 ESTIMATORS = (
     Estimator("Fmap", "F̂ᵐᵃᵖ", fmap),
     Estimator("least_squares", "least squares", least_squares, gated=False),
     Estimator("observer", "observer", observer),
     Estimator("repeat", "repeat-aware", repeat),
     Estimator("static", "uncalibrated static estimate", static, gated=False, article="the "),
+    Estimator(
+        "controller_currents",
+        "controller, from currents",
+        controller,
+        gated=False,
+        article="the estimate of the ",
+    ),
 )
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's
 NEW = {one.name: one.label for one in ESTIMATORS}

@@ -105,7 +105,7 @@ def compared_estimates(kind: str, published: PublishedForces, forces: Forces) ->
     source = published.printed if as_printed else published.corrected
     found: Estimates = {name: (wrench, None) for name, wrench in source.items()}
     if not as_printed:
-        found |= {name: (wrench, forces.std[name]) for name, wrench in forces.wrench.items()}
+        found |= {name: (wrench, forces.std.get(name)) for name, wrench in forces.wrench.items()}
     return found
 
 

@@ -157,7 +157,7 @@ def estimate_figure(forces: Forces, sensor: SensorWrenches, hidden: Mask) -> Dra
     for (name, label), style in zip(labels.items(), DRAWN, strict=False):
         lines[label] = forces.wrench[name], style
     band = None
-    if lead := next(iter(labels), None):
+    if (lead := next(iter(labels), None)) in forces.std:
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
         band = whole - half, whole + half
     return draw_lines(forces, lines, WRENCH, band=band, hidden=hidden)

@@ -30,6 +30,7 @@ from ur5lib.timeseries.arrays import Array, Mask
 Series = Mapping[str, tuple[Array, str]]
 POINTS = 1400  # about two for each dot across a printed page
 SMALLEST_SPAN = 1e-3  # of a panel
+IN_A_ROW = 60  # letters of six labels of a legend that fit side by side
 ERRORS = "error of {}"
 BAND_EDGES = ("95 % band, lower", "95 % band, upper")
 
@@ -164,7 +165,7 @@ def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> Non
         handles.values(),
         handles.keys(),
         loc="upper center",
-        ncols=6,
+        ncols=6 if sum(map(len, handles)) <= IN_A_ROW else 4,
         frameon=False,
         handler_map={tuple: HandlerTuple(ndivide=None, pad=0)},
         handlelength=2.5,

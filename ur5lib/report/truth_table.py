@@ -119,10 +119,9 @@ def end_effector_rows(accelerations: Accelerations, truth: Array) -> Iterator[Ro
 
 
 def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
-    """Yield RMSE, MAE and coverage of the 95 % band of each estimate with a band."""
+    """Yield RMSE, MAE and coverage of the 95 % band of each estimate."""
     true, index = truth.wrench, WRENCH
-    for method, std in forces.std.items():
-        estimate = forces.wrench[method]
+    for method, estimate in forces.wrench.items():
         off, zero = (mean_absolute_error(array, true) for array in (estimate, np.zeros_like(true)))
         rows = [
             *errors("wrench", index, WRENCH_UNITS, true, estimate),
@@ -131,8 +130,9 @@ def wrench_rows(forces: Forces, truth: Truth) -> Iterator[Row]:
                 | {"estimate": mae, "zero": baseline}
                 for c, u, mae, baseline in zip(index, WRENCH_UNITS, off, zero, strict=True)
             ),
-            *shares("wrench_coverage95", index, 0.95, coverage(estimate, std, true)),
         ]
+        if (std := forces.std.get(method)) is not None:
+            rows += shares("wrench_coverage95", index, 0.95, coverage(estimate, std, true))
         yield from (row | {"method": method} for row in rows)
 
 

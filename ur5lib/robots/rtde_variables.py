@@ -27,12 +27,14 @@ _OUTPUTS = {
     "actual_main_voltage actual_robot_voltage actual_robot_current standard_analog_input0 "
     "standard_analog_input1 standard_analog_output0 standard_analog_output1 io_current "
     "tool_analog_input0 tool_analog_input1 tool_output_current tool_temperature tcp_force_scalar "
-    "payload",
+    "payload collision_detection_ratio joint_position_deviation_ratio",
     "VECTOR6D": "target_q target_qd target_qdd target_current target_moment actual_q actual_qd "
     "actual_current actual_current_window joint_control_output actual_TCP_pose actual_TCP_speed "
     "actual_TCP_force target_TCP_pose target_TCP_speed joint_temperatures actual_joint_voltage "
-    "ft_raw_wrench payload_inertia actual_current_as_torque",
-    "VECTOR3D": "actual_tool_accelerometer elbow_position elbow_velocity payload_cog",
+    "ft_raw_wrench wrench_calc_from_currents payload_inertia actual_current_as_torque "
+    "target_base_acceleration",
+    "VECTOR3D": "actual_tool_accelerometer elbow_position elbow_velocity payload_cog "
+    "target_gravity",
     "VECTOR6INT32": "joint_mode",
     "INT32": "robot_mode safety_mode safety_status tool_output_voltage",
     "UINT32": "runtime_state robot_status_bits safety_status_bits analog_io_types tool_mode "
@@ -67,6 +69,12 @@ SINCE = {  # first minor version of the controller's software 3 and 5 that has a
     "payload_inertia": {3: 15, 5: 11},
     "ft_raw_wrench": {5: 9},
     "actual_current_as_torque": {5: 23},
+    "target_gravity": {5: 26},
+    "target_base_acceleration": {5: 26},
+    # not stated anywhere that we know; e-Series controllers have them, as they have ft_raw_wrench
+    "wrench_calc_from_currents": {5: 9},
+    "collision_detection_ratio": {5: 9},
+    "joint_position_deviation_ratio": {5: 9},
 }
 
 

@@ -90,16 +90,18 @@ def channels(
 ) -> dict[str, Array]:
     """Return channels under RTDE names (..., 6), in base axes, for true states (...).
 
-    `actual_TCP_force` is the controller's estimate of the wrench of the arm on its environment:
-    currents less the torques of model and known friction. It is zero for an arm with a wrist
-    sensor, whose readings replace it.
+    The controller estimates a wrench from currents less the torques of model and known friction.
+    `actual_TCP_force` is this wrench of the arm on its environment; for an arm with a wrist sensor,
+    `wrench_calc_from_currents` is this wrench of the environment on the arm, and
+    `actual_TCP_force` is zero, which the sensor's readings replace.
     """
     drive, moment = rig.drive, model_torques(rig, targets)
     jacobian = jacobians(rig, states["q"])
-    force = np.zeros_like(moment)
-    if not rig.robot.wrist_sensor:
-        expected = moment + drive.known_friction(targets.qd)
-        force = estimate.update(jacobian, drive.torque_constant * measured.current - expected)
+    expected = moment + drive.known_friction(targets.qd)
+    force = estimate.update(jacobian, drive.torque_constant * measured.current - expected)
+    forces = {"actual_TCP_force": force}
+    if rig.robot.wrist_sensor:
+        forces = {"actual_TCP_force": np.zeros_like(force), "wrench_calc_from_currents": -force}
     return {
         "target_q": targets.q,
         "target_qd": targets.qd,
@@ -109,7 +111,7 @@ def channels(
         "actual_q": measured.q,
         "actual_qd": measured.qd,
         "actual_current": measured.current,
-        "actual_TCP_force": force,
+        **forces,
         "actual_TCP_pose": poses(states["origin"], states["rotation"]),
         "actual_TCP_speed": (jacobian @ measured.qd[..., None])[..., 0],
     }

@@ -1,5 +1,6 @@
 """Contact wrench from the external torque, with its band and the odds that there is a contact."""
 
+from dataclasses import replace
 from typing import Any
 
 from ur5lib.force.contact_prior import ContactPrior
@@ -27,9 +28,9 @@ from ur5lib.tables import read_record
 
 
 def estimate_forces(input: Any, output: Any, params: Any) -> None:
-    contradictions = read_record(Contradictions, input.contradictions)
-    fitted = is_fitted(read_record(Friction, input.friction), contradictions)
-    run = _fitted(input, params) if fitted else Run(static=_static(input, params))
+    known = read_record(Friction, input.friction), read_record(Contradictions, input.contradictions)
+    run = _fitted(input, params) if is_fitted(*known) else Run(static=_static(input, params))
+    run = replace(run, controller=Signals.read(input.signals).wrench_calc_from_currents)
     found = {one.name: one.estimate(run) for one in ESTIMATORS}
     rest = run.background, run.causal_odds
     del run  # of a long recording, either all inputs are held or all results
@@ -37,8 +38,7 @@ def estimate_forces(input: Any, output: Any, params: Any) -> None:
 
 
 def _static(input: Any, params: Any) -> Stated | None:
-    # slow to import, and friction of most arms is fitted
-    from ur5lib.pipeline.static_forces import static_forces
+    from ur5lib.pipeline.static_forces import static_forces  # slow, and most arms are fitted
 
     moved = Motion.read(input.motion), Torques.read(input.torques)
     known = Signals.read(input.signals), *moved, Kinematics.read(input.kinematics).jacobian

@@ -16,9 +16,9 @@ class Forces(SegmentedTable):
     """Contact wrenches from currents: the environment acting on the arm, base axes, frame 6's
     origin, (N, 6) [N, Nm].
 
-    wrench and std, its standard deviation, by estimate; log_odds: that there is a contact, (N,),
-    given all samples; causal_log_odds: given each sample and those before it; background:
-    (N, 6) [Nm], slow external torque that is no contact.
+    wrench and, where it states one, std, its standard deviation, by estimate; log_odds: that there
+    is a contact, (N,), given all samples; causal_log_odds: given each sample and those before it;
+    background: (N, 6) [Nm], slow external torque that is no contact.
     """
 
     wrench: dict[str, Array] = channels("{}", "N, Nm", WRENCH, tuple(NEW))
@@ -42,7 +42,7 @@ class Forces(SegmentedTable):
             time=motion.time,
             segment=motion.segment,
             wrench={name: one.wrench for name, one in known.items()},
-            std={name: one.std for name, one in known.items()},
+            std={name: one.std for name, one in known.items() if one.std is not None},
             log_odds={name: own for name, own in odds.items() if own is not None},
             background=background,
             causal_log_odds=causal,

@@ -30,12 +30,12 @@ class Signals(SegmentedTable):
 
     interpolated: (N,), whether a frame was lost and filled in. Joint channels are (N, 6);
     actual_TCP_force: (N, 6), the controller's estimate, base frame; ft_raw_wrench: (N, 6), of a
-    wrist sensor, axes of frame 6, with its bias and its tool; joint_temperatures: (N, 6) [°C], of
-    the motors; payload: (N,), payload_cog:
-    (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz, xy, xz, yz, that the controller was
-    given; tcp_offset: (N, 6), its tool centre point in frame 6, position and rotation vector;
-    force_sensor: (N, 6), force and torque in the sensor's frame; accelerometer and
-    gyroscope: (N, 3), of the IMU, in its frame.
+    wrist sensor, axes of frame 6, with bias and tool; wrench_calc_from_currents: (N, 6), the
+    controller's estimate beside a wrist sensor, base frame; joint_temperatures: (N, 6) [°C], of the
+    motors; payload: (N,), payload_cog: (N, 3), frame 6, and payload_inertia: (N, 6), of xx, yy, zz,
+    xy, xz, yz, that the controller was given; tcp_offset: (N, 6), its tool centre point in frame 6,
+    position and rotation vector; force_sensor: (N, 6), force and torque in the sensor's frame;
+    accelerometer and gyroscope: (N, 3), of the IMU, in its frame.
     """
 
     interpolated: Mask = channel("interpolated", "1", dtype=np.bool_)
@@ -49,6 +49,7 @@ class Signals(SegmentedTable):
     target_moment: Array | None = recorded("target_moment")
     actual_TCP_force: Array | None = recorded("actual_TCP_force")  # noqa: N815 - RTDE's name
     ft_raw_wrench: Array | None = recorded("ft_raw_wrench")
+    wrench_calc_from_currents: Array | None = recorded("wrench_calc_from_currents")
     joint_temperatures: Array | None = recorded("joint_temperatures")
     payload: Array | None = recorded("payload")
     payload_cog: Array | None = recorded("payload_cog")
