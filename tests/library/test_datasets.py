@@ -243,6 +243,7 @@ def test_the_real_list_matches_the_real_recordings(thesis_data: Path, tmp_path: 
         ("ur5e-demonstrations", "ur5e"),
         ("ur5e-rtde", "ur5e"),
         ("ur10-bag", "ur10-bag"),
+        ("ur3-cb", "ur3-cb"),
     ],
 )
 def test_a_fetched_set_s_study_is_checked_without_errors(
