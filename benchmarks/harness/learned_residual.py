@@ -1,7 +1,7 @@
-"""The external torque without contact, learnt as a function of the motion, and subtracted.
+"""A torque without contact, learnt as a function of the motion, by path.
 
-The regression sees (q, q̇, torque of the rigid-body model) at one instant, so that it can take away
-what friction and model leave, and it can be part of a causal estimate.
+What friction and model leave is learnt from (q, q̇, torque of the rigid-body model) at one instant,
+and subtracted, so that it can be part of a causal estimate.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,35 +19,41 @@ from ur5lib.timeseries.arrays import Array
 
 
 class Samples(NamedTuple):
-    """Inputs (n, 18) [rad, rad/s, Nm] and external torques (n, 6) [Nm]."""
+    """Inputs (n, M) and torques (n, 6) [Nm]."""
 
     inputs: Array
     torque: Array
 
 
 Predict = Callable[[Array], Array]
-"""Returns the torque (N, 6) [Nm] at inputs (N, 18)."""
+"""Returns the torque (N, 6) [Nm] at inputs (N, M)."""
 Train = Callable[[Samples, Samples], Predict]
 """Takes the samples to learn from, and those of a path that is left out, to stop by."""
 
 
-def inputs(run: Run) -> Array:
-    """Return (q, q̇, τ_model), (N, 18)."""
-    return np.concatenate([run.q, run.qd, run.model], axis=1)
+Learnable = Callable[[Run], Samples]
+"""Returns what is learnt from, and what, at all samples of a run, NaN where unknown."""
 
 
-def samples(runs: Sequence[Run], step: float) -> Samples:
+def residual(run: Run) -> Samples:
+    """Return (q, q̇, τ_model), (N, 18) [rad, rad/s, Nm], and the smoothed external torque."""
+    return Samples(np.concatenate([run.q, run.qd, run.model], axis=1), run.smoothed)
+
+
+def samples(runs: Sequence[Run], step: float, of: Learnable) -> Samples:
     """Return the samples of runs every `step` seconds, where all is known."""
     parts = []
     for run in runs:
         rows = slice(None, None, max(1, round(step / run.period)))
-        known = np.isfinite(inputs(run)[rows]).all(axis=1)
-        known &= np.isfinite(run.smoothed[rows]).all(axis=1)
-        parts.append((inputs(run)[rows][known], run.smoothed[rows][known]))
+        inputs, torque = (values[rows] for values in of(run))
+        known = np.isfinite(inputs).all(axis=1) & np.isfinite(torque).all(axis=1)
+        parts.append((inputs[known], torque[known]))
     return Samples(*(np.concatenate(own) for own in zip(*parts, strict=True)))
 
 
-def cross_fitted(train: Train, runs: Sequence[Run], step: float) -> TorqueEstimate:
+def cross_fitted(
+    train: Train, runs: Sequence[Run], step: float, of: Learnable = residual
+) -> TorqueEstimate:
     """Return the learnt torque of a run, for each path by the regression that has not seen it.
 
     A path beyond those is predicted by the mean of the regressions. Raises InputError if all runs
@@ -58,16 +64,17 @@ def cross_fitted(train: Train, runs: Sequence[Run], step: float) -> TorqueEstima
         raise InputError("a learnt residual needs two paths to fit on; record another")
     without = {
         path: train(
-            samples([run for run in runs if run.path != path], step),
-            samples([run for run in runs if run.path == path], step),
+            samples([run for run in runs if run.path != path], step, of),
+            samples([run for run in runs if run.path == path], step, of),
         )
         for path in paths
     }
 
     def predicted(run: Run) -> Array:
         chosen = [without[run.path]] if run.path in without else [*without.values()]
-        values, known = np.full_like(run.q, np.nan), np.isfinite(inputs(run)).all(axis=1)
-        values[known] = np.mean([predict(inputs(run)[known]) for predict in chosen], axis=0)
+        inputs = of(run).inputs
+        values, known = np.full_like(run.q, np.nan), np.isfinite(inputs).all(axis=1)
+        values[known] = np.mean([predict(inputs[known]) for predict in chosen], axis=0)
         return values
 
     return predicted

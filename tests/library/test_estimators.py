@@ -1,19 +1,21 @@
 """The estimators of the benchmark, by identity: on an arm whose external torque is known."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks.estimators import all_estimators, position_error
+from benchmarks.estimators import all_estimators, long_short_term_memory
 from benchmarks.estimators.adaptive_extended_kalman_filter import AdaptiveExtendedKalman
 from benchmarks.estimators.adaptive_kalman_filter import AdaptiveKalman
 from benchmarks.estimators.disturbance_kalman_filter import DisturbanceKalman
 from benchmarks.estimators.extended_state_observer import ExtendedState
 from benchmarks.estimators.least_squares import LowPassed
+from benchmarks.estimators.long_short_term_memory import PAST, STEP, motion, train
 from benchmarks.estimators.momentum_observer import FirstOrder
 from benchmarks.estimators.ours import OURS
 from benchmarks.estimators.ours_causal import OURS_CAUSAL, mixed_wrench
@@ -22,6 +24,7 @@ from benchmarks.estimators.recursive_least_squares import ForgettingLeastSquares
 from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
+from benchmarks.harness.learned_residual import samples
 from benchmarks.harness.outside import check
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import free_rows, sensed_rows
@@ -58,6 +61,14 @@ each_torque = pytest.mark.parametrize("torque", TORQUES.values(), ids=TORQUES)
 def free_runs() -> list[Run]:
     """Two paths of ten seconds without contact."""
     return [synthetic_run(seed, noise=0.3).part(slice(LATER)) for seed in (1, 2)]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def few_rounds() -> Iterator[None]:
+    """A network that has learnt little is as causal as one that has learnt much."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(long_short_term_memory, "ROUNDS", 30)
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -137,11 +148,35 @@ def test_the_gains_of_a_position_loop_are_found() -> None:
     assert np.abs(found.constant).max() < 0.1
 
 
-def test_without_target_angles_no_position_error_is_used(learned: dict[str, Learned]) -> None:
+def test_the_last_states_are_read_in_the_order_of_time_and_not_across_a_gap() -> None:
+    run = replace(synthetic_run(), segment=(np.arange(COUNT) >= LATER).astype(int))
+    seen = motion(run, with_error=False).inputs.reshape(COUNT, PAST, 12)
+    back = round(STEP / PERIOD)
+    assert np.array_equal(seen[LATER - 1, :, 0], run.q[LATER - 1 - back * np.arange(PAST)[::-1], 0])
+    assert np.array_equal(seen[LATER + back, -2:, 6:], run.qd[[LATER, LATER + back]])
+    assert (seen[LATER + back, :-1, 6:] == run.qd[LATER]).all()
+
+
+def test_a_network_learns_the_torque_of_an_arm_that_it_knows_nothing_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Trained on a path, it is tried on the same one."""
+    monkeypatch.setattr(long_short_term_memory, "ROUNDS", 200)
+    run = synthetic_run(noise=0.3)
+    known = samples([run], 0.04, partial(motion, with_error=False))
+    error = train(known, known)(known.inputs) - known.torque
+    assert (error.std(axis=0) < 0.2 * known.torque.std(axis=0) + 0.3).all()
+
+
+@pytest.mark.parametrize("name", ["LSTM, NEXT", "position error"])
+def test_what_needs_target_angles_states_nothing_without(
+    name: str, learned: dict[str, Learned]
+) -> None:
     blind = replace(synthetic_run(1), position_error=None)
-    assert learned["position error"].method(blind) is None
+    assert learned[name].method(blind) is None
+    (own,) = (own for own in all_estimators() if own.name == name)
     with pytest.raises(InputError, match="target_q"):
-        position_error.learn([blind])
+        own.learn([blind])
 
 
 def test_a_first_order_lag_has_its_time_constant_as_latency() -> None:
@@ -231,7 +266,7 @@ def unsure(spread: float) -> ResidualModel:
 def test_the_same_data_give_the_same_numbers(learned: dict[str, Learned]) -> None:
     tested = synthetic_run(5, noise=0.3)
     for own in all_estimators():
-        if own.name.startswith("least squares +"):
+        if own.name.startswith(("least squares +", "LSTM")):
             first, second = (
                 one.method(tested) for one in (learned[own.name], own.learn(free_runs()))
             )

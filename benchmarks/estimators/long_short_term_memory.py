@@ -1,0 +1,146 @@
+"""A long short-term memory for the motors' torque without contact [Oh et al. 2026].
+
+NEXT learns the whole torque of the motors from the motion of the last second, without a model of
+friction or links, and takes what is measured beyond it for the external torque. Its inputs are q,
+q̇ and, where the target was recorded, the position error. A push moves the arm off its target, so
+that the position error may show the network the contact that it is to leave out; a second
+estimator does without.
+
+For each path of the recordings to fit on, one network learns from the others and stops where its
+error on that path is least; the same seed gives the same network. The external torque passes the
+low-pass of causal least squares, tuned by the rule. The network is smaller than the published one
+(two layers of 128 units with dropout, a head of 256, states 20 ms apart), so that one processor
+trains it in seconds.
+
+S. Oh, J. J. Liu, T. Tao, P. Han, K. Shaw, S. Funabashi, R. Salakhutdinov, D. Pathak: FACTR 2:
+Learning external force sensing for commodity robot arms improves policy learning. arXiv 2606.12406
+(2026).
+"""
+
+from collections.abc import Sequence
+from copy import deepcopy
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+import torch
+from torch import nn
+from torch.nn.functional import mse_loss
+
+from benchmarks.estimators.least_squares import TIME_CONSTANTS, LowPassed
+from benchmarks.harness.estimator import Estimator, Learned
+from benchmarks.harness.learned_residual import Predict, Samples, Scale, cross_fitted
+from benchmarks.harness.run import Estimate, Run
+from benchmarks.harness.tuning import tuned
+from ur5lib.errors import InputError
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import starts
+
+PAST, STEP = 20, 0.05  # states that the network sees, and the time between them [s]
+APART = 0.04  # s between samples that are learnt from
+HIDDEN, RATE = 64, 3e-3  # units; step size of Adam
+ROUNDS, BATCH, CHECK = 600, 128, 25  # steps, samples of each, steps between looks at the path left
+
+
+class Tensors(NamedTuple):
+    """Inputs (n, M) and torques (n, 6), in units of their standard deviations."""
+
+    inputs: torch.Tensor
+    torque: torch.Tensor
+
+
+class Memory(nn.Module):
+    """Predicts 6 torques from the last state of a memory that has read PAST states in turn."""
+
+    def __init__(self, states: int) -> None:
+        """states: numbers in each state."""
+        super().__init__()
+        torch.manual_seed(0)
+        self.states = states
+        self.memory = nn.LSTM(states, HIDDEN, batch_first=True)
+        self.head = nn.Linear(HIDDEN, 6)
+
+    def forward(self, past: torch.Tensor) -> torch.Tensor:
+        """Return torques (n, 6); past: (n, PAST * states)."""
+        read, _ = self.memory(past.unflatten(1, (PAST, self.states)))
+        return self.head(read[:, -1])
+
+
+def train(learnt: Samples, left_out: Samples) -> Predict:
+    """Minimise the squared error; keep the weights that predict the path left out best."""
+    scales = Scale.of(learnt.inputs), Scale.of(learnt.torque)
+    seen, unseen = (normalised(own, *scales) for own in (learnt, left_out))
+    layers = Memory(learnt.inputs.shape[1] // PAST)
+    optimiser = torch.optim.Adam(layers.parameters(), lr=RATE)
+    drawn = torch.Generator().manual_seed(0)
+    best, kept = float("inf"), layers.state_dict()
+    for k in range(ROUNDS):
+        if k % CHECK == 0:
+            with torch.no_grad():
+                error = mse_loss(layers(unseen.inputs), unseen.torque).item()
+            if error < best:
+                best, kept = error, deepcopy(layers.state_dict())
+        batch = torch.randint(len(seen.inputs), (BATCH,), generator=drawn)
+        optimiser.zero_grad()
+        mse_loss(layers(seen.inputs[batch]), seen.torque[batch]).backward()
+        optimiser.step()
+    layers.load_state_dict(kept)
+    return partial(predict, layers, *scales)
+
+
+def normalised(own: Samples, of_inputs: Scale, of_torque: Scale) -> Tensors:
+    """Return inputs and torques as the network uses them."""
+    inputs, torque = of_inputs.normalised(own.inputs), of_torque.normalised(own.torque)
+    return Tensors(*(torch.as_tensor(values, dtype=torch.float32) for values in (inputs, torque)))
+
+
+def predict(layers: nn.Module, of_inputs: Scale, of_torque: Scale, new: Array) -> Array:
+    """Return the torque (N, 6) [Nm] at inputs (N, M)."""
+    inputs = torch.as_tensor(of_inputs.normalised(new), dtype=torch.float32)
+    with torch.no_grad():
+        return of_torque.restored(layers(inputs).double().numpy())
+
+
+def motion(run: Run, *, with_error: bool) -> Samples:
+    """Return the last PAST states in the order of time, (N, PAST * 12 or 18), and k i [Nm].
+
+    At the start of a stretch, its first state stands for what was before.
+    """
+    states = [run.q, run.qd]
+    if with_error and run.position_error is not None:
+        states.append(run.position_error)
+    now = np.concatenate(states, axis=1)
+    back = round(STEP / run.period) * np.arange(PAST)[::-1]
+    first = np.maximum.accumulate(np.where(starts(run.segment), np.arange(len(now)), 0))
+    rows = np.maximum(np.arange(len(now))[:, None] - back, first[:, None])
+    return Samples(now[rows].reshape(len(now), -1), motor(run))
+
+
+def motor(run: Run) -> Array:
+    """Return the measured torque k i of the motors (N, 6) [Nm]."""
+    return run.model + run.friction - run.torque
+
+
+def learn(runs: Sequence[Run], *, with_error: bool) -> Learned:
+    """Train on all paths but each one, then tune the low-pass. Raises as `cross_fitted`."""
+    if with_error and any(run.position_error is None for run in runs):
+        raise InputError("target_q was not recorded, which the position error needs")
+    predicted = cross_fitted(train, runs, APART, partial(motion, with_error=with_error))
+
+    def unexplained(run: Run) -> Run:
+        return replace(run, torque=predicted(run) - motor(run))
+
+    def estimate(run: Run) -> Estimate | None:
+        lacking = with_error and run.position_error is None
+        return None if lacking else learned.method(unexplained(run))
+
+    learned = tuned([LowPassed(own) for own in TIME_CONSTANTS], [unexplained(run) for run in runs])
+    return learned._replace(method=estimate)
+
+
+SOURCE = "Oh et al. 2026"
+ESTIMATORS = [
+    Estimator("LSTM, NEXT", SOURCE, True, partial(learn, with_error=True)),
+    Estimator("LSTM, NEXT without position error", SOURCE, True, partial(learn, with_error=False)),
+]
