@@ -1,14 +1,18 @@
 """All estimators of the contact force on simulated arms, seed by seed.
 
-    python -m benchmarks.simulated_contacts [<seeds>] [--quick]
+    python -m benchmarks.simulated_contacts [<seeds>] [--first <seed>] [--quick]
 
 Each seed is an arm with friction of its own: two excitations and one motion along way-points with
 pauses, without contact, and one recording along another path that is pushed in turn at the flange,
 at a tool 15 cm beyond it and at the elbow. The workflow identifies links and friction from the
 contact-free recordings and estimates the forces; nothing is taken from the truth but what the
 estimates are compared with. Arms take turns; motion, forces, directions and noise are drawn by the
-seed. Adds to results/simulated_contacts.csv the seeds that it lacks, from 0 on, so that a run may
-be interrupted, and prints the table that `make leaderboard` puts into the page.
+seed.
+
+Each seed is written to results/simulated_contacts/<seed>.csv once it is done. A run that was
+stopped, even by force, goes on with the seeds that lack, and so does one after an estimator was
+added. Two runs may share the seeds: one up to 100, the other up to 200 with `--first 100`. At the
+end, all seeds together are results/simulated_contacts.csv, the table of the page.
 """
 
 import shutil
@@ -26,12 +30,13 @@ import yaml
 
 from benchmarks.estimators import all_estimators
 from benchmarks.estimators.published import ESTIMATORS as PUBLISHED
-from benchmarks.harness.options import asked
+from benchmarks.harness.options import options_of
 from benchmarks.harness.pushes import EACH, PAUSE, PLACES, pushes
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import known_to_all, masked, score_by_sample
 from benchmarks.harness.simulated import simulated_table
 from benchmarks.harness.study import Arm, label_paths, read_run
+from benchmarks.harness.timing import timed
 from benchmarks.leaderboard import QUICK, RESULTS, estimates, learnt
 from ur5lib.force.detection import CONTACT, is_free
 from ur5lib.pipeline.records.friction import Friction
@@ -41,7 +46,6 @@ from ur5lib.stand.plan import POSTURE
 from ur5lib.tables import read_csv, read_record, write_csv
 from ur5lib.timeseries.arrays import Array
 
-TABLE = RESULTS / "simulated_contacts.csv"
 ARMS = ("ur5", "ur5e", "ur10e")
 SEEDS = 30
 FIT_SECONDS = 20.0
@@ -55,26 +59,48 @@ NORMAL = 1.96  # standard deviations of a 95 % band
 
 
 def main() -> None:
-    """Simulate, estimate, and write the seeds that are missing; print the table."""
-    seeds, quick = asked(__doc__, SEEDS)
+    """Simulate and estimate the seeds that are missing; write and print the table of all."""
+    options = options_of(__doc__)
+    options.add_argument("seeds", nargs="?", type=int, help=f"up to which; by default {SEEDS}")
+    options.add_argument("--first", type=int, default=0, help="the first of them, 0 by default")
+    given = options.parse_args()
     torch.set_num_threads(1)  # the same sums in the same order, and so the same numbers
-    if quick:
-        print(simulated_table(pd.DataFrame(seed_rows(0, 1, QUICK))))
-        return
-    table = read_csv(TABLE) if TABLE.exists() else pd.DataFrame({"seed": []})
     names = [own.name for own in all_estimators() if own.name not in LEFT_OUT]
-    for seed in sorted({*range(seeds)} - {*table["seed"]}):
-        table = pd.concat([table, pd.DataFrame(seed_rows(seed, EACH, names))])
-        write_csv(table, TABLE)
-        print(f"seed {seed} of {seeds}", file=sys.stderr, flush=True)
+    folder, each, seeds = RESULTS / "simulated_contacts", EACH, given.seeds or SEEDS
+    if given.quick:
+        folder, each, seeds = folder.with_name("simulated_contacts_quick"), 1, given.seeds or 1
+        names = [own for own in names if own in QUICK]
+    missing = [seed for seed in range(given.first, seeds) if not has(folder, seed, names)]
+    for done, seed in enumerate(missing, start=1):
+        spent, rows = timed(lambda: pd.DataFrame(seed_rows(seed, each, names)))  # noqa: B023
+        write_csv(rows, folder / f"{seed}.csv")
+        left = len(missing) - done
+        print(f"seed {seed}: {spent:.0f} s, {left} left", file=sys.stderr, flush=True)
+    table = gathered(folder)
+    write_csv(table, folder.with_suffix(".csv"))
     print(simulated_table(table))
 
 
+def has(folder: Path, seed: int, names: Collection[str]) -> bool:
+    """Return whether a seed is written, with a row for each of the estimators."""
+    path = folder / f"{seed}.csv"
+    return path.exists() and {*names} <= {*read_csv(path)["estimator"]}
+
+
+def gathered(folder: Path) -> pd.DataFrame:
+    """Return the rows of all seeds that are written, as read, in the order of the seeds."""
+    paths = sorted(folder.glob("*.csv"), key=lambda path: int(path.stem))
+    return pd.concat([read_csv(path) for path in paths], ignore_index=True)
+
+
 def seed_rows(seed: int, each: int, names: Collection[str]) -> Iterator[dict[str, Any]]:
-    """Yield the figures of the estimators on a seed's pushed recording."""
+    """Yield the figures of the estimators on a seed's pushed recording, none where one lacks an
+    input.
+    """
     contacts = pushes(seed, each)
     study = planned(seed, contacts)
     folder, arm = RESULTS / study["study"], ARMS[seed % len(ARMS)]
+    clear(study)  # what a run left that was killed
     try:
         built(study)
         robot = load_robot(folder / "parameters" / arm / "arm.yaml")
@@ -83,17 +109,24 @@ def seed_rows(seed: int, each: int, names: Collection[str]) -> Iterator[dict[str
         runs = [run for own in folders if (run := read_run(own, robot, friction)) is not None]
         time = Signals.read(folders[-1] / "signals.parquet").time
     finally:
-        for own in (folder, Path("raw", study["study"])):
-            shutil.rmtree(own, ignore_errors=True)
+        clear(study)
     *free, pushed = label_paths(runs)
     known = Arm(study["study"], arm, free, [pushed], [])
     chosen = [own for own in all_estimators() if own.name in names]
     entries = {entry.estimator.name: entry for entry in learnt(known, chosen)}
     about = {"seed": seed, "arm": arm, "motion": motion_of(seed)["kind"]}
-    for row in figures(pushed, estimates(entries, pushed), time, contacts):
+    found = estimates(entries, pushed)
+    for row in figures(pushed, found, time, contacts):
         own = entries[row["estimator"]]
         causal = "yes" if own.estimator.causal else "no"
         yield about | {"causal": causal, "latency_s": own.learned.latency} | row
+    yield from (about | {"estimator": name} for name in names if name not in found)
+
+
+def clear(study: dict[str, Any]) -> None:
+    """Remove a seed's recordings and results."""
+    for folder in (RESULTS / study["study"], Path("raw", study["study"])):
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def planned(seed: int, contacts: list[dict[str, Any]]) -> dict[str, Any]:

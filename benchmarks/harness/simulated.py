@@ -23,6 +23,7 @@ def simulated_table(table: pd.DataFrame) -> str:
     Estimators that lack any seed are left out.
     """
     seeds = table["seed"].nunique()
+    table = table.dropna(subset="flange_square")
     counts = table["estimator"].value_counts()
     names = [name for name in counts.index if counts[name] == seeds]
     drawn = draws(seeds)

@@ -1,5 +1,7 @@
 """The benchmark's tables of simulated arms, touched links and predicted currents, by identity."""
 
+from collections.abc import Collection, Iterator
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,6 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 
+from benchmarks import simulated_contacts
 from benchmarks.current_prediction import Known, Own, pair_rows
 from benchmarks.estimators.ours import OURS
 from benchmarks.harness.detection import detection_tables
@@ -45,6 +48,62 @@ def test_seeds_are_pooled_by_their_samples() -> None:
 def test_an_estimator_that_lacks_a_seed_is_left_out() -> None:
     rows = [seed_row(0, OURS, 3.0), seed_row(1, OURS, 3.0), seed_row(1, "other", 4.0)]
     assert "other" not in simulated_table(pd.DataFrame(rows))
+
+
+def test_an_estimator_without_figures_for_a_seed_is_left_out() -> None:
+    rows = [seed_row(seed, name, 3.0) for seed in (0, 1) for name in (OURS, "other")]
+    rows[1] = {"seed": 0, "estimator": "other"}
+    assert "other" not in simulated_table(pd.DataFrame(rows))
+
+
+def simulate(monkeypatch: pytest.MonkeyPatch, *arguments: str, stop: int = -1) -> list[int]:
+    """Return the seeds that a quick run computes here, until it is interrupted at one."""
+    computed: list[int] = []
+
+    def rows(seed: int, _: int, names: Collection[str]) -> Iterator[dict[str, Any]]:
+        if seed == stop:
+            raise KeyboardInterrupt
+        computed.append(seed)
+        error = np.random.default_rng(seed).uniform(1, 5)
+        yield from (seed_row(seed, name, error / 3) for name in names)
+
+    monkeypatch.setattr(simulated_contacts, "seed_rows", rows)
+    monkeypatch.setattr("sys.argv", ["simulated_contacts", *arguments, "--quick"])
+    with pytest.raises(KeyboardInterrupt) if stop >= 0 else nullcontext():
+        simulated_contacts.main()
+    return computed
+
+
+def test_seeds_go_on_where_a_run_was_stopped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tables = []
+    for name, stops in (("whole", []), ("stopped", [2, 5])):
+        (tmp_path / name).mkdir()
+        monkeypatch.chdir(tmp_path / name)
+        computed = [seed for stop in stops for seed in simulate(monkeypatch, "12", stop=stop)]
+        assert computed + simulate(monkeypatch, "12") == [*range(12)]
+        tables.append(Path("results/simulated_contacts_quick.csv").read_bytes())
+    assert tables[0] == tables[1]
+    assert simulate(monkeypatch, "12") == []
+
+
+def test_two_runs_may_share_the_seeds(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert simulate(monkeypatch, "6", "--first", "3") == [3, 4, 5]
+    assert simulate(monkeypatch, "3") == [0, 1, 2]
+    table = pd.read_csv("results/simulated_contacts_quick.csv")
+    assert table["seed"].drop_duplicates().tolist() == [*range(6)]
+
+
+def test_seeds_that_lack_an_estimator_are_computed_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    simulate(monkeypatch, "2")
+    path = Path("results/simulated_contacts_quick/1.csv")
+    write_csv(pd.read_csv(path).iloc[1:], path)
+    assert simulate(monkeypatch, "2") == [1]
 
 
 def test_a_push_acts_at_its_place_and_time() -> None:

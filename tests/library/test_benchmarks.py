@@ -1,8 +1,11 @@
 """Each benchmark runs, in small sizes, and prints its table; how fast is not asked here."""
 
 import os
+import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -20,13 +23,13 @@ PRINTED = {  # what each prints at least
     "stand_seeds": ["1 seeds", "intervals hold the truth", "wrench_rmse_in_contact"],
     "accelerometer": ["virtual test stand, 1 seeds", "true motion", "F^map in contact"],
     "contact_link": ["1 seeds", "| all | 6 |"],
-    "simulated_contacts": ["| least squares | no |", "RMSE at the elbow [N]"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
+RESUMED = {"simulated_contacts"}
 IN_A_COPY = {"excitation_loop"}  # of the project: in tests/artefacts/test_next_recording.py
 OF_A_BUILT_STUDY = {
     "leave_out",
@@ -55,7 +58,7 @@ def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
 
 def test_every_benchmark_is_run() -> None:
     files = {path.stem for path in (PROJECT / "benchmarks").glob("*.py")}
-    assert files == set(PRINTED) | OF_A_BUILT_STUDY | IN_A_COPY
+    assert files == set(PRINTED) | OF_A_BUILT_STUDY | IN_A_COPY | RESUMED
 
 
 @pytest.mark.slow
@@ -65,6 +68,29 @@ def test_a_benchmark_runs_and_prints_its_table(name: str) -> None:
     assert all(text in printed for text in PRINTED[name]), printed
 
 
+@pytest.mark.slow
+def test_seeds_of_a_killed_run_are_those_of_a_whole_one() -> None:
+    """Killed in the midst of the workflow, with all its processes."""
+    results, simulated = PROJECT / "results", PROJECT / "results" / "simulated-0"
+    rows, table = (results / f"simulated_contacts_quick{end}" for end in ("", ".csv"))
+    shutil.rmtree(rows, ignore_errors=True)
+    printed = run_benchmark("simulated_contacts", PROJECT)
+    assert "| least squares | no |" in printed
+    whole = (rows / "0.csv").read_bytes(), table.read_bytes()
+    shutil.rmtree(rows)
+    command = [sys.executable, "-m", "benchmarks.simulated_contacts", "--quick"]
+    environment = os.environ | {"PYTHONPATH": str(PROJECT), "OMP_NUM_THREADS": "1"}
+    with subprocess.Popen(command, cwd=PROJECT, env=environment, start_new_session=True) as run:
+        while not list(simulated.glob("recordings/*/motion.parquet")) and run.poll() is None:
+            time.sleep(0.1)
+        os.killpg(run.pid, signal.SIGKILL)
+    assert run.returncode == -signal.SIGKILL
+    assert not (rows / "0.csv").exists()
+    assert "seed 0: " in run_benchmark("simulated_contacts", PROJECT)
+    assert whole == ((rows / "0.csv").read_bytes(), table.read_bytes())
+    assert "seed 0: " not in run_benchmark("simulated_contacts", PROJECT)
+
+
 def test_what_make_bench_runs_is_there() -> None:
     makefile = (PROJECT / "Makefile").read_text()
     named = next(line for line in makefile.splitlines() if line.startswith("SPEED := "))
@@ -72,7 +98,6 @@ def test_what_make_bench_runs_is_there() -> None:
         "gpu",  # which few machines have
         "accelerometer",
         "contact_link",
-        "simulated_contacts",
         "motion",
         "stand_seeds",
         "drift",
