@@ -240,7 +240,9 @@ def export(
         str | None,
         typer.Option(help="name of one of its link models; default: the chosen or identified one"),
     ] = None,
-    to: Annotated[str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json")] = "urdf",
+    to: Annotated[
+        str, typer.Option(help="output format: urdf, mjcf, sdf, isaac, json, direct-torque")
+    ] = "urdf",
     results: Annotated[
         Path | None, typer.Option(help="results of a study that identified it: results/<study>")
     ] = None,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.commands.friction_scales import direct_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import CurrentFit, JointFit, Parameter, torque_constants
@@ -38,7 +39,7 @@ WRITERS: dict[str, Callable[[Robot, str, JointFriction | None], str]] = {
     "sdf": sdf,
     "isaac": isaac,
 }
-FORMATS = (*WRITERS, "json")
+FORMATS = (*WRITERS, "json", "direct-torque")
 FEWEST = 100  # samples in motion, from which a joint's friction is determined
 UNITS = "SI: m, kg, s, rad, N, Nm, A; joints 1 to 6; low and high: the 95 % interval"
 FITTED = ("terms", "presliding", "held", "band_moving", "band_rest", "contradicted")
@@ -52,6 +53,8 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     """
     if to not in FORMATS:
         raise InputError(f"unknown format {to!r}; available: {', '.join(FORMATS)}")
+    if to == "direct-torque":
+        return direct_torque(robot, results)
     study = None if results is None else FinishedStudy(results)
     arm = described(robot) if study is None else study.arm(robot)
     if as_in and study is None:

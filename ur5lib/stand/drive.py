@@ -27,8 +27,8 @@ class Drive:
     """PD control with feed-forward (Equations 2.69, 2.71); parameters of six joints, (6,) each.
 
     position_gain: [1/s²]; velocity_gain: [1/s]; viscous, coulomb: friction known to the controller
-    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the real target currents, the
-    feed-forward contains viscous friction only.
+    [Nm s/rad, Nm]; torque_max: [Nm]; torque_constant: [Nm/A]. As in the target currents of a real
+    UR5, the feed-forward contains viscous friction only.
     """
 
     position_gain: Array
