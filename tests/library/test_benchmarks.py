@@ -25,6 +25,7 @@ PRINTED = {  # what each prints at least
     "contact_link": ["1 seeds", "| all | 6 |"],
     "drift": ["1 seeds, 6 dates", "false changes: 0 in 1 seeds"],
     "false_changes": ["1 seeds, 2 quantities", "| 0.5 |"],
+    "warming": ["| joint 6 | -1.1", "| all | -1.0", "± 0.04 %/K"],  # made up: -1 %/K
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "excitation": ["ur5e", "log det", "best of 3 random", "lower in torque"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
