@@ -48,11 +48,14 @@ def check(
     study: Annotated[
         Path, typer.Argument(help="configuration file of the study, e.g. config.yaml")
     ],
+    recordings: Annotated[
+        list[str] | None, typer.Argument(help="some of its recordings, to see them in detail")
+    ] = None,
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
     from ur5lib.commands.check import print_findings
 
-    if print_findings(study):
+    if print_findings(study, recordings or []):
         raise SystemExit(1)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict
+from io import StringIO
 from pathlib import Path
 
 import pandas as pd
@@ -11,10 +12,10 @@ from tests.commands import Command, words
 from tests.conftest import said
 from tests.made_tables import table
 from tests.synthetic import write_recording
-from ur5lib.commands.check import unfiltered
+from ur5lib.commands.check import concerned, print_tables, text_console, unfiltered
 from ur5lib.errors import remark
-from ur5lib.recordings.quality import Finding
-from ur5lib.report.findings import group_findings
+from ur5lib.recordings.quality import Finding, Quality
+from ur5lib.report.findings import by_finding, group_findings
 from ur5lib.study.model import Settings, Study
 
 
@@ -39,6 +40,55 @@ def test_findings_and_clocks_are_printed(study: Path, run_ur5: Command) -> None:
     assert "no sensor (note)" in result.out
     assert "0.0050 ± 0.0058" in result.out
     assert not (study.parent / "results").exists()
+
+
+def test_a_recording_is_shown_in_detail(study: Path, run_ur5: Command) -> None:
+    (study.parent / "raw/bad/csv_files/log_q_actual.csv").write_text("nothing\n")
+    assert run_ur5("check", study, "bad").status == 1
+    result = run_ur5("check", study, "good")
+    assert (result.status, "bad" in result.out) == (0, False)
+    assert words("force_sensor no sensor") & words(result.out)
+    result = run_ur5("check", study, "goood")
+    assert result.status == 1
+    assert words("'goood' good") <= words(result.err)
+
+
+@pytest.mark.parametrize(
+    ("some", "named"),
+    [(41, "all 41 recordings"), (40, "40 of 41 recordings: all but 40"), (1, "0"),
+     (3, "3 of 41 recordings: 0, 1, 2"), (30, "30 of 41 recordings: 0, 1, 2 and 27 more")],
+)  # fmt: skip
+def test_recordings_are_counted_and_few_are_named(some: int, named: str) -> None:
+    names = [str(number) for number in range(41)]
+    assert concerned(names[:some], names) == named
+
+
+def noted(count: int, **changes: str) -> pd.DataFrame:
+    """One finding of some recordings."""
+    finding = {"device": "robot", "finding": "irregular steps", "severity": "note"} | changes
+    rows = [{"recording": str(k), "count": k, "detail": "10 ms"} | finding for k in range(count)]
+    return pd.DataFrame(rows)
+
+
+def test_a_finding_of_many_recordings_is_one_row() -> None:
+    quality = pd.concat([noted(41), noted(2, finding="lost frames", severity="warning")])
+    quality.loc[(quality["severity"] == "warning") & (quality["count"] == 1), "detail"] = "worst"
+    lost, steps = by_finding(quality).itertuples()
+    assert (lost.finding, lost.recordings, lost.alike) == ("lost frames", ["1", "0"], False)
+    assert lost.detail == "worst"
+    assert (len(steps.recordings), steps.detail, steps.alike) == (41, "10 ms", True)
+
+
+def test_each_error_keeps_its_reason() -> None:
+    quality = noted(2, severity="error").assign(detail=["no file", "no time"])
+    assert {*by_finding(quality)["detail"]} == {"no file", "no time"}
+
+
+def test_fourteen_recordings_with_one_note_fill_one_screen() -> None:
+    console = text_console(file=StringIO(), width=80)
+    note = Finding("robot", "irregular steps", "note", 1, {"most_ms": 2, "grid_ms": 10})
+    print_tables(console, {f"run_{k}": Quality(findings=[note]) for k in range(14)}, {})
+    assert len(console.file.getvalue().splitlines()) < 24
 
 
 SIMULATED = (

@@ -1,12 +1,14 @@
 """A study's recordings looked through, without the workflow."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 from rich.console import Console
+from rich.padding import Padding
 from rich.progress import track
 from rich.table import Table
 
@@ -18,7 +20,7 @@ from ur5lib.recordings.checks import touched
 from ur5lib.recordings.intake import Intake, read_and_repair
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.recordings.stop_signs import stop_signs
-from ur5lib.report.findings import group_findings, worded
+from ur5lib.report.findings import by_finding, group_findings, shortened, worded
 from ur5lib.report.tables.making import make_table
 from ur5lib.robots.description import Robot
 from ur5lib.signals.clock import OwnClock, SettledClock, pool_drifts, settle_clocks
@@ -26,19 +28,30 @@ from ur5lib.study.model import Recording, Study, arms_without_fit
 from ur5lib.study.reading import read_study
 
 SEVERE = ("stop", "error")
+FEW = 3  # recordings of a finding that are named
 COLOURS = {"stop": "bold red", "error": "bold red", "warning": "yellow", "note": ""}
 
 
-def print_findings(path: Path) -> int:
-    """Print the findings of a study's recordings; returns how many are stop signs or errors.
+def print_findings(path: Path, named: Sequence[str] = ()) -> int:
+    """Print the findings of a study's recordings, or those of some recordings in detail.
 
-    Raises InputError when the study itself is wrong.
+    Returns how many are stop signs or errors. Raises InputError when the study itself is wrong, or
+    lacks a recording that is named.
     """
-    return print_findings_of(read_study(path))
+    study = read_study(path)
+    names = [recording.name for recording in study.recordings]
+    for name in named:
+        if name not in names:
+            near = get_close_matches(name, names, n=1) or names
+            raise InputError(f"{path} has no recording {name!r}, but {', '.join(near)}")
+    return print_findings_of(study, named)
 
 
-def print_findings_of(study: Study) -> int:
-    """Print the findings of recordings; returns how many are stop signs or errors."""
+def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
+    """Print the findings of recordings; returns how many are stop signs or errors.
+
+    named: recordings whose findings are printed in detail; none: all, by finding.
+    """
     console = text_console()
     for arm in arms_without_fit(study):
         console.print(
@@ -55,7 +68,10 @@ def print_findings_of(study: Study) -> int:
     results = {recording.name: look_through(recording, study) for recording in recordings}
     qualities = {name: quality for name, (quality, _) in results.items()}
     found = settled(study, qualities, {name: own for name, (_, own) in results.items()})
-    return print_tables(console, qualities, found)
+    if named:
+        qualities = {name: qualities[name] for name in qualities if name in named}
+        found = {name: found[name] for name in found if name in named}
+    return print_tables(console, qualities, found, detailed=bool(named))
 
 
 def text_console(**settings: Any) -> Console:
@@ -67,13 +83,24 @@ def print_tables(
     console: Console,
     qualities: Mapping[str, Quality],
     clocks: Mapping[str, Mapping[str, SettledClock]],
+    detailed: bool = False,
 ) -> int:
-    """Print the quality and the clocks of recordings; returns how many stop signs and errors."""
+    """Print the quality and the clocks of recordings; returns how many stop signs and errors.
+
+    detailed: all findings and clocks, as of a single recording; otherwise each finding once, and
+    the least certain clock of each device.
+    """
     kinds = {"quality": qualities, "clocks": clocks, "forces": {}, "contradictions": {}}
-    quality = make_table("quality", kinds)
-    console.print(_findings(quality, list(qualities)))
-    if any(clocks.values()):
-        console.print(_clocks(make_table("clocks", kinds)))
+    quality, offsets = (make_table(name, kinds) for name in ("quality", "clocks"))
+    if detailed or len(qualities) == 1:
+        console.print(_findings(quality, list(qualities)))
+    else:
+        _print_by_finding(console, quality, list(qualities))
+        offsets = offsets.sort_values("end_std_s", ascending=False).drop_duplicates("device")
+    if len(offsets):
+        console.print(
+            _clocks(offsets, "Clocks" if detailed else "The least certain clock of each device")
+        )
     return int(quality["severity"].isin(SEVERE).sum())
 
 
@@ -159,6 +186,35 @@ def settled(
     }
 
 
+def _print_by_finding(console: Console, quality: pd.DataFrame, names: list[str]) -> None:
+    """Print each finding once: the recordings that it concerns, and what it means."""
+    for row in by_finding(quality).itertuples():
+        where = "" if row.alike else f"{row.recordings[0]}: "
+        title = (
+            f"{row.device}: {row.finding} ({row.severity}) in {concerned(row.recordings, names)}"
+        )
+        console.print(title, style=COLOURS[row.severity])
+        console.print(Padding(where + shortened(row.detail), (0, 0, 0, 4)))
+    sound = [name for name in names if name not in {*quality["recording"]}]
+    if sound:
+        console.print(f"nothing found in {concerned(sound, names)}")
+    console.print("`ur5 check <study> <recording>` shows a recording's findings in detail")
+
+
+def concerned(some: Sequence[str], names: Sequence[str]) -> str:
+    """Return which recordings a finding concerns: their number, and names where they are few."""
+    others = [name for name in names if name not in some]
+    count = f"{len(some)} of {len(names)} recordings"
+    if len(some) == 1:
+        return some[0]
+    if not others:
+        return f"all {len(names)} recordings"
+    if len(some) > FEW >= len(others):
+        return f"{count}: all but {', '.join(others)}"
+    more = f" and {len(some) - FEW} more" if len(some) > FEW else ""
+    return f"{count}: {', '.join(some[:FEW])}{more}"
+
+
 def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
     """Return a table of the findings, with one section per recording."""
     table = Table("recording", "finding", "count", "what it means", title="Findings")
@@ -177,9 +233,9 @@ def _findings(quality: pd.DataFrame, names: list[str]) -> Table:
     return table
 
 
-def _clocks(clocks: pd.DataFrame) -> Table:
+def _clocks(clocks: pd.DataFrame, title: str) -> Table:
     heads = ["recording", "device", "offset [s]", "drift [ppm]", "at the end [s]", "method"]
-    table = Table(*heads, title="Clocks")
+    table = Table(*heads, title=title)
     for row in clocks.itertuples():
         known = pd.notna(row.drift_ppm)
         drift = f"{row.drift_ppm:.0f} ± {row.drift_std_ppm:.0f}" if known else "not estimated"

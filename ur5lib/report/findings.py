@@ -15,6 +15,7 @@ from ur5lib.strict import read_yaml
 
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 
+LONGEST = 120  # characters for the places of one finding
 TEMPLATES = Path(__file__).parent / "templates/findings.yaml"
 
 
@@ -23,6 +24,24 @@ def group_findings(quality: pd.DataFrame) -> pd.DataFrame:
     kinds = quality.groupby(["recording", "device", "finding", "severity"], sort=False)
     grouped = kinds.agg({"count": "sum", "detail": lambda details: _stated_once(list(details))})
     return grouped.reset_index()
+
+
+def by_finding(quality: pd.DataFrame) -> pd.DataFrame:
+    """Group findings of all recordings, one row a finding, most serious first.
+
+    Stop signs and errors keep each meaning; of others, `detail` is that of the recording with the
+    largest count, and `alike` whether all recordings have the same. `recordings` is a list.
+    """
+    grouped = group_findings(quality).sort_values("count", ascending=False, kind="stable")
+    meaning = grouped["detail"].where(grouped["severity"].isin(("stop", "error")), "")
+    kinds = grouped.groupby(["severity", "device", "finding", meaning], sort=False)
+    rows = kinds.agg(
+        recordings=("recording", list),
+        detail=("detail", "first"),
+        alike=("detail", lambda details: len({*details}) == 1),
+    )
+    rows = rows.reset_index(level=[0, 1, 2]).reset_index(drop=True)
+    return rows.sort_values("severity", key=lambda s: s.map(SEVERITIES.index), kind="stable")
 
 
 def _stated_once(details: list[str]) -> str:
@@ -35,6 +54,13 @@ def _stated_once(details: list[str]) -> str:
         ": ".join(["; ".join(named), meaning] if named else [meaning])
         for meaning, named in places.items()
     )
+
+
+def shortened(detail: str) -> str:
+    """Return a finding's detail with its list of places shortened."""
+    places, _, meaning = detail.rpartition(": ")
+    several = len(places) > LONGEST
+    return f"{places[:LONGEST].rpartition(';')[0]} and others: {meaning}" if several else detail
 
 
 class Words(Formatter):

@@ -6,13 +6,12 @@ import pandas as pd
 import yaml
 
 from ur5lib.report.document import MOST_ROWS
-from ur5lib.report.findings import SEVERITIES, group_findings
+from ur5lib.report.findings import SEVERITIES, group_findings, shortened
 from ur5lib.report.results import Results
 from ur5lib.report.sentences import Sentence, joined, say
 
 SPOKEN = {"stop": "stop sign"}
 MOST_NAMED = 4  # recordings of one finding
-LONGEST = 120  # characters for the places of one finding
 
 
 def late(results: Results) -> list[str]:
@@ -37,7 +36,7 @@ def findings(results: Results) -> pd.DataFrame:
     grouped = group_findings(results.tables["quality"])
     kinds = grouped.groupby(["severity", "device", "finding", "detail"], sort=False)
     rows = kinds.agg(recordings=("recording", _named), count=("count", "sum")).reset_index()
-    meaning = [_short(detail) for detail in rows["detail"]]
+    meaning = [shortened(detail) for detail in rows["detail"]]
     rank = rows["severity"].map(SEVERITIES.index)
     return rows.assign(meaning=meaning, rank=rank).sort_values("rank", kind="stable")
 
@@ -57,13 +56,6 @@ def _named(recordings: pd.Series) -> str:
     names = [*recordings]
     rest = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
     return ", ".join(names[:MOST_NAMED]) + rest
-
-
-def _short(detail: str) -> str:
-    """Return a finding's detail with its list of places shortened."""
-    places, _, meaning = detail.rpartition(": ")
-    several = len(places) > LONGEST
-    return f"{places[:LONGEST].rpartition(';')[0]} and others: {meaning}" if several else detail
 
 
 def arms(results: Results) -> list[str]:
