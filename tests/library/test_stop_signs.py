@@ -60,6 +60,7 @@ NAMES = {
         "ur-20_01_17-p5",
         "ur-20_01_17-ptp_10_points",
         "ur-19_12_23_free",
+        *(f"ur-20_01_22-joint_{k}" for k in range(1, 7)),
         "ur-20_01_22-push_pose_1",
         "ur-20_01_31-load",
         "ur-20_01_31-unload",

@@ -237,7 +237,8 @@ def undeclared_load(means: BlockMeans, known: Robot, carrying: Robot) -> Iterato
     columns, torque = _unexpected(means, known, means.gravity(carrying) - means.gravity(known))
     if len(torque):
         mass, left = fitted_load(columns, torque)
-        if mass > UNDECLARED and left**2 < (1 - SEEN) * size(torque) ** 2:
+        _, error = combination(columns, torque, [1.0])  # large where only a wrist moves
+        if mass > max(UNDECLARED, ERRORS * error) and left**2 < (1 - SEEN) * size(torque) ** 2:
             yield contradiction("undeclared load", mass=mass)
 
 
