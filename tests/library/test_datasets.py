@@ -103,6 +103,26 @@ def test_files_are_copied_once(source: Path, tmp_path: Path) -> None:
     assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source) == 0
 
 
+def test_files_without_a_checksum_are_copied_beside_the_others(
+    source: Path, packed: Packed, tmp_path: Path
+) -> None:
+    """They are never taken for verified ones, nor do they replace what is there."""
+    (source / "more.csv").write_bytes(b"5, 6\n")
+    (source / "kept.csv").write_bytes(b"new\n")
+    (tmp_path / "raw").mkdir()
+    (tmp_path / "raw" / "kept.csv").write_bytes(b"mine\n")
+    known = {"one.csv": CHECKSUMS["a/csv_files/one.csv"]}
+    paths = {"a/csv_files/one.csv": "data/one.csv", "more.csv": "data/more.csv"}
+    archive = packed(paths | {"kept.csv": "data/kept.csv"})
+    assert fetch_archive(archive, known, tmp_path / "raw", unverified=3) == 1
+    names = {"one.csv": b"1, 2\n", "more.csv": b"5, 6\n", "kept.csv": b"mine\n"}
+    assert contents(tmp_path / "raw") == names
+    (tmp_path / "raw" / "more.csv").unlink()
+    assert fetch_archive(archive, known, tmp_path / "raw", unverified=2) == 0
+    assert contents(tmp_path / "raw") == names
+    assert fetch_archive(NOWHERE, known, tmp_path / "raw", unverified=2) == 0
+
+
 def test_nothing_is_asked_of_the_network_when_all_is_there(source: Path, tmp_path: Path) -> None:
     fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw", source)
     assert fetch_archive(NOWHERE, CHECKSUMS, tmp_path / "raw") == 0

@@ -10,7 +10,8 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 UNTRIED = (
-    "None of these downloads has been tried yet. Every file is verified: a wrong one is refused."
+    "None of these downloads has been tried yet. Every file with a known checksum is verified: a "
+    "wrong one is refused."
 )
 
 
@@ -19,7 +20,8 @@ class Dataset(Strict):
 
     address: its page; archive: URL of a zip file with its files; record: URL of its record at
     Zenodo; leave_out: unneeded files of the record; study: the study file that analyses it;
-    checksums: SHA-256 of the archive's files by name.
+    checksums: SHA-256 of the archive's files by name; unverified: how many other recordings lie
+    beside them in the archive, whose SHA-256 is not listed.
     """
 
     holds: str
@@ -31,6 +33,7 @@ class Dataset(Strict):
     leave_out: list[str] = Field(default_factory=list)
     study: str | None = None
     checksums: dict[str, str] = Field(default_factory=dict)
+    unverified: int = 0
 
 
 @cache
@@ -67,5 +70,6 @@ def _with_checksums(name: str, dataset: Dataset) -> Dataset:
 
 def _how_verified(dataset: Dataset) -> str:
     if dataset.archive:
-        return f"{len(dataset.checksums)}, verified by SHA-256"
+        more = f"; {dataset.unverified} others beside them, not verified"
+        return f"{len(dataset.checksums)}, verified by SHA-256" + more * (dataset.unverified > 0)
     return "verified by the MD5 of the record" if dataset.record else "to be downloaded by hand"

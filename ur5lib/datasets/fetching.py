@@ -3,7 +3,8 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -54,23 +55,47 @@ def place(source: Path, target: Path, checksum: str, kind: str = "sha256") -> No
 
 
 def fetch_archive(
-    archive: str, checksums: Mapping[str, str], target: Path, source: Path | None = None
+    archive: str,
+    checksums: Mapping[str, str],
+    target: Path,
+    source: Path | None = None,
+    unverified: int = 0,
 ) -> int:
     """Copy files into a folder, from a zip file in the network or from another folder.
 
-    archive: URL of the zip file; checksums: SHA-256 by name. Every file is verified before it is
-    put in place; files that exist already are kept. Returns the number of files added.
+    archive: URL of the zip file; checksums: SHA-256 by name; unverified: how many files of unknown
+    SHA-256 lie beside them in the archive. Every other file is verified before it is
+    put in place; files that exist already are kept. Returns the number of verified files added.
     Raises InputError for a failure of the network, the source, a checksum or the target.
     """
     missing = {f: sha for f, sha in checksums.items() if not is_there(target / f, sha)}
-    if missing and source is None:
-        _download_archive(archive, missing, target)
-    elif missing and source is not None:
-        _copy_all(source, str(source), missing, target)
+    others = unverified and len(others_beside(target, checksums)) < unverified
+    if not (missing or others):
+        return 0
+    with _unpacked(archive) if source is None else nullcontext(source) as folder:
+        _copy_all(folder, str(source or archive), missing, target)
+        if others:
+            _copy_others(folder, checksums, target)
     return len(missing)
 
 
-def _download_archive(archive: str, checksums: Mapping[str, str], target: Path) -> None:
+def others_beside(folder: Path, checksums: Mapping[str, str]) -> list[Path]:
+    """Return the files of a folder that have the ending of listed files, but are not listed."""
+    endings = {Path(file).suffix for file in checksums}
+    files = (path for path in folder.glob("*") if path.is_file() and {*path.name} <= PLAIN)
+    return [path for path in sorted(files) if path.suffix in endings and path.name not in checksums]
+
+
+def _copy_others(source: Path, checksums: Mapping[str, str], target: Path) -> None:
+    for folder in sorted({path.parent for path in located(checksums, source).values()}):
+        for path in others_beside(folder, checksums):
+            if not (target / path.name).exists():
+                place(path, target / path.name, pooch.file_hash(path))
+
+
+@contextmanager
+def _unpacked(archive: str) -> Iterator[Path]:
+    """Download an archive; a folder with its files for as long as the context lasts."""
     pooch.get_logger().setLevel("WARNING")
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -87,7 +112,7 @@ def _download_archive(archive: str, checksums: Mapping[str, str], target: Path) 
                 f"{archive} could not be downloaded ({type(error).__name__}); check the "
                 "network, or copy the recordings from a local folder with --from"
             ) from error
-        _copy_all(Path(folder), archive, checksums, target)
+        yield Path(folder)
 
 
 def _copy_all(source: Path, origin: str, checksums: Mapping[str, str], target: Path) -> None:
@@ -222,8 +247,11 @@ def fetch(name: str, target: Path | None = None, source: Path | None = None) -> 
         raise InputError(f"unknown data set {name!r}; available: {', '.join(catalogue())}")
     dataset, folder = catalogue()[name], target or Path("raw") / name
     if dataset.archive:
-        added = fetch_archive(dataset.archive, dataset.checksums, folder, source)
-        return f"{folder}: {len(dataset.checksums)} files verified, {added} of them new"
+        known = dataset.checksums
+        added = fetch_archive(dataset.archive, known, folder, source, dataset.unverified)
+        others = len(others_beside(folder, known)) if dataset.unverified else 0
+        more = f"; {others} others, whose checksums are unknown, are not" if others else ""
+        return f"{folder}: {len(known)} files verified, {added} of them new{more}"
     if dataset.record:
         files, licence = fetch_record(dataset.record, dataset.leave_out, folder, source)
         return (
