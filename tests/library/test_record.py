@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from tests.conftest import PROJECT
 from tests.entries import read_recording
 from tests.examples import examples
+from ur5lib.channels import columns
 from ur5lib.cli import app
 from ur5lib.commands.record import RecordOptions, record
 from ur5lib.doubles.controller import HOST, EmulatedController
@@ -107,6 +108,7 @@ def expect_truth(folder: Path, entry: dict[str, Any]) -> None:
     """
     raw = read_recording(entry)
     truth = Truth.read(folder / "truth.parquet").at(raw.robot.table["time"].to_numpy())
+    assert {*columns("wrench_calc_from_currents")} <= {*raw.robot.table}
     read = np.array([raw.robot.table[f"actual_q_{joint}"] for joint in range(6)]).T
     np.testing.assert_allclose(truth.q, read, rtol=0, atol=1e-4)
     if not has_kept_up(folder):

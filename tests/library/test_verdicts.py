@@ -388,6 +388,13 @@ def test_the_estimate_without_a_fit_is_never_called_good() -> None:
     assert judge_force(study(force_mae=touched(1.0))).state == "good"
 
 
+def test_the_controller_s_own_estimate_is_judged_by_its_name() -> None:
+    """Where nothing else was estimated; it has no band."""
+    rows = [row | {"estimate": "controller_currents"} for row in touched(1.0)]
+    card = judge_force(study(force_mae=rows, sensed=[SENSED]))
+    assert "the force by the controller, from currents is off" in card.sentence
+
+
 # Motion
 
 

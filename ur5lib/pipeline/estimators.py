@@ -145,7 +145,7 @@ ESTIMATORS = (
         "controller, from currents",
         controller,
         gated=False,
-        article="the estimate of the ",
+        article="the force by the ",
     ),
 )
 PUBLISHED = {"Fu": "F̂ᵘ", "F": "F̂", "F*": "F̂*"}  # the controller's and the thesis's

@@ -80,6 +80,8 @@ def _named(estimate: str) -> str:
     """Return an estimate's name as used in sentences."""
     if estimate == UNCALIBRATED:
         return f"{SPOKEN[estimate]} of the force"
+    if SPOKEN[estimate] != ESTIMATES[estimate]:
+        return SPOKEN[estimate]
     noun = "the controller's own force" if estimate == "Fu" else "the force"
     return f"{noun} {ESTIMATES[estimate]}"
 
