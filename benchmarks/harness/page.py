@@ -133,7 +133,7 @@ def sensed_table(own: pd.DataFrame) -> str:
     """Return the table of a recording with a force sensor."""
     vector = own[(own["component"] == "norm") & (own["during"] == "contact")]
     rows = []
-    for _, row in vector.sort_values("rmse").iterrows():
+    for _, row in vector.sort_values("rmse", kind="stable").iterrows():
         axes = own[(own["estimator"] == row["estimator"]) & (own["component"] != "norm")]
         contact, free = (axes[axes["during"] == during] for during in ("contact", "free"))
         difference = "" if row["estimator"] == OURS else interval(row, "rmse_more", sign="+")
@@ -147,7 +147,7 @@ def free_table(own: pd.DataFrame) -> str:
     """Return the table of a recording that nothing touches."""
     rows = [
         [*common(row), number(row["median"]), number(row["largest95"]), share(row["coverage95"])]
-        for _, row in own.sort_values("largest95").iterrows()
+        for _, row in own.sort_values("largest95", kind="stable").iterrows()
     ]
     return markdown(FREE, rows)
 
