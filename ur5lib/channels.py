@@ -55,6 +55,7 @@ CHANNELS = {
     "target_qdd": _of_joints("rad/s2", 200.0),
     "actual_current": _of_joints("A", 60.0),
     "actual_current_as_torque": _of_joints("Nm", 1000.0),
+    "actual_torque_less_gravity": _of_joints("Nm", 1000.0),  # as some drivers write, not RTDE
     "target_current": _of_joints("A", 60.0),
     "target_moment": _of_joints("Nm", 1000.0),
     "joint_control_output": _of_joints("A"),

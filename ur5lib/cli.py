@@ -68,6 +68,9 @@ def import_(
     write: Annotated[
         Path | None, typer.Option(help="study file to write; default: print the entries")
     ] = None,
+    trust_names: Annotated[
+        bool, typer.Option("--trust-names", help="take the joints' names against the evidence")
+    ] = False,
 ) -> None:
     """Propose the study entry of recordings, with what is proven, assumed and ambiguous."""
     from ur5lib.commands.exported import described
@@ -75,14 +78,16 @@ def import_(
 
     if robot is not None:
         described(robot)
-    imported = import_files(files, [robot] if robot else [])
+    imported = import_files(files, [robot] if robot else [], trust_names)
     if write is None:
         typer.echo(as_entries(imported), nl=False)
-        return
-    write_study(imported, write)
-    for item in imported:
-        typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
-    typer.echo(f"{write} written; next: ur5 check {write}")
+    else:
+        write_study(imported, write)
+        for item in imported:
+            typer.echo("\n".join([f"{item.entry['name']}:", *item.comments]))
+        typer.echo(f"{write} written; next: ur5 check {write}")
+    if imported.refused:
+        raise InputError("\n".join(["not imported:", *imported.refused]))
 
 
 @app.command()

@@ -14,8 +14,9 @@ from hypothesis import strategies as st
 
 from tests.conftest import shared_folder
 from tests.damage import DRAWS, damaged_file, drawn
-from tests.entries import read_recording
+from tests.entries import read_and_repair, read_recording
 from tests.stored_files import (
+    JOINTS,
     Made,
     made_up_channels,
     thesis_channels,
@@ -33,7 +34,7 @@ from ur5lib.importing.files import import_files
 from ur5lib.importing.proposal import propose
 from ur5lib.recordings.entries import expand
 from ur5lib.robots.description import Robot, load_robot, robot_path
-from ur5lib.robots.statics import link_frames
+from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
@@ -156,14 +157,95 @@ def test_constants_of_a_driver_are_told_by_the_rounding_of_currents(
     np.testing.assert_allclose(units["actual_current"], 1 / constants, rtol=1e-6)
 
 
-def test_efforts_without_gravity_are_left_out(tmp_path: Path, made: Made) -> None:
-    time, channels = made
-    kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
-    free = {"effort": np.sign(channels["actual_qd"])}
-    write_hdf5(tmp_path / "run.h5", time, kept | free)
+def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5: Robot) -> None:
+    """As UR's driver gives them; a current is never without gravity."""
+    free = np.tanh(made[1]["actual_qd"] / 0.02) + 0.5 * made[1]["actual_qd"]
+    write_hdf5(tmp_path / "run.h5", *bare(made, effort=free))
     entry, comments = entry_and_comments(tmp_path / "run.h5")
-    assert "run/effort" not in entry["channels"].values()
-    assert "ambiguous: run/effort" in comments
+    assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
+    assert "assumed: run/effort in Nm, less gravity" in comments
+    taken = read_and_repair({"units": {}, "joints": None, "time": "relative_s"} | entry, ur5, 0.1)
+    torque = free + gravity_torque(ur5, ur5.chosen_model, made[1]["actual_q"])
+    current = torque / np.array(ur5.maker_torque_constants())
+    np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)
+    write_hdf5(tmp_path / "run.h5", *bare(made, current=free))
+    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    assert "run/current" not in entry["channels"].values()
+    assert "ambiguous: run/current" in comments
+
+
+def at_rest(made: Made) -> Made:
+    time, channels = made
+    return time, {name: 0 * values + values[:1] for name, values in channels.items()}
+
+
+def test_names_decide_where_nothing_moves(tmp_path: Path, made: Made) -> None:
+    time, channels = at_rest(made)
+    names = [
+        f"{joint}_{kind}" for kind in ("position", "velocity", "current_mA") for joint in JOINTS
+    ]
+    values = [channels["actual_q"], 0 * channels["actual_q"], 1e3 * channels["actual_current"]]
+    values[2] = values[2] + np.random.default_rng(1).normal(0, 5, values[2].shape)
+    table = np.hstack([time[:, None], *values])
+    head = ",".join(["time", *names])
+    np.savetxt(tmp_path / "ur5_a.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
+    entry, comments = entry_and_comments(tmp_path / "ur5_a.csv")
+    assert entry["robot"] == "ur5"
+    assert entry["units"] == {"actual_current": "mA"}
+    assert "assumed: robot ur5, by name of file" in comments
+    assert "in mA, by its name" in comments
+
+
+def test_a_bad_file_stops_no_other(
+    tmp_path: Path, made: Made, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture
+) -> None:
+    write_hdf5(tmp_path / "good.h5", *made)
+    (tmp_path / "bad.h5").write_text("nothing")
+    study = tmp_path / "mine.yaml"
+    files = [str(tmp_path / name) for name in ("bad.h5", "good.h5")]
+    monkeypatch.setattr("sys.argv", ["ur5", "import", *files, "--write", str(study)])
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+    assert stopped.value.code not in (0, None)
+    assert "bad.h5" in capsys.readouterr().err + str(stopped.value.code)
+    read = parse_study(yaml.safe_load(study.read_text()), "written").recordings
+    assert [recording.name for recording in read] == ["good"]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["Fx", "Fy", "Fz", "Mx", "My", "Mz"],
+        ["wrench_fx", "wrench_fy", "wrench_fz", "wrench_tx", "wrench_ty", "wrench_tz"],
+        ["force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"],
+        ["Fx [N]", "Fy [N]", "Fz [N]", "Tx [Nm]", "Ty [Nm]", "Tz [Nm]"],
+        [f"wrench_{k}" for k in range(6)],
+    ],
+)
+def test_columns_of_a_force_are_known_by_many_names(
+    tmp_path: Path, made: Made, ur5: Robot, names: list[str]
+) -> None:
+    time, channels = touched(made, ur5, "base")
+    joints = expand(["time", "actual_q", "actual_qd", "actual_current"])
+    values = [channels[n] for n in ("actual_q", "actual_qd", "actual_current", "force", "torque")]
+    table = np.hstack([time[:, None], *values])
+    head = ",".join([*joints, *names])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=head, comments="", fmt="%.9f")
+    entry, comments = entry_and_comments(tmp_path / "a.csv", robot="ur5")
+    assert entry["role"] == "contact"
+    assert "in the base's frame" in comments
+    assert "actual_TCP_force" in entry["columns"]
+
+
+def test_a_sensor_in_a_table_has_its_columns(tmp_path: Path, made: Made, ur5: Robot) -> None:
+    time, channels = touched(made, ur5, "flange")
+    joints = expand(["time", "actual_q", "actual_qd", "actual_current"])
+    names = [*joints, "Fx", "Fy", "Fz", "Mx", "My", "Mz"]
+    values = [channels[n] for n in ("actual_q", "actual_qd", "actual_current", "force", "torque")]
+    table = np.hstack([time[:, None], *values])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header=",".join(names), comments="")
+    entry, _ = entry_and_comments(tmp_path / "a.csv", robot="ur5")
+    assert entry["columns"][-6:] == ["ft_fx", "ft_fy", "ft_fz", "ft_tx", "ft_ty", "ft_tz"]
 
 
 def touched(made: Made, ur5: Robot, frame: str) -> tuple[Array, dict[str, Array]]:
@@ -249,6 +331,9 @@ def test_names_that_gravity_contradicts_are_refused(tmp_path: Path, made: Made) 
     write_bag(tmp_path / "run.db3", time, kept)
     with pytest.raises(InputError, match=r"names.*gravity.*; check the names"):
         import_files([tmp_path / "run.db3"], [])
+    (one,) = import_files([tmp_path / "run.db3"], ["ur5"], trusted=True)
+    assert "joints" not in one.entry
+    assert "assumed: the joints' order, by their names" in "\n".join(one.comments)
 
 
 def test_two_arms_that_fit_as_well_are_refused(tmp_path: Path, made: Made) -> None:
@@ -385,6 +470,17 @@ def test_logs_without_names(ur10e_data: Path) -> None:
     assert {one.entry["robot"] for one in imported} == {"ur10e"}
     with pytest.raises(InputError, match="no block of six columns is the derivative of another; "):
         import_files([ur10e_data / "ur-20_01_17-p1.csv"], [])
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3, 4, 5, 6])
+def test_runs_of_one_joint(ur10e_data: Path, joint: int) -> None:
+    """What they do not prove is assumed: the order from base to wrist, the folder's arm."""
+    entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv")
+    assert entry["robot"] == "ur10e"
+    assert entry["columns"][:3] == ["time", "actual_q", "actual_qd"]
+    whole = ["actual_current", "target_current", "target_moment"]
+    assert entry["columns"][3:] == (whole if joint > 1 else ["-"] * 18)
+    assert joint == 6 or "assumed: the joints' order, base to wrist" in comments
 
 
 def test_joints_shuffled_at_random_are_found_or_refused(ur5e_data: Path, ur10e_data: Path) -> None:

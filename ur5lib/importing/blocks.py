@@ -11,6 +11,7 @@ from ur5lib.timeseries.arrays import Array
 
 TARGET = {"target", "desired", "des", "ref", "reference", "cmd", "command", "commanded", "setpoint"}
 TOOL = {"tcp", "tool", "cartesian", "transform", "tf", "eef"}
+OF_IMU = {"imu", "mag", "magnetometer"}  # mx is a magnetic field there
 NAMELESS = "column "  # and its number: a column of a table without a header
 MEANINGS = {  # of a block with a column for each joint, by a word of its name
     "q": {"q", "position", "positions", "pos", "angle", "angles"},
@@ -26,8 +27,8 @@ OF_TOOL = {
     "actual_TCP_pose": {"pose", "vector", "position", "positions", "pos", "rot", "coord"},
 }
 IN_SPACE = {  # of a block with three columns
-    "force": {"force", "forces"},
-    "torque": {"torque", "torques", "moment"},
+    "force": {"force", "forces", "f"},
+    "torque": {"torque", "torques", "moment", "t", "m", "n"},
     "position": {"position", "positions", "translation"},
 }
 
@@ -78,10 +79,13 @@ class Block:
             return last
         words = {*re.findall(r"[a-z]+", re.sub(r"(?<=[a-z])(?=[A-Z])", "_", last).lower())}
         if width == 6 and not words & TOOL:
-            return _of_joints(words)
+            return "wrench" if words & {"wrench", "ft"} else _of_joints(words)
+        spatial = _meaning(words, IN_SPACE) if width == 3 and not words & OF_IMU else None
+        if spatial in ("force", "torque"):
+            return spatial
         if words & TOOL or width == 7:
             return _meaning(words, OF_TOOL)
-        return _meaning(words, IN_SPACE) if width == 3 else None
+        return spatial
 
 
 def _meaning(words: set[str], meanings: Mapping[str, set[str]]) -> str | None:
@@ -95,7 +99,7 @@ def _of_joints(words: set[str]) -> str | None:
         return kind
     if words & TARGET:
         return "target_moment" if kind == "torque" else f"target_{kind}"
-    return {"qdd": None, "torque": "effort"}.get(kind, f"actual_{kind}")
+    return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")
 
 
 def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -118,12 +122,15 @@ def names_joints(name: str) -> bool:
 
 
 def _stem(name: str) -> tuple[str, int]:
-    """Return a column's name without joint, number or axis, and its place; -1 for none."""
+    """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
+    name = re.sub(r" *[\[(][^\])]*[A-Za-z]{1,2}[\])]$", "", name)
     for place, joint in enumerate(JOINTS):
         if joint in name:
             return name.replace(joint, ""), place
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
+    if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
+        return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])
     if axis := re.fullmatch(r"(.*?)_?([xyz])", name):
         return axis[1], "xyz".index(axis[2])
     return name, -1

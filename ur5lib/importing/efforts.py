@@ -1,5 +1,6 @@
 """The channels of a file's efforts, and the frame of a wrench that explains them."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -9,7 +10,8 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import Evidence
-from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, BlockMeans, combination, size
+from ur5lib.recordings.block_means import BLOCK, INDEPENDENT, TINY, BlockMeans, combination, size
+from ur5lib.recordings.checks import MOVES
 from ur5lib.recordings.readings import SURE, Order, likeliest, own_order, slopes, unit_scores
 from ur5lib.recordings.stop_signs import SMOOTHER, roughness
 from ur5lib.robots.description import Robot
@@ -17,10 +19,15 @@ from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # least share of a measured effort's residual that friction explains
-UNITS = {
-    **{"A": "A", "mA": "mA", "Nm": "Nm"},
-    "neither": "a torque less gravity, as some drivers write",
+FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
+UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "a torque less gravity, as some drivers write"}
+NAMED = {  # units by the meaning of a block's name
+    "actual_current": "A",
+    "target_current": "A",
+    "actual_current_as_torque": "Nm",
+    "target_moment": "Nm",
 }
+MILLIAMPERES = re.compile(r"(^|[^A-Za-z])mA([^A-Za-z]|$)")
 ROUNDED = 1e-3  # A; URScript gives currents with three decimals
 COUNTED = (100, 100_000)  # multiples of a rounded current's step that it reaches
 CHANNELS = {  # by unit, and whether it is a target
@@ -28,6 +35,7 @@ CHANNELS = {  # by unit, and whether it is a target
     ("A", True): "target_current",
     ("Nm", False): "actual_current_as_torque",
     ("Nm", True): "target_moment",
+    (FREE, False): "actual_torque_less_gravity",
 }
 SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that proves a frame
 
@@ -35,11 +43,11 @@ SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that pr
 def as_amperes(block: Block, evidence: Evidence) -> Block:
     """Return a block in amperes if its columns are rounded currents times constants of a driver.
 
-    Such columns are whole multiples of steps that are no power of ten.
+    Such columns are whole multiples of steps, none of which is a power of ten.
     """
     steps = np.array([_step(np.abs(column)) for column in block.rows.T])
     decimal = np.abs(np.log10(steps) - np.round(np.log10(steps))) < 1e-4
-    if np.isnan(steps).any() or decimal.all():
+    if np.isnan(steps).any() or decimal.any():
         return block
     constants = ", ".join(f"{step / ROUNDED:.4g}" for step in steps)
     evidence.proven.append(
@@ -74,8 +82,9 @@ def is_opposite(means: BlockMeans, name: str, arms: Sequence[Robot]) -> bool:
     for column in range(6):
         friction, speed = means.friction(column), np.abs(means.qd[:, column]).mean()
         terms = np.column_stack([friction, means.qdd, np.ones(len(effort))])
-        brakes.append(np.divide(*combination(terms, effort[:, column], [1.0, float(speed)])))
-    if np.nansum(brakes) >= 0:
+        force, error = combination(terms, effort[:, column], [1.0, float(speed)])
+        brakes.append(force / max(error, TINY))
+    if sum(brakes) >= 0:
         return False
     ways = [replace(means, currents={name: sign * effort}) for sign in (1, -1)]
     as_read, turned = (likeliest(way, [name], arms)[0].score for way in ways)
@@ -95,7 +104,9 @@ def name_efforts(
     currents = [blocks[name] for name, unit in units.items() if unit in ("A", "mA")]
     smooth = _smoothest(currents, evidence)
     for name, unit in units.items():
-        if unit is not None:
+        if unit == FREE:
+            evidence.assumed.append(f"{blocks[name].title} has the joints' order of the positions")
+        elif unit is not None:
             _expect_order(name, blocks[name], means, arm, order, evidence)
     channels: dict[str, Block] = {}
     for name, block in blocks.items():
@@ -103,7 +114,13 @@ def name_efforts(
         if unit is None:
             continue
         free = unit == "Nm" and _is_frictionless(name, means, order, arm, block, evidence)
+        if unit == "Nm" and not free and _is_smoother(block, currents, smooth):
+            evidence.proven.append(
+                f"{block.title} is a target: it is as smooth as only a target is"
+            )
+            free = True
         target = block is smooth or free if block.is_nameless() else block.is_target()
+        target = target and unit != FREE
         channel = CHANNELS[unit.replace("mA", "A"), target]
         if channel in channels:
             evidence.ambiguous.append(
@@ -117,14 +134,26 @@ def name_efforts(
 def _unit(
     name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
 ) -> str | None:
-    """Return the unit, A, mA or Nm, None where gravity does not determine it."""
+    """Return the unit, A, mA, Nm or FREE, None where neither gravity nor a name determines it."""
     scores = unit_scores(means, name, arm, order)
     best, rival = sorted(scores, key=lambda unit: -scores[unit])[:2]
     gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
     joint = int(np.argmax((gravity**2).mean(axis=0)))
     slope = slopes(means, name, arm, order)[joint]
     ratio = f"gravity on joint {joint + 1} is {1 / (slope or np.inf):.3g} Nm per unit of it"
-    if best == "neither" or scores[best] - scores[rival] < SURE:
+    ratio = "gravity does not change" if np.isnan(slope) else ratio
+    sure, named = scores[best] - scores[rival] > SURE, NAMED.get(block.meaning() or "")
+    named = "mA" if named == "A" and MILLIAMPERES.search(block.names[0]) else named
+    if sure and best == FREE and block.meaning() in ("effort", "actual_current_as_torque"):
+        evidence.assumed.append(
+            f"{block.title} in Nm, less gravity, which does not explain it as it explains every "
+            "current and motor torque; the gravity of the arm is added again"
+        )
+        return FREE
+    if not sure and named and scores[best] - scores[named] < SURE:
+        evidence.assumed.append(f"{block.title} in {named}, by its name")
+        return named
+    if best == FREE or not sure:
         evidence.ambiguous.append(
             f"{block.title}: its unit, {UNITS[best]} or {UNITS[rival]} ({ratio}); left out: record "
             "currents, or more postures"
@@ -138,13 +167,13 @@ def _expect_order(
     name: str, block: Block, means: BlockMeans, arm: Robot, order: Order, evidence: Evidence
 ) -> None:
     """Raise InputError where the joints of an effort have another order than the positions'."""
-    margin = own_order(means, name, arm, order)
-    if margin < -SURE:
+    margins = [own_order(replace(means, offset=may), name, arm, order) for may in (False, True)]
+    if max(margins) < -SURE:
         raise InputError(
             f"{block.title}: its joints are in another order than those of the positions: gravity "
             "and friction explain it far better so; bring both into one order"
         )
-    if margin < SURE:
+    if min(margins) < SURE:
         evidence.assumed.append(f"{block.title} has the joints' order of the positions")
     else:
         evidence.proven.append(f"{block.title} has the joints' order of the positions")
@@ -162,14 +191,29 @@ def _smoothest(currents: list[Block], evidence: Evidence) -> Block | None:
     return target
 
 
+def _is_smoother(block: Block, currents: Sequence[Block], target: Block | None) -> bool:
+    """Return whether a nameless torque is as smooth, for its size, as no measured current."""
+    if target is None or not block.is_nameless():
+        return False
+    rough = next(current for current in currents if current is not target)
+    own, measured = (
+        np.nanmedian(roughness(one.rows) / (np.nanstd(one.rows, axis=0) + TINY))
+        for one in (block, rough)
+    )
+    return bool(own < SMOOTHER * measured)
+
+
 def _is_frictionless(
     name: str, means: BlockMeans, order: Order, arm: Robot, block: Block, evidence: Evidence
 ) -> bool:
     """Return whether a torque contains no friction: then it was computed, not measured."""
     gravity = gravity_torque(arm, arm.chosen_model, means.q[:, order])
     effort = means.currents[name]
-    shares = [_friction(means, effort[:, k], gravity[:, j], k) for j, k in enumerate(order)]
-    if float(np.median(shares)) >= FRICTION:
+    moving = means.qd.std(axis=0) > MOVES
+    shares = [
+        _friction(means, effort[:, k], gravity[:, j], k) for j, k in enumerate(order) if moving[k]
+    ]
+    if not shares or float(np.median(shares)) >= FRICTION:
         return False
     if block.is_nameless():
         evidence.proven.append(f"{block.title} is a target: it contains no friction")

@@ -43,7 +43,8 @@ def _of_table(proposal: Proposal) -> Entry:
     """Return `columns`, `units` and `time`, or the format alone if all columns have RTDE names."""
     header = proposal.contents.header
     named = {proposal.clock: "time"}
-    for channel, blocks in proposal.channels.items():
+    sensor = dict(zip(("ft_f", "ft_t"), ([block] for block in proposal.sensor), strict=False))
+    for channel, blocks in (proposal.channels | sensor).items():
         names = [name for block in blocks for name in block.names]
         order = proposal.order if channel in JOINT_CHANNELS else range(len(names))
         named |= {
@@ -55,6 +56,8 @@ def _of_table(proposal: Proposal) -> Entry:
         return {"format": "rtde-csv"}
     columns = _shortened([named.get(column, SKIPPED) for column in header.columns])
     units = _units(proposal)
+    if sensor and proposal.opposite:
+        units = {"units": units.get("units", {}) | dict.fromkeys(sensor, OPPOSITE)}
     for unit in units.get("units", {}).values():
         if isinstance(unit, list):
             unit[:] = [unit[column] for column in proposal.order]

@@ -21,32 +21,46 @@ class Imported:
     comments: list[str]
 
 
-def import_files(paths: Sequence[Path], arms: Sequence[str]) -> list[Imported]:
-    """Return the entries of recordings, each read back and checked; arms: the possible ones.
+class ImportedFiles(list[Imported]):
+    """The files that were imported; refused: the reasons why the others were not."""
 
-    Raises InputError, with all reasons, where a file cannot be read, is ambiguous, or contradicts
-    its entry.
+    refused: tuple[str, ...] = ()
+
+
+def import_files(
+    paths: Sequence[Path], arms: Sequence[str], trusted: bool = False
+) -> ImportedFiles:
+    """Return the entries of recordings, each read back and checked.
+
+    arms: the possible ones; trusted: whether the names in the files are right, whatever contradicts
+    them. Raises
+    InputError, with all reasons, where no file can be read, is unambiguous, and agrees with its
+    entry.
     """
-    files = [contents(path) for path in paths]
-    imported, refused = {}, {}
-    for file in files:
+    files, proposed, refused = list[Contents](), dict[Path, Imported](), dict[Path, str]()
+    for path in paths:
         try:
-            proposal = propose(file, arms)
-            imported[file.path] = Imported(entry(proposal), proposal.evidence.lines())
+            files.append(contents(path))
+            proposal = propose(files[-1], arms, trusted)
+            proposed[path] = Imported(entry(proposal), proposal.evidence.lines())
         except InputError as error:
-            refused[file.path] = error
+            refused[path] = str(error)
     for file in files:
-        if file.path in refused and (other := _of_same_columns(file, files, imported)):
-            imported[file.path] = _like(other, file)
-            del refused[file.path]
-    complaints = [str(error) for error in refused.values()]
-    for path, recording in imported.items():
-        imported[path], contradicted = _checked(recording)
-        complaints += contradicted
-    if complaints:
-        raise InputError("\n".join(complaints))
-    _number_names([imported[file.path].entry for file in files])
-    return [imported[file.path] for file in files]
+        if file.path in refused and (other := _of_same_columns(file, files, proposed)):
+            proposed[file.path] = _like(other, file)
+    imported = ImportedFiles()
+    for path in (path for path in paths if path in proposed):
+        recording, contradicted = _checked(proposed[path])
+        if trusted:
+            recording.comments.extend(f"# assumed, although {fault}" for fault in contradicted)
+            contradicted = []
+        refused[path] = "\n".join(contradicted)
+        imported += [] if contradicted else [recording]
+    imported.refused = tuple(reason for path in paths if (reason := refused.get(path, "")))
+    if imported.refused and not imported:
+        raise InputError("\n".join(imported.refused))
+    _number_names([one.entry for one in imported])
+    return imported
 
 
 def as_entries(imported: Sequence[Imported]) -> str:

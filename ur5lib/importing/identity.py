@@ -14,7 +14,7 @@ from ur5lib.importing.motion import ImportedMotion
 from ur5lib.recordings import readings
 from ur5lib.recordings.arm_checks import described
 from ur5lib.recordings.block_means import BlockMeans
-from ur5lib.recordings.readings import IN_ORDER, SURE, Order, Reading
+from ur5lib.recordings.readings import IN_ORDER, OR_FREE, SURE, Order, Reading
 from ur5lib.robots.description import Robot, robot_names
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -84,22 +84,21 @@ class Case:
     evidence: Evidence
 
 
-def identified(case: Case, names: Sequence[str]) -> Reading:
+def identified(case: Case, names: Sequence[str], trusted: bool = False) -> Reading:
     """Return the arm and the column of each joint.
 
-    names: possible arms, empty for all described ones. Raises InputError with the alternatives and
-    a remedy where they are ambiguous.
+    names: possible arms, empty for all described ones; trusted: whether the joints' names are right
+    even where gravity contradicts them. Raises InputError with the alternatives and a remedy where
+    they are ambiguous.
     """
     arms = [described(name) for name in names or robot_names()]
     by_name = names_order(case.moving.position, case.file)
     orders = [IN_ORDER] if by_name else readings.all_orders()
     by_pose = _by_pose(case, arms, orders)
     weighed = case.efforts and (by_name or not by_pose)
-    likely = readings.likeliest(case.means, case.efforts, arms) if weighed else []
+    likely = readings.likeliest(case.means, case.efforts, arms, OR_FREE) if weighed else []
     if by_name:
-        title = case.moving.position.title
-        case.evidence.proven.append(f"the joints' order, by their names in {title}")
-        _expect_agreement(likely, case.file)
+        _expect_agreement(likely, case, arms, trusted)
     if by_pose:
         return _of_pose(case, by_pose)
     if by_name:
@@ -114,7 +113,7 @@ def identified(case: Case, names: Sequence[str]) -> Reading:
             "any other",
             "name the joints in the file",
         )
-    likely = readings.readings(case.means, case.efforts, arms, [order])
+    likely = readings.readings(case.means, case.efforts, arms, [order], OR_FREE)
     return _sure_arm(case, likely, bool(names))
 
 
@@ -133,18 +132,29 @@ def names_order(position: Block, file: Contents) -> bool:
     return single and (names_joints(position.names[0]) or position.names[0] == "actual_q_0")
 
 
-def _expect_agreement(likely: Sequence[Reading], file: Contents) -> None:
-    """Raise InputError where gravity contradicts the names."""
-    scores = [reading.score for reading in likely if reading.order == IN_ORDER]
-    named = max(scores, default=-np.inf)
-    if likely and likely[0].score - named > 3 * SURE:
-        raise ambiguous(
-            file,
-            "the joints' order",
-            "that of the names",
-            f"{in_words(likely[0].order)} (far better by gravity)",
-            "check the names and the units against the recorder",
-        )
+def _expect_agreement(
+    likely: Sequence[Reading], case: Case, arms: Sequence[Robot], trusted: bool
+) -> None:
+    """Raise InputError where gravity contradicts the names, unless these are trusted."""
+    gap = 0.0
+    if likely:
+        units = {unit: OR_FREE[unit] for unit in likely[0].units}
+        named = readings.readings(case.means, case.efforts, arms, [IN_ORDER], units)[0]
+        gap = likely[0].score - named.score
+    title = case.moving.position.title
+    if gap < SURE:
+        case.evidence.proven.append(f"the joints' order, by their names in {title}")
+        return
+    other = f"{in_words(likely[0].order)} (far better by gravity)"
+    if not trusted and gap > 3 * SURE:
+        remedy = "check the names and the units against the recorder; --trust-names insists on them"
+        raise ambiguous(case.file, "the joints' order", "that of the names", other, remedy)
+    case.evidence.assumed.append(f"the joints' order, by their names in {title}, not {other}")
+
+
+def _in_order(likely: Sequence[Reading]) -> float:
+    """Return the best score of the joints in order."""
+    return max((one.score for one in likely if one.order == IN_ORDER), default=-np.inf)
 
 
 def _by_pose(case: Case, arms: Sequence[Robot], orders: Sequence[Order]) -> list[Placed]:
@@ -174,52 +184,61 @@ def _of_pose(case: Case, good: Sequence[Placed]) -> Reading:
     """Return the reading that fits a pose; among several, the one that gravity prefers."""
     arms, orders = ({getattr(reading, key) for reading in good} for key in ("arm", "order"))
     robots = [described(arm) for arm in sorted(arms)]
-    likely = readings.readings(case.means, case.efforts, robots, [*orders])
+    likely = readings.readings(case.means, case.efforts, robots, [*orders], OR_FREE)
     allowed = {(reading.arm, reading.order) for reading in good}
     likely = [reading for reading in likely if (reading.arm, reading.order) in allowed]
-    if len(orders) > 1:
-        _expect_gap(case.file, likely)
+    if rival := _rival(likely):
+        order = _base_to_wrist(case, likely, rival.order)
+        likely = [reading for reading in likely if reading.order == order]
     if len(arms) == 1:
         case.evidence.proven.append(f"robot {likely[0].arm}: no other described arm fits the pose")
         return likely[0]
     return _sure_arm(case, likely, False)
 
 
-def _by_gravity(case: Case, likely: list[Reading]) -> Order:
-    """Return the order that explains the efforts."""
+def _by_gravity(case: Case, likely: Sequence[Reading]) -> Order:
+    """Return the order that explains the efforts; base to wrist where they do not decide."""
     order = likely[0].order
-    swapped = (order[5], *order[1:5], order[0])
-    _expect_gap(case.file, likely)
     base = readings.base_first(case.means, case.efforts, order)
-    if base is None:
-        raise ambiguous(
-            case.file,
-            "which of two joints is the base",
-            in_words(order),
-            in_words(swapped),
-            "record both with accelerations, or a TCP pose, or name the joints",
+    if base is False:
+        order = _exchanged(order)
+    rival = _rival(likely)
+    if rival is None and base is not None:
+        case.evidence.proven.append(
+            f"the joints' order, {in_words(order)}: in no other does gravity explain the efforts "
+            "as well; joint 1 bears the larger rotor"
         )
-    if not base:
-        order = swapped
-    case.evidence.proven.append(
-        f"the joints' order, {in_words(order)}: in no other does gravity explain the efforts as "
-        "well; joint 1 bears the larger rotor"
+        return order
+    return _base_to_wrist(case, likely, rival.order if rival else _exchanged(order))
+
+
+def _exchanged(order: Order) -> Order:
+    """Return the order in which joints 1 and 6 are exchanged."""
+    return (order[5], *order[1:5], order[0])
+
+
+def _base_to_wrist(case: Case, likely: Sequence[Reading], rival: Order) -> Order:
+    """Return the order from base to wrist, assumed. Raises InputError where others are likelier."""
+    reversed_ends = readings.base_first(case.means, case.efforts, IN_ORDER) is False
+    if likely[0].score - _in_order(likely) < SURE and not reversed_ends:
+        case.evidence.assumed.append(
+            "the joints' order, base to wrist: what moves shows no other to be likelier"
+        )
+        return IN_ORDER
+    raise ambiguous(
+        case.file,
+        "the joints' order",
+        in_words(likely[0].order),
+        in_words(rival),
+        "record a motion that turns all joints, or a TCP pose, or name the joints",
     )
-    return order
 
 
-def _expect_gap(file: Contents, likely: Sequence[Reading]) -> None:
-    """Raise InputError where a reading with another order is about as likely as the best."""
-    best = likely[0]
-    rival = next((reading for reading in likely if reading.order != best.order), None)
-    if rival and best.score - rival.score < SURE:
-        raise ambiguous(
-            file,
-            "the joints' order",
-            in_words(best.order),
-            in_words(rival.order),
-            "record a motion that turns all joints, or a TCP pose, or name the joints",
-        )
+def _rival(likely: Sequence[Reading]) -> Reading | None:
+    """Return the likeliest reading with another order than the best, if it is about as likely."""
+    others = (one for one in likely if one.order != likely[0].order)
+    rival = next(others, None)
+    return rival if rival and likely[0].score - rival.score < SURE else None
 
 
 def _sure_arm(case: Case, likely: Sequence[Reading], named_by_user: bool) -> Reading:

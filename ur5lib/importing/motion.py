@@ -14,6 +14,7 @@ from ur5lib.timeseries.arrays import Array
 
 AGREE = 0.9  # least correlation of a slope with its velocity
 RATIO = (0.8, 1.25)  # of a slope to its velocity
+CLOSER = 0.1  # of what another block misses as a derivative; then it is no rival
 DEGREES = 180 / np.pi
 LONGEST = 0.1  # s; across longer steps, a slope is no velocity
 SMOOTHED = 0.05  # s
@@ -118,8 +119,9 @@ def _on_clock_of(position: Block, block: Block | None) -> Block | None:
 
 
 def _nameless(file: Contents) -> tuple[Block, Block]:
-    pairs = [*_pairs(file)]
-    if len(pairs) != 1:
+    ranked = sorted(_pairs(file), key=lambda pair: pair[2])
+    pairs = [pair[:2] for pair in ranked]
+    if len(pairs) != 1 and not (pairs and ranked[0][2] < CLOSER * ranked[1][2]):
         several = " and ".join(f"{p.title} with {v.title}" for p, v in pairs[:2])
         raise InputError(
             f"{file.path}: the columns of the positions are ambiguous: "
@@ -128,21 +130,25 @@ def _nameless(file: Contents) -> tuple[Block, Block]:
     return pairs[0]
 
 
-def _pairs(file: Contents) -> Iterator[tuple[Block, Block]]:
-    """Yield blocks of six columns and their derivatives."""
+def _pairs(file: Contents) -> Iterator[tuple[Block, Block, float]]:
+    """Yield blocks of six columns, their derivatives, and the share that the slopes miss."""
     six = [block for block in file.blocks if block.rows.shape[1] == 6]
     for position, velocity in itertools.permutations(six, 2):
         if position.clock == velocity.clock:
             share, ratio, count = agreement(position, velocity, file.clocks[position.clock])
             if count and share == 1.0 and RATIO[0] < ratio < RATIO[1]:
-                yield position, velocity
+                stamps = file.clocks[position.clock]
+                slope, rate = slopes_and_rates(position.rows, velocity.rows, stamps)
+                missed = np.nansum((slope - rate) ** 2) / np.nansum(slope**2)
+                yield position, velocity, float(missed)
 
 
 def _units(
     file: Contents, position: Block, velocity: Block | None, time: Array, evidence: Evidence
 ) -> dict[str, str]:
     """Return the units of positions and velocities that are not SI."""
-    degrees = float(np.nanmedian(np.nanmax(np.abs(position.rows), axis=0))) > TURN
+    reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
+    degrees = float(np.median(reached)) > TURN
     units = {"actual_q": "deg"} if degrees else {}
     if degrees:
         evidence.proven.append(f"{position.title} in degrees: no joint turns by as many radians")

@@ -1,7 +1,7 @@
 """The proposed entry of a file: channels, joints' order, arm, units, and the wrench's frame."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
@@ -9,7 +9,14 @@ import pandas as pd
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import AGAIN, Contents, Evidence
-from ur5lib.importing.efforts import Frame, as_amperes, is_opposite, name_efforts, wrench_frame
+from ur5lib.importing.efforts import (
+    NAMED,
+    Frame,
+    as_amperes,
+    is_opposite,
+    name_efforts,
+    wrench_frame,
+)
 from ur5lib.importing.identity import Case, identified
 from ur5lib.importing.motion import ImportedMotion, find_motion
 from ur5lib.recordings.arm_checks import described
@@ -21,7 +28,8 @@ from ur5lib.robots.description import Robot, robot_names
 
 Units = dict[str, str | list[float]]  # by channel, as a study has them
 FEWEST = 8  # blocks of 0.1 s
-EFFORTS = ("effort", "actual_current", "target_current", "target_moment")
+RESTS, SEVERAL = 0.1, 4  # rad; with fewer moving joints, constant efforts are no evidence
+EFFORTS = ("effort", *NAMED)
 OTHERS = (
     "joint_control_output",
     "actual_TCP_pose",
@@ -53,9 +61,10 @@ class Proposal:
     pushed: bool = False
 
 
-def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
-    """Return the proposal for a file; arms: possible ones, by default all described.
+def propose(file: Contents, arms: Sequence[str] = (), trusted: bool = False) -> Proposal:
+    """Return the proposal for a file.
 
+    arms: possible ones, by default all described; trusted: whether its names of joints are right.
     Raises InputError with the alternatives and a remedy where it is ambiguous.
     """
     evidence = Evidence()
@@ -67,7 +76,7 @@ def propose(file: Contents, arms: Sequence[str] = ()) -> Proposal:
     wrench = _wrench(file, clock)
     means = _means(file, moving, efforts, wrench)
     _turn(efforts, means, [described(name) for name in arms or robot_names()], evidence)
-    reading = identified(Case(file, moving, means, [*efforts], evidence), arms)
+    reading = identified(Case(file, moving, means, [*efforts], evidence), arms, trusted)
     channels = moving.channels()
     named = name_efforts(efforts, means, described(reading.arm), reading.order, evidence)
     channels |= {name: [block] for name, block in named.items()}
@@ -129,8 +138,13 @@ def _of_meaning(file: Contents, meaning: str, clock: str) -> Block | None:
 
 
 def _wrench(file: Contents, clock: str) -> list[Block]:
-    parts = [_of_meaning(file, meaning, clock) for meaning in ("force", "torque")]
-    return [block for block in parts if block is not None] if None not in parts else []
+    """Return the blocks of force and torque, none without both."""
+    whole = _of_meaning(file, "wrench", clock)
+    if whole is not None and len(whole.names) == 6:
+        parts = [(whole.names[k : k + 3], whole.rows[:, k : k + 3]) for k in (0, 3)]
+        return [Block(names, rows, whole.clock) for names, rows in parts]
+    both = [_of_meaning(file, meaning, clock) for meaning in ("force", "torque")]
+    return [block for block in both if block is not None] if None not in both else []
 
 
 def _means(
@@ -148,7 +162,8 @@ def _means(
     means = block_means(robot, timing.period, [*efforts, *(["wrench"] if wrench else [])])
     if len(means.q) < FEWEST:
         raise InputError(f"{file.path}: too short to analyse; record two seconds or more")
-    return means
+    turned = np.ptp(means.q, axis=0) > RESTS
+    return replace(means, offset=bool(turned.sum() < SEVERAL))  # postures of one kind, seen often
 
 
 def _frame(

@@ -25,7 +25,8 @@ class BlockMeans:
     """Means over M blocks of a recording.
 
     q, qd, qdd: (M, 6) [rad, rad/s, rad/s²]; torque: `target_moment` (M, 6) [Nm], None if it was not
-    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded.
+    recorded; currents: `target_current` and `actual_current` (M, 6) [A], as far as recorded;
+    offset: whether each may have an offset, so that only their changes are evidence.
     """
 
     q: Array
@@ -33,6 +34,7 @@ class BlockMeans:
     qdd: Array
     torque: Array | None
     currents: dict[str, Array]
+    offset: bool = False
 
     def gravity(self, arm: Robot) -> Array:
         """Return the torque (M, 6) [Nm] that holds an arm, payload included."""
@@ -50,6 +52,11 @@ class BlockMeans:
         """Return dry and viscous friction (M, 2) of joint 0 to 5, each up to a factor."""
         qd = self.qd[:, joint]
         return np.column_stack([np.tanh(qd / SLOW), qd])
+
+    def without_gravity(self, joint: int, accelerations: Array) -> Array:
+        """Return the columns (M, n) of friction, inertia and, if there is one, an offset."""
+        offset = np.ones((len(self.q), int(self.offset)))
+        return np.column_stack([self.friction(joint), accelerations, offset])
 
 
 def block_means(

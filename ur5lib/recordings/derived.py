@@ -6,12 +6,13 @@ import pandas as pd
 from ur5lib.recordings.quality import Finding
 from ur5lib.recordings.sensors import FORCE_CHANNELS
 from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import link_frames
+from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
 TORQUE, CURRENT = "actual_current_as_torque", "actual_current"
+FREE = "actual_torque_less_gravity"
 
 
 def with_wrist_sensor(
@@ -60,8 +61,13 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
     """Return a table with currents [A] where it has only motor torques [Nm].
 
     They are divided by the torque constants of the arm's joints. A fit of friction finds the
-    constants anew, so that errors of these cancel where currents become torques again.
+    constants anew, so that errors of these cancel where currents become torques again. To torques
+    less gravity, that of the arm is added before.
     """
+    if f"{FREE}_5" in table and f"{TORQUE}_0" not in table:
+        gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
+        table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
+        findings.append(Finding("robot", "gravity added", "note", len(table), {"arm": arm.name}))
     if f"{TORQUE}_5" not in table or f"{CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())

@@ -6,7 +6,7 @@ order's likelihood.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import permutations
@@ -21,10 +21,12 @@ from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array, Labels
 
 Order = tuple[int, ...]  # the column of joints 1 to 6, from 0
+Units = Mapping[str, tuple[float, float]]  # bounds of effort per Nm, by unit
 
 IN_ORDER: Order = (0, 1, 2, 3, 4, 5)
 SLOPES = {"A": (1 / CONSTANTS[1], 1 / CONSTANTS[0]), "Nm": (0.8, 1.25)}  # effort per Nm
 SLOPES["mA"] = (1e3 / CONSTANTS[1], 1e3 / CONSTANTS[0])
+OR_FREE = SLOPES | {"neither": (0.0, 0.0)}  # or a torque without gravity
 NOISE = 2e-3  # A, Nm; no mean over a block of an effort is more precise
 KNOWN = 0.2  # spread of torque constants around those of the joints' sizes
 MOST = 40  # blocks that are looked at
@@ -76,11 +78,15 @@ def gravity_orders() -> tuple[Order, ...]:
 
 
 def readings(
-    means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot], orders: Sequence[Order]
+    means: BlockMeans,
+    efforts: Sequence[str],
+    arms: Sequence[Robot],
+    orders: Sequence[Order],
+    units: Units = SLOPES,
 ) -> list[Reading]:
     """Return the readings of some arms and orders, the likeliest first, with each effort's unit.
 
-    means: `currents` holds the efforts, columns as in the file.
+    means: `currents` holds the efforts, columns as in the file; units: possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
     free = {name: _without_motion(means, means.currents[name]) for name in efforts}
@@ -90,25 +96,27 @@ def readings(
         torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, 6))
         torque = torque.reshape(postures.shape)
         constants = arm.maker_torque_constants()
-        scores = [_scores(means, free[name], torque, columns, constants) for name in efforts]
+        scores = [_scores(means, free[name], torque, columns, constants, units) for name in efforts]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
         total -= TOO_FAST * (speed[columns] > FASTER * fastest).any(axis=1)
         for place, order in enumerate(orders):
-            units = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
-            found.append(Reading(arm.name, order, units, float(total[place])))
+            likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
+            found.append(Reading(arm.name, order, likely, float(total[place])))
     return sorted(found, key=lambda reading: -reading.score)
 
 
-def likeliest(means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot]) -> list[Reading]:
+def likeliest(
+    means: BlockMeans, efforts: Sequence[str], arms: Sequence[Robot], units: Units = SLOPES
+) -> list[Reading]:
     """Return the likeliest readings of all orders that gravity distinguishes, the best first.
 
     All are tried on few blocks, and those that explain these on all blocks.
     """
-    first = readings(thinned(means), efforts, arms, gravity_orders())
+    first = readings(thinned(means), efforts, arms, gravity_orders(), units)
     close = [one for one in first if first[0].score - one.score < CLOSE]
     by_arm = {arm.name: [one.order for one in close if one.arm == arm.name] for arm in arms}
-    again = [readings(means, efforts, [a], by_arm[a.name]) for a in arms if by_arm[a.name]]
+    again = [readings(means, efforts, [a], by_arm[a.name], units) for a in arms if by_arm[a.name]]
     return sorted((one for few in again for one in few), key=lambda one: -one.score)
 
 
@@ -129,8 +137,7 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dic
     torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])[None]
     free, columns = _without_motion(means, means.currents[effort]), np.array([order])
     unknown = [math.nan] * 6
-    scores = _scores(means, free, torque, columns, unknown)
-    scores |= {"neither": _scores(means, free, 0 * torque, columns, unknown)["A"]}
+    scores = _scores(means, free, torque, columns, unknown, OR_FREE)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
 
@@ -157,7 +164,7 @@ def _left(
     means: BlockMeans, values: Array, gravity: Array, column: int, low: float, high: float
 ) -> Array:
     """Return the mean squares (6,) that gravity and motion of one joint leave of all efforts."""
-    basis, _ = np.linalg.qr(np.column_stack([means.friction(column), means.qdd[:, column]]))
+    basis, _ = np.linalg.qr(means.without_gravity(column, means.qdd[:, column]))
     own, free = _project(basis, gravity), _project(basis, values.T)
     slope = np.clip(free @ own / (own @ own + 1e-12), low, high)
     return np.asarray(((free - slope[:, None] * own) ** 2).mean(axis=1))
@@ -187,10 +194,9 @@ def _inertia(means: BlockMeans, effort: Array, column: int) -> tuple[float, floa
 
 
 def _motion(means: BlockMeans, column: int) -> Array:
-    """Return an orthonormal basis (M, n) of a joint's friction and of all inertia."""
-    basis, size, _ = np.linalg.svd(
-        np.column_stack([means.friction(column), means.qdd]), full_matrices=False
-    )
+    """Return an orthonormal basis (M, n) of a joint's friction, inertia and offset."""
+    terms = means.without_gravity(column, means.qdd)
+    basis, size, _ = np.linalg.svd(terms, full_matrices=False)
     return basis[:, size > 1e-8 * size[0]]
 
 
@@ -206,13 +212,18 @@ def _without_motion(means: BlockMeans, effort: Array) -> Array:
 
 
 def _scores(
-    means: BlockMeans, effort: Array, torque: Array, columns: Labels, constants: Sequence[float]
+    means: BlockMeans,
+    effort: Array,
+    torque: Array,
+    columns: Labels,
+    constants: Sequence[float],
+    units: Units,
 ) -> dict[str, Array]:
     """Return the log-likelihood of each order (K,) by unit.
 
     torque: (K, M, 6) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
     """
-    total = {unit: np.zeros(len(columns)) for unit in SLOPES}
+    total = {unit: np.zeros(len(columns)) for unit in units}
     for column in range(6):
         basis = _motion(means, column)
         for joint in range(6):
@@ -220,11 +231,11 @@ def _scores(
             own = _project(basis, torque[rows, :, joint])
             slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)
             known = {"A": constants[joint], "mA": constants[joint] / 1e3, "Nm": 1.0}
-            for unit, (low, high) in SLOPES.items():
+            for unit, (low, high) in units.items():
                 bounded = np.clip(slope, low, high)
                 left = ((effort[:, column] - bounded[:, None] * own) ** 2).mean(axis=1)
                 total[unit][rows] += means.log_likelihood(left + NOISE**2)
-                total[unit][rows] -= _surprise(bounded, known[unit], own)
+                total[unit][rows] -= _surprise(bounded, known.get(unit, math.nan), own)
     return total
 
 
