@@ -182,6 +182,7 @@ def test_export_is_loaded_by_other_engines(name: str, tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         (["--robot", "ur6", "--model", "C"], "no description of `ur6`; docs/robots.md"),
+        (["--robot", "UR12e"], r"no description of `UR12e` \(did you mean `ur10e`\?\)"),
         (["--robot", "UR-5e"], r"no description of `UR-5e` \(did you mean `ur5e`\?\)"),
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (

@@ -25,6 +25,7 @@ Six = tuple[float, float, float, float, float, float]  # a pose, a wrench, an in
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
+SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
 JOINTS = 6  # of the arms whose recordings are read; an arm itself may have any number
 ON_EARTH = (9.0, 10.5)  # m/s²
 
@@ -323,8 +324,8 @@ def robot_names() -> list[str]:
 
 def no_description(name: str) -> str:
     """Return the message about an arm without description, with the name that may be meant."""
-    known = {_letters(other): f" (did you mean `{other}`?)" for other in robot_names()}
-    near = known.get(_letters(name), "")
+    known = {_letters(other): other for other in robot_names()} | SAME_LINKS
+    near = f" (did you mean `{known[_letters(name)]}`?)" if _letters(name) in known else ""
     described = ", ".join(robot_names())
     return f"no description of `{name}`{near}; docs/robots.md shows how to add one to {described}"
 
