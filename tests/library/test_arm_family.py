@@ -19,6 +19,7 @@ from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
 CB, E_SERIES, HEAVY = ["ur3", "ur5", "ur10"], ["ur3e", "ur5e", "ur10e", "ur16e"], ["ur20", "ur30"]
+REACH = {"ur8long": 1.75, "ur15": 1.3, "ur18": 0.95, "ur20": 1.75, "ur30": 1.3}  # m, data sheets
 FAMILY = [*CB, *E_SERIES, *HEAVY]
 ROUNDED = 1.001e-6  # m; the thesis's UR5 has d1 = 89.16 mm, the ROS description 89.159 mm
 ROS_LINKS = ["shoulder", "upper_arm", "forearm", "wrist_1", "wrist_2", "wrist_3"]
@@ -77,10 +78,19 @@ def configuration(engine: pinocchio.Model, q: Array) -> Array:
     return np.concatenate(parts)
 
 
+@pytest.mark.parametrize(("name", "reach"), REACH.items())
+def test_the_reach_is_that_of_the_data_sheet(name: str, reach: float) -> None:
+    """Upper arm, forearm and the offset of joint 5, to the wrist's centre."""
+    links = load_robot(robot_path(name)).denavit_hartenberg
+    assert -links[1].a - links[2].a + links[4].d == pytest.approx(reach, abs=1e-3)
+
+
 # Dynamics
 
 
-def test_torques_are_those_of_other_engines(robot: Robot) -> None:
+@pytest.mark.parametrize("name", robot_names())
+def test_torques_are_those_of_other_engines(name: str) -> None:
+    robot = load_robot(robot_path(name))
     model, given = [*robot.models][-1], states(20)
     bodies = rigid_bodies(robot, model)
     ours, text = LinkModel(robot, model).inverse_dynamics(*given), urdf(robot, bodies)

@@ -32,7 +32,9 @@ from ur5lib.importing.blocks import Block
 from ur5lib.importing.contents import NIST, contents
 from ur5lib.importing.files import import_files
 from ur5lib.importing.proposal import propose
+from ur5lib.recordings.block_means import BlockMeans
 from ur5lib.recordings.entries import expand
+from ur5lib.recordings.readings import IN_ORDER, UNABLE, readings
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.statics import gravity_torque, link_frames
 from ur5lib.study.reading import parse_study
@@ -345,6 +347,18 @@ def test_two_arms_that_fit_as_well_are_refused(tmp_path: Path, made: Made) -> No
     entry, comments = entry_and_comments(tmp_path / "run.db3", robot="ur5")
     assert entry["robot"] == "ur5"
     assert "assumed: robot ur5, as given" in comments
+
+
+@pytest.mark.parametrize(("farthest", "lead"), [(6.2, 0.0), (9.0, UNABLE)])
+def test_an_arm_that_cannot_turn_so_far_is_unlikely(farthest: float, lead: float) -> None:
+    """Joint 6 of a UR3 turns without limit."""
+    q = np.linspace(-1.0, 1.0, 50)[:, None] * [1, 1, 1, 1, 1, farthest]
+    ur3 = load_robot(robot_path("ur3"))
+    torque = gravity_torque(ur3, ur3.chosen_model, q)
+    means = BlockMeans(q, np.zeros_like(q), np.zeros_like(q), None, {"effort0": torque})
+    ending = ur3.model_copy(update={"name": "ending", "endless_joints": None})
+    likely = readings(means, ["effort0"], [ur3, ending], [IN_ORDER])
+    assert likely[0].score - likely[1].score == pytest.approx(lead)
 
 
 def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:

@@ -34,7 +34,8 @@ SURE = 8.0  # difference of log-likelihoods from which on a reading is proven
 CLOSE = 40.0  # difference of log-likelihoods on few blocks up to which all blocks are looked at
 LEVEL = 1e-4  # of the mean square of all efforts; no joint's is explained better
 FASTER = 1.25  # times the largest speed of a joint; a UR5 exceeded its own by 6 %
-TOO_FAST = 100.0  # by which the log-likelihood of an arm falls that cannot move so
+FARTHER = 1.05  # times the largest angle of a joint, which a controller enforces
+UNABLE = 100.0  # by which the log-likelihood of an arm falls that cannot move so
 HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
 
 
@@ -89,6 +90,7 @@ def readings(
     means: `currents` holds the efforts, columns as in the file; units: possible ones.
     """
     columns, speed = np.array(orders), np.abs(means.qd).max(axis=0)
+    farthest = np.abs(means.q).max(axis=0)
     free = {name: _without_motion(means, means.currents[name]) for name in efforts}
     found = []
     for arm in arms:
@@ -99,7 +101,9 @@ def readings(
         scores = [_scores(means, free[name], torque, columns, constants, units) for name in efforts]
         total = sum((np.max([*score.values()], axis=0) for score in scores), np.zeros(len(orders)))
         fastest = np.array([arm.motor(joint).velocity_max for joint in arm.joint_numbers])
-        total -= TOO_FAST * (speed[columns] > FASTER * fastest).any(axis=1)
+        beyond = speed[columns] > FASTER * fastest
+        beyond |= farthest[columns] > FARTHER * np.array(arm.position_limits())
+        total -= UNABLE * beyond.any(axis=1)
         for place, order in enumerate(orders):
             likely = tuple(max(score, key=lambda u: score[u][place]) for score in scores)
             found.append(Reading(arm.name, order, likely, float(total[place])))
