@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import permutations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,6 +38,8 @@ CHANNELS = {  # by unit, and whether it is a target
     ("Nm", True): "target_moment",
     (FREE, False): "actual_torque_less_gravity",
 }
+EXCHANGED = [(*axes, *(3 + k for k in axes)) for axes in permutations(range(3))]  # in order first
+EXCHANGED.append((3, 4, 5, 0, 1, 2))  # moments before forces
 SURE_FRAME = 6.0  # difference of log-likelihoods of independent samples that proves a frame
 
 
@@ -243,24 +246,30 @@ def wrench_frame(
     """Return the frame of a wrench, None if not proven, and its lead in log-likelihood.
 
     wrench: force and torque (M, 6) [N, Nm] at the blocks. Efforts increase with the wrench of the
-    arm on its surroundings, and decrease with the wrench of the surroundings on the arm.
+    arm on its surroundings, and decrease with the wrench of the surroundings on the arm. Rivals
+    are the other frames, and exchanged columns.
     """
-    q = means.q[:, order]
+    gains = {
+        (frame, columns): _gain(means, effort, torque, arm, order)
+        for columns in EXCHANGED
+        for frame, torque in _torques(means.q[:, order], wrench[:, columns], arm).items()
+    }
+    best, second = sorted(gains, key=lambda reading: gains[reading], reverse=True)[:2]
+    lead = gains[best] - gains[second]
+    return (best[0] if lead >= SURE_FRAME and best[1] == EXCHANGED[0] else None), lead
+
+
+def _torques(q: Array, wrench: Array, arm: Robot) -> dict[Frame, Array]:
+    """Return the joint torques (M, 6) [Nm] of a wrench (M, 6) by its frame."""
     rotation, origin = link_frames(arm, q)
     axes, lever = rotation[:, :6, :, 2], origin[:, 6:] - origin[:, :6]
     jacobian = np.concatenate([np.cross(axes, lever), axes], axis=2)  # (M, 6 joints, 6)
-    base = np.einsum("nji,ni->nj", jacobian, wrench)
-    turned = np.concatenate(
-        [np.einsum("nij,nj->ni", rotation[:, 6], part) for part in (wrench[:, :3], wrench[:, 3:])],
-        axis=1,
-    )
-    flange = np.einsum("nji,ni->nj", jacobian, turned)
-    torques = {Frame("base", True): base, Frame("base", False): -base}
-    torques |= {Frame("flange", True): flange, Frame("flange", False): -flange}
-    gains = {frame: _gain(means, effort, torque, arm, order) for frame, torque in torques.items()}
-    best, second = sorted(gains, key=lambda frame: gains[frame], reverse=True)[:2]
-    lead = gains[best] - gains[second]
-    return (best if lead >= SURE_FRAME else None), lead
+    halves = np.einsum("nij,nkj->nki", rotation[:, 6], wrench.reshape(-1, 2, 3))
+    torques: dict[Frame, Array] = {}
+    for name, values in (("base", wrench), ("flange", halves.reshape(-1, 6))):
+        torque = np.einsum("nji,ni->nj", jacobian, values)
+        torques |= {Frame(name, True): torque, Frame(name, False): -torque}
+    return torques
 
 
 def _gain(means: BlockMeans, effort: str, torque: Array, arm: Robot, order: Order) -> float:
