@@ -112,11 +112,15 @@ def scaled(means: BlockMeans) -> Iterator[Finding]:
     """Find currents that are a fraction or a multiple of their targets, in joints that bear."""
     if "target_current" not in means.currents:
         return
-    target = means.currents["target_current"]
-    bears = moving(means) & (np.sqrt((target**2).mean(axis=0)) > BEARS)
-    bears |= target.std(axis=0) > BEARS  # at rest, of a joint whose load others change
-    for joint in np.flatnonzero(bears[:3]).tolist():  # wrists hardly bear anything
-        own, friction = target[:, joint], means.friction(joint)
+    moves = moving(means)
+    for joint in range(3):  # wrists hardly bear anything
+        own, friction = means.currents["target_current"][:, joint], means.friction(joint)
+        # without friction, which targets of some arms contain, and inertia: only a load shows it
+        others = np.column_stack([friction, means.qdd[:, joint]])
+        borne = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+        # at rest, of a joint whose load others change
+        if not (moves[joint] and np.sqrt((borne**2).mean()) > BEARS) and borne.std() <= BEARS:
+            continue
         load = np.abs(own) * friction[:, 0]
         columns = np.column_stack([own, friction, load, means.qdd[:, joint]])
         slope, error = combination(columns, means.currents[CURRENT][:, joint], [1.0])
