@@ -34,7 +34,7 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "finished": {"errors", "pipeline", "recordings", "robots", "study", "tables"},
     "commands": BASE
     | ROOMS
-    | {"doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
+    | {"datasets", "doubles", "excitation", "finished", "pipeline", "recorder", "report", "study"},
     "importing": BASE | {"commands", "recordings", "study"},
     "cli": BASE
     | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "study"},

@@ -37,6 +37,7 @@ OF_A_BUILT_STUDY = {
     "few_recordings",
     "leaderboard",
     "current_prediction",
+    "population",
 }  # in tests/artefacts/test_demo.py
 
 

@@ -55,8 +55,8 @@ def print_findings_of(study: Study, named: Sequence[str] = ()) -> int:
     console = text_console()
     for arm in arms_without_fit(study):
         console.print(
-            f"no recording of {arm} has the role `fit`: friction and forces cannot be estimated; "
-            "give this role to a recording in which nothing touches the arm"
+            f"no recording of {arm} has the role `fit`: friction is only what other arms have, and "
+            "bands are wide; give this role to a recording in which nothing touches the arm"
         )
     there = [recording for recording in study.recordings if is_there(recording)]
     unmade = [recording.name for recording in study.recordings if recording not in there]

@@ -18,7 +18,7 @@ from ur5lib.identification.estimation import (
     physical,
 )
 from ur5lib.identification.prior import JointPrior, Prior
-from ur5lib.identification.regression import half_width
+from ur5lib.identification.regression import DRAWS, half_width, spread
 from ur5lib.identification.samples import (
     FEW,
     Record,
@@ -38,7 +38,7 @@ from ur5lib.identification.selection import (
     held_current,
     left_out_residuals,
 )
-from ur5lib.robots.friction import CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
+from ur5lib.robots.friction import BASE, CONSIDERED, FAMILY, KARNOPP, PRESLIDING, Term
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import COVERED, NORMAL95
 
@@ -52,6 +52,7 @@ DEVIATIONS, RATIO = 5.0, 1.75
 BETWEEN_DAYS = 0.07
 FOLDS = 10  # of cross-fitting, at most
 LEAST_FRICTION = 0.1  # Nm
+HELD = -0.45  # of Coulomb friction: `held`, the median of 24 joints of four arms
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,8 @@ class JointFit:
     cross-validated, with each distance of PRESLIDING and with Karnopp's friction, empty with one
     path; held: [A], friction at rest beyond that in motion, may be negative; band_moving,
     band_rest: half of the 95 % band [A] around the low-passed current of a recording that was left
-    out; remarks: doubts about the fit;
+    out; remarks: doubts about the fit; doubt: (P, P), covariance of the coefficients where no
+    recording that was left out shows their errors;
     contradicted: torque constant [Nm/A] that the currents alone would give, None unless it
     contradicts the known one, which the fit then keeps.
     """
@@ -75,6 +77,7 @@ class JointFit:
     band_moving: float
     band_rest: float
     remarks: tuple[Remark, ...]
+    doubt: Array | None = None
     contradicted: float | None = None
 
     def names(self) -> list[str]:
@@ -127,6 +130,33 @@ def fit_currents(
         remarks = *joints[joint].remarks, remark("current against constant", **found)
         joints[joint] = replace(joints[joint], contradicted=found["alone"], remarks=remarks)
     return replace(fit, joints=tuple(joints))
+
+
+def expected_fit(prior: Prior, seed: int = 0) -> CurrentFit:
+    """Return what a prior with a population expects of each joint, without any recording."""
+    terms = [BASE] * len(prior.torque_max)
+    whole = prior.over(terms)
+    covariance = np.asarray(np.linalg.inv(whole.precision), dtype=np.float64)
+    drawn = np.random.default_rng(seed).multivariate_normal(whole.mean, covariance, DRAWS)
+    size = len(whole.mean) // len(terms)
+    parts = [slice(start, start + size) for start in range(0, len(whole.mean), size)]
+    joints = (_expected_joint(whole.mean[p], covariance[p, p], drawn[:, p]) for p in parts)
+    return CurrentFit(tuple(joints), 0)
+
+
+def _expected_joint(mean: Array, covariance: Array, drawn: Array) -> JointFit:
+    """Return a joint with BASE from its coefficients' mean (P,), covariance, and draws (B, P)."""
+    return JointFit(
+        terms=BASE,
+        estimate=Estimate(mean, np.ones_like(mean), drawn, spread(physical(drawn))),
+        presliding=PRESLIDING[0],
+        reversal_errors=(),
+        held=HELD * float(mean[2]),
+        band_moving=0.0,
+        band_rest=COVERED * float(mean[2]),
+        remarks=(),
+        doubt=covariance,
+    )
 
 
 def too_large(fit: CurrentFit, prior: Prior) -> Mask:
@@ -277,7 +307,17 @@ def band(fit: CurrentFit, record: Record, smooth: Smooth, friction: Array) -> Ar
     """
     moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
     within = np.where(smoothed_moving(record, smooth), moving, at_rest)
-    return np.hypot(within, NORMAL95 * BETWEEN_DAYS * friction)
+    between = np.hypot(BETWEEN_DAYS * friction, smooth(_coefficients_doubt(fit, record), record))
+    return np.hypot(within, NORMAL95 * between)
+
+
+def _coefficients_doubt(fit: CurrentFit, record: Record) -> Array:
+    """Return the standard deviation (N, 6) [A] of a prediction by the coefficients' doubt."""
+    doubts = np.zeros_like(record.q)
+    for joint, (model, columns, _) in enumerate(_designs(fit, record)):
+        if model.doubt is not None:
+            doubts[:, joint] = np.sqrt(((columns @ model.doubt) * columns).sum(axis=1))
+    return doubts
 
 
 def parameters(fit: CurrentFit) -> list[Parameter]:
@@ -286,7 +326,7 @@ def parameters(fit: CurrentFit) -> list[Parameter]:
     for joint, model in enumerate(fit.joints, start=1):
         estimate = model.estimate
         values = physical(estimate.coefficients)
-        half = half_width(estimate.std_error, fit.units)
+        half = half_width(estimate.std_error, fit.units, estimate.prior_share)
         columns = (values, estimate.std_error, values - half, values + half, estimate.prior_share)
         for name, value, error, low, high, share in zip(model.names(), *columns, strict=True):
             # of a torque constant, the sign must be determined, too
@@ -304,9 +344,10 @@ def _joint_fit(
 ) -> JointFit:
     """Return the fit of a joint: its estimate with friction at rest, bands and remarks."""
     coefficients = estimate.coefficients
-    residual = left_out_residuals(samples, terms, prior)
+    residual, doubt = left_out_residuals(samples, terms, prior), None
     if not np.isfinite(residual).any():  # a single path: residuals of the fit itself
         residual = samples.current - samples.design(terms) @ coefficients
+        doubt = np.cov(estimate.replicates.T)
     # at rest, dry friction may be anything up to breakaway, which a few poses do not show
     sticking = COVERED * max(0.0, float(coefficients[2]))
     return JointFit(
@@ -318,6 +359,7 @@ def _joint_fit(
         _band(residual[samples.moving], samples.record[samples.moving]),
         np.fmax(_band(residual[~samples.moving], samples.record[~samples.moving]), sticking),
         _remarks(samples, estimate, prior),
+        doubt,
     )
 
 

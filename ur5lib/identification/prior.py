@@ -1,12 +1,12 @@
 """Prior of the maps from torque to current, and of the torque constants."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.linalg import block_diag
 
 from ur5lib.errors import RefusalError
+from ur5lib.identification.population import Typical
 from ur5lib.identification.regression import Normal
 from ur5lib.robots.friction import Term
 from ur5lib.timeseries.arrays import Array
@@ -18,59 +18,109 @@ PINNED = 1e-3  # of its standard deviation: what is left of it where a constant 
 class JointPrior:
     """Prior of one joint, regardless of the others.
 
-    inverse, std: mean and standard deviation of 1/k [A/Nm]; torque_max: of the motor [Nm].
+    inverse, std: mean and standard deviation of 1/k [A/Nm]; torque_max: of the motor [Nm]; typical:
+    friction and offset of such joints, each with a mean (1,) and a covariance (1, 1).
     """
 
     inverse: float
     std: float
     torque_max: float
+    typical: Mapping[str, Typical] = field(default_factory=dict)
 
     def over(self, terms: Sequence[Term]) -> Normal:
         """Return the prior of the coefficients (P,) of the torque [A/Nm], an offset [A] and terms.
 
-        The standard deviation of the offset is the motor's largest torque.
+        The standard deviation of an offset that is not typical is the motor's largest torque.
         """
-        sizes = [size for term in terms for size in term.expected(self.torque_max)]
-        std = np.array([self.std, *(self.inverse * np.array([self.torque_max, *sizes]))])
-        mean = np.zeros(len(std))
-        mean[0] = self.inverse
-        return Normal(mean, np.diag(std**-2.0))
+        inverse = Normal(np.array([self.inverse]), np.array([[self.std**-2.0]]))
+        return _over_coefficients(inverse, [terms], np.array([self.torque_max]), self.typical)
 
 
 @dataclass(frozen=True)
 class Prior:
-    """Prior of all joints: of 1/k [A/Nm]; torque_max: of the motors (6,) [Nm].
+    """Prior of all joints: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm].
 
-    pinned: joints 0 to 5 whose 1/k keeps the prior's mean, regardless of the data.
+    pinned: joints from 0 whose 1/k keeps the prior's mean, regardless of the data; typical:
+    friction and offset by the population of measured arms, none where each arm is judged alone.
     """
 
     inverse_constant: Normal
     torque_max: Array
     pinned: tuple[int, ...] = ()
+    typical: Mapping[str, Typical] = field(default_factory=dict)
 
     def of_joint(self, joint: int) -> JointPrior:
-        """Return the prior of joint 0 to 5."""
+        """Return the prior of one joint, from 0."""
         variance = np.linalg.inv(self.inverse_constant.precision)[joint, joint]
         inverse, std = self.inverse_constant.mean[joint], np.sqrt(variance)
         if joint in self.pinned:
             std *= PINNED
-        return JointPrior(float(inverse), float(std), float(self.torque_max[joint]))
+        own = slice(joint, joint + 1)
+        typical = {
+            name: Typical(known.mean[own], known.covariance[own, own])
+            for name, known in self.typical.items()
+        }
+        return JointPrior(float(inverse), float(std), float(self.torque_max[joint]), typical)
 
-    def _precision_among(self, joints: list[int]) -> Array:
-        """Return the precision of 1/k of some joints, whatever the constants of the others."""
-        if len(joints) == len(self.torque_max):
+    def _inverse_precision(self) -> Array:
+        """Return the precision (n, n) of 1/k; that of free joints regardless of the pinned."""
+        count = len(self.torque_max)
+        free = [joint for joint in range(count) if joint not in self.pinned]
+        if len(free) == count:
             return self.inverse_constant.precision
         covariance = np.linalg.inv(self.inverse_constant.precision)
-        return np.linalg.inv(covariance[np.ix_(joints, joints)])
+        precision = np.diag([self.of_joint(joint).std ** -2.0 for joint in range(count)])
+        precision[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
+        return precision
 
     def over(self, terms: Sequence[tuple[Term, ...]]) -> Normal:
-        """Return the prior of all joints' coefficients, with correlated torque constants."""
-        joints = [self.of_joint(joint).over(own) for joint, own in enumerate(terms)]
-        precision = block_diag(*(joint.precision for joint in joints))
-        starts = np.cumsum([0, *(len(joint.mean) for joint in joints[:-1])])
-        free = [joint for joint in range(len(joints)) if joint not in self.pinned]
-        precision[np.ix_(starts[free], starts[free])] = self._precision_among(free)
-        return Normal(np.concatenate([joint.mean for joint in joints]), precision)
+        """Return the prior of all joints' coefficients, correlated as arms differ as a whole."""
+        inverse = Normal(self.inverse_constant.mean, self._inverse_precision())
+        return _over_coefficients(inverse, terms, self.torque_max, self.typical)
+
+
+def _over_coefficients(
+    inverse: Normal,
+    terms: Sequence[Sequence[Term]],
+    torque_max: Array,
+    typical: Mapping[str, Typical],
+) -> Normal:
+    """Return the prior of all coefficients of n joints, one after the other.
+
+    inverse: of 1/k (n,) [A/Nm]; terms: of each joint. A coefficient without a typical value is
+    0 ± what its term is expected to be at most.
+    """
+    names, widths = zip(*map(_expected, terms, torque_max), strict=True)
+    starts = np.cumsum([0, *(len(own) for own in names[:-1])])
+    scale = np.repeat(inverse.mean, [len(own) for own in names])
+    mean, std = np.zeros(len(scale)), scale * np.concatenate(widths)
+    vague = [name not in ("", *typical) for own in names for name in own]
+    precision = np.diag(np.where(vague, np.where(vague, std, 1.0) ** -2.0, 0.0))
+    mean[starts] = inverse.mean
+    precision[np.ix_(starts, starts)] += inverse.precision
+    for name, known in typical.items():
+        # c = F / k, whatever k is: c - F (1/k) has mean zero and covariance Σ_F / k²
+        places = starts + [own.index(name) for own in names]
+        value = known.mean * (-1 if name == OFFSET else 1)  # k i = τ + τ_friction - b
+        difference = np.zeros((len(starts), len(mean)))
+        rows = np.arange(len(starts))
+        difference[rows, places], difference[rows, starts] = 1.0, -value
+        covariance = known.covariance * np.outer(inverse.mean, inverse.mean)
+        precision += difference.T @ np.linalg.solve(covariance, difference)
+        mean[places] = value * inverse.mean
+    return Normal(mean, precision)
+
+
+OFFSET = "offset"
+
+
+def _expected(terms: Sequence[Term], torque_max: float) -> tuple[list[str], list[float]]:
+    """Return the coefficients' names, "" for 1/k, and their expected size times k [Nm, ...]."""
+    names, sizes = ["", OFFSET], [1.0, torque_max]
+    for term in terms:
+        names += term.names()
+        sizes += term.expected(torque_max)
+    return names, sizes
 
 
 STILL = 1e-3  # rad/s
@@ -93,25 +143,16 @@ def standstill_ratio(moment: Array, current: Array, qd: Array) -> Array:
 
 
 def torque_constant_prior(
-    maker: Array, controller: Array, motors: Sequence[str], widths: tuple[float, float, float]
+    known: Array, covariance: Array, controller: Array, ratio: float
 ) -> Normal:
-    """Return the prior of 1/k [A/Nm] of all joints from values (6,) [Nm/A], NaN if unknown.
+    """Return the prior of 1/k [A/Nm] of all joints from values (n,) [Nm/A], NaN if unknown.
 
-    maker: at the joint's side of the gear; controller: see `standstill_ratio`; motors: their sizes.
-    widths: relative standard deviations of the manufacturer's value, common to joints of one motor
-    size; of joints of one size from each other; of the controller's ratio, joint by joint. They
-    are combined as normal distributions of log k. Raises RefusalError if a size has neither value.
+    known: at the joint's side of the gear, with the covariance (n, n) of its logarithm; controller:
+    see `standstill_ratio`, with the relative standard deviation `ratio`, joint by joint. They are
+    combined as normal distributions of log k.
     """
-    shared, spread, ratio = widths
-    same = np.array([[one == other for other in motors] for one in motors])
-    known = np.isfinite(maker)
-    if not all((known | np.isfinite(controller))[row].any() for row in same):
-        raise RefusalError("unknown constant")
-    # covariance of log k: common to a motor size, and of each joint
-    wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
-    covariance = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
     precision = np.linalg.inv(covariance)
-    right = precision @ np.log(np.where(known, maker, 1.0))
+    right = precision @ np.log(np.where(np.isfinite(known), known, 1.0))
     # the controller's ratio as a measurement of log k
     measured = np.isfinite(controller)
     precision += np.diag(measured / ratio**2)
@@ -119,3 +160,21 @@ def torque_constant_prior(
     # from log k to 1/k
     inverse = np.exp(-np.linalg.solve(precision, right))
     return Normal(inverse, precision / np.outer(inverse, inverse))
+
+
+def makers_covariance(
+    maker: Array, controller: Array, motors: Sequence[str], shared: float, spread: float
+) -> Array:
+    """Return the covariance (n, n) of the logarithms of the manufacturer's torque constants.
+
+    maker, controller: (n,) [Nm/A], NaN if unknown; motors: their sizes; shared: relative standard
+    deviation common to joints of one size; spread: of joints of one size from each other. Raises
+    RefusalError if a size has neither value.
+    """
+    same = np.array([[one == other for other in motors] for one in motors])
+    known = np.isfinite(maker)
+    if not all((known | np.isfinite(controller))[row].any() for row in same):
+        raise RefusalError("unknown constant")
+    wide = np.where(known, shared, 10.0)  # without a manufacturer's value, any constant
+    covariance: Array = same * np.outer(wide, wide) + np.eye(len(motors)) * spread**2
+    return covariance

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ndtr, stdtrit
 
 from ur5lib.timeseries.arrays import Array, Labels
-from ur5lib.timeseries.metrics import MAD
+from ur5lib.timeseries.metrics import MAD, NORMAL95
 
 HUBER = 1.345  # standard deviations; 95 % efficient where errors are normal (Huber 1964)
 ROUNDS = 10
@@ -136,6 +136,12 @@ def spread(replicates: Array) -> Array:
     return (high - low) / 2
 
 
-def half_width(error: Array, units: int) -> Array:
-    """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom."""
-    return error * stdtrit(max(1, units - 1), 0.975)
+def half_width(error: Array, units: int, prior_share: Array | float = 0.0) -> Array:
+    """Return half of the 95 % interval (P,), by Student's t with units - 1 degrees of freedom.
+
+    prior_share: (P,), share of the variance that is the prior's, which is known, not estimated.
+    """
+    estimated = stdtrit(max(1, units - 1), 0.975)
+    share = np.clip(prior_share, 0.0, 1.0)
+    half: Array = error * np.sqrt(share * NORMAL95**2 + (1 - share) * estimated**2)
+    return half

@@ -6,7 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from ur5lib.identification.prior import JointPrior
-from ur5lib.identification.regression import ROUNDS, Regression, huber_weight, regress
+from ur5lib.identification.regression import (
+    ROUNDS,
+    Regression,
+    huber_weight,
+    noise_of_one,
+    regress,
+)
 from ur5lib.identification.samples import Samples, apart_from
 from ur5lib.robots.friction import BASE, Term, is_dissipative
 from ur5lib.timeseries.arrays import Array
@@ -107,14 +113,17 @@ def regress_samples(samples: Samples, terms: Sequence[Term], prior: JointPrior) 
 def held_current(samples: Samples, terms: Sequence[Term], coefficients: Array) -> float:
     """Return the current [A] of friction at rest beyond that in motion, may be negative.
 
-    Huber's estimate of s in residual = s held, over the samples at rest.
+    Huber's estimate of s in residual = s held, over the samples at rest. Before them, s is 0 ±
+    Coulomb friction: where a joint hardly came to rest from motion, `held` hardly shows it.
     """
     rest = samples.where(~samples.moving)
     residual = rest.current - rest.design(terms) @ coefficients
     slope, weight = 0.0, np.ones(len(residual))
     for _ in range(ROUNDS if rest.held.any() else 0):
-        # s = Σ w h r / Σ w h²
-        slope = float((weight * rest.held) @ residual / (weight @ rest.held**2))
+        # s = Σ w h r / (Σ w h² + σ² / c²)
+        noise = noise_of_one(weight * (residual - slope * rest.held), rest.block)
+        known = noise / max(coefficients[2] ** 2, 1e-12)
+        slope = float((weight * rest.held) @ residual / (weight @ rest.held**2 + known))
         weight = huber_weight(residual - slope * rest.held)
     return slope
 

@@ -108,7 +108,8 @@ def baselines(
     """Yield currents (N, 6) [A] by Coulomb and viscous least squares, by published constants, and
     as the controller expected them.
     """
-    yield "least_squares", baseline_current(record, least_squares)
+    if len(least_squares):
+        yield "least_squares", baseline_current(record, least_squares)
     constants, friction = robot.current_to_torque, robot.friction
     if constants is not None and friction is not None:
         nothing = np.zeros(6)

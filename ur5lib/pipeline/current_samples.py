@@ -5,8 +5,13 @@ from functools import partial
 
 import numpy as np
 
-from ur5lib.errors import RefusalError
-from ur5lib.identification.prior import Prior, standstill_ratio, torque_constant_prior
+from ur5lib.identification.population import Population, typical_arm
+from ur5lib.identification.prior import (
+    Prior,
+    makers_covariance,
+    standstill_ratio,
+    torque_constant_prior,
+)
 from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
@@ -16,8 +21,9 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
-# Relative: of the maker's constants, among joints with motors of one size, of the controller's.
-WIDTHS = (0.3, 0.1, 0.1)
+# Relative: of the maker's constants, and among joints with motors of one size; the controller's.
+MAKERS = 0.3, 0.1
+CONTROLLERS = 0.1
 
 
 def current_record(
@@ -58,15 +64,27 @@ def controllers_ratio(signals: Signals, motion: Motion) -> Array:
     return standstill_ratio(signals.target_moment, signals.target_current, motion.motor_qd)
 
 
-def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
-    """Return the prior from the manufacturer and the controller's ratios (6,) [Nm/A] of recordings.
+def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | None = None) -> Prior:
+    """Return the prior of an arm, whose friction is that of a population, or unknown without one.
 
-    Raises RefusalError if they do not suffice, or without recordings.
+    Its torque constants come from the population, else from the manufacturer and from the
+    controller's ratios (n,) [Nm/A] of recordings. Raises RefusalError if they do not suffice.
     """
-    if not ratios:
-        raise RefusalError("no fit recording")
-    columns = [column[np.isfinite(column)] for column in np.array(ratios).T]
-    controller = np.array([np.median(column) if len(column) else np.nan for column in columns])
+    joints = range(1, len(robot.joints) + 1)
+    columns = [
+        [own[joint - 1] for own in ratios if np.isfinite(own[joint - 1])] for joint in joints
+    ]
+    controller = np.array([np.median(column) if column else np.nan for column in columns])
+    torque_max = np.array([robot.motor(joint).torque_max for joint in joints])
     maker = np.array(robot.maker_torque_constants())
-    torque_max = np.array([robot.motor(joint).torque_max for joint in range(1, 7)])
-    return Prior(torque_constant_prior(maker, controller, robot.joints, WIDTHS), torque_max)
+    covariance = makers_covariance(maker, controller, robot.joints, *MAKERS)
+    typical = {} if population is None else typical_arm(population, torque_max)
+    if (ratio := typical.pop("torque_constant", None)) is not None:
+        family = np.array(robot.family_torque_constants())
+        known = np.isfinite(family)
+        maker = np.where(known, family * ratio.mean, maker)
+        covariance = np.where(np.outer(known, known), ratio.covariance, covariance)
+        # a UR5's controller counts with 1.4 times the constant that its wrists' currents show
+        controller[known] = np.nan
+    constants = torque_constant_prior(maker, covariance, controller, CONTROLLERS)
+    return Prior(constants, torque_max, typical=typical)

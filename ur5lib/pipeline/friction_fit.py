@@ -8,6 +8,7 @@ import numpy as np
 from ur5lib.errors import RefusalError, remark
 from ur5lib.identification.currents import (
     CurrentFit,
+    expected_fit,
     fit_currents,
     fit_without_each_path,
     parameters,
@@ -40,9 +41,12 @@ def fitted_friction(
 ) -> Friction:
     """Return the fit, the same without each path, its parameters in SI units, and baselines.
 
-    terms: of friction, from which the fit chooses; model: of the records' torques. Raises
-    ContradictionError when the torque constants are not those of the arm.
+    terms: of friction, from which the fit chooses; model: of the records' torques. Without records,
+    the fit is what the population expects. Raises ContradictionError when the torque constants are
+    not those of the arm, RefusalError when there are neither records nor a population.
     """
+    if not records:
+        return _expected_friction(prior, model)
     known = {*terms} if temperatures_differ(records) else {*terms} - {"warming"}
     family = [term for term in FAMILY if term.kind in known]
     fit = fit_currents(records, smooth, prior, family)
@@ -63,10 +67,20 @@ def fitted_friction(
     )
 
 
+def _expected_friction(prior: Prior, model: str) -> Friction:
+    """Return what is known without any recording."""
+    if not prior.typical:
+        raise RefusalError("no fit recording")
+    fit = expected_fit(prior)
+    return Friction(
+        fit=fit, parameters=parameters(fit), known_constants=known_constants(prior), model=model
+    )
+
+
 def known_constants(prior: Prior) -> KnownConstants:
     """Return the torque constants known before the fit."""
     inverse = prior.inverse_constant.mean
-    std = np.array([prior.of_joint(joint).std for joint in range(6)])
+    std = np.array([prior.of_joint(joint).std for joint in range(len(inverse))])
     return KnownConstants(1 / inverse, std / inverse**2)
 
 

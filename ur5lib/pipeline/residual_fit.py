@@ -7,11 +7,31 @@ import numpy as np
 
 from ur5lib.errors import RefusalError, Remark, remark
 from ur5lib.force.contact_prior import ContactPrior
-from ur5lib.force.external_torque import finite_rows, is_still, joint_states, past_states
+from ur5lib.force.external_torque import (
+    RELAXING,
+    STATES,
+    finite_rows,
+    is_still,
+    joint_states,
+    past_states,
+)
 from ur5lib.force.force_input import ForceInput
-from ur5lib.force.residual_model import ResidualModel, Residuals, Stretch, fit_residual_model
+from ur5lib.force.residual_model import (
+    ENOUGH,
+    SLOWEST,
+    ResidualModel,
+    Residuals,
+    Stretch,
+    few_paths,
+    fit_residual_model,
+)
 from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
-from ur5lib.identification.currents import CurrentFit, breakaway_torque, constants_doubt
+from ur5lib.identification.currents import (
+    CurrentFit,
+    breakaway_torque,
+    constants_doubt,
+    torque_constants,
+)
 from ur5lib.identification.samples import LEAST_PATHS
 from ur5lib.pipeline.force_estimates import Problem, direct_problems
 from ur5lib.pipeline.force_input import force_input
@@ -27,6 +47,11 @@ TORQUES = {
     "tau_causal": ("causal_torque", past_states),
 }
 REST = 10.0  # s, below which hardly anything shows what friction holds at rest
+# Of an arm without contact-free recordings: usual speed [rad/s]; load, in Coulomb friction; and by
+# state the part of the error that changes fast. At rest, it is the median of a UR5's and a UR10e's
+# joints (0.4, 0.15); in motion, theirs (0.55 to 0.8) exceeds that of a wrong level of friction.
+USUAL_SPEED, LOADED = 0.5, 3.0
+FAST = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 DIRECTIONS = 3  # of a force: as many joints must have a known torque
 
 
@@ -56,6 +81,32 @@ def residual_models(
             refused = refusal.remark
     remarks = () if refused else tuple(_remarks(paths, recordings))
     return Residuals(**models, refused=refused, remarks=remarks)
+
+
+def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
+    """Return the residual model of an arm without contact-free recordings; arguments as above.
+
+    In motion, the error is that of the expected current at a usual speed and load; else friction
+    may be anything up to breakaway, too.
+    """
+    coulomb, constant = breakaway_torque(fit), torque_constants(fit)
+    usual = LOADED * coulomb  # Nm
+    ones = np.ones_like(usual)
+    columns = np.stack([usual, ones, ones, USUAL_SPEED * ones, usual], axis=1)  # of BASE
+    doubts = np.stack([np.zeros((5, 5)) if own.doubt is None else own.doubt for own in fit.joints])
+    moving = constant * np.sqrt(np.einsum("jp,jpq,jq->j", columns, doubts, columns))
+    spread = np.stack([moving, *[np.hypot(moving, coulomb)] * (STATES - 1)])
+    model = ResidualModel(
+        spread=spread,
+        change=FAST[:, None] * spread,
+        rate=np.array([SLOWEST, SLOWEST, 1 / RELAXING, 1 / RELAXING, SLOWEST]),
+        correlation=np.eye(len(coulomb)),
+        independent=1 / (2 * cutoff),
+        breakaway=coulomb,
+        doubt=few_paths(ENOUGH),
+        constants_doubt=constants_doubt(fit),
+    )
+    return Residuals(tau_ext=model)
 
 
 def rest_seconds(recordings: Sequence[tuple[Currents, Motion]]) -> float:

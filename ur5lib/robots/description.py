@@ -14,6 +14,7 @@ from ur5lib.strict import Strict, read_yaml
 
 FOLDER = Path(__file__).parent
 JOINT_SIZES = FOLDER / "joint_sizes.yaml"
+POPULATION = FOLDER / "population.yaml"  # of measured arms
 PROJECT_FOLDER = Path("robots")  # of the user's project, for further arms
 INVALID = "is not a valid description of an arm (docs/robots.md)"
 
@@ -61,7 +62,8 @@ class Pose(Strict):
 class Motor(Strict):
     """Manufacturer's data of a joint (Table 4.1): limits in rad, rad/s, rad/s², Nm.
 
-    torque_constant [Nm/A], rotor_inertia [kg m²]: of the motor, before the gear.
+    torque_constant [Nm/A], rotor_inertia [kg m²]: of the motor, before the gear;
+    family_torque_constant: of the e-Series motor of that size, where the former is another.
     """
 
     position_max: Positive
@@ -74,6 +76,7 @@ class Motor(Strict):
     dynamic_friction_backdrive: float | None = None
     viscous_friction_backdrive: float | None = None
     torque_constant: Positive | None = None
+    family_torque_constant: Positive | None = None
     gear_ratio: Positive | None = None
     rotor_inertia: NotNegative | None = None
 
@@ -258,6 +261,14 @@ class Robot(Strict):
         motors = map(self.motor, self.joint_numbers)
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
 
+    def family_torque_constants(self) -> list[float]:
+        """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""
+        motors = map(self.motor, self.joint_numbers)
+        return [
+            (m.family_torque_constant or m.torque_constant or math.nan) * (m.gear_ratio or math.nan)
+            for m in motors
+        ]
+
     def position_limits(self) -> list[float]:
         """Return the largest angle of each joint to either side [rad], infinity if endless."""
         endless = self.endless_joints or []
@@ -318,7 +329,7 @@ def _is_by_joint(kind: Any) -> bool:
 
 def robot_names() -> list[str]:
     """Return the names of the arms described here, and in the folder `robots` of the project."""
-    described = [path for path in FOLDER.glob("*.yaml") if path != JOINT_SIZES]
+    described = [path for path in FOLDER.glob("*.yaml") if path not in (JOINT_SIZES, POPULATION)]
     return sorted({path.stem for path in [*described, *PROJECT_FOLDER.glob("*.yaml")]})
 
 

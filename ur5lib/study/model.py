@@ -261,6 +261,10 @@ FrictionTerm = Annotated[
 ]
 
 
+def _population(name: str) -> str:
+    return name if name in ("shipped", "none") else existing_file(name)
+
+
 class Friction(Strict):
     """The friction model that currents are fitted with."""
 
@@ -269,6 +273,12 @@ class Friction(Strict):
         description="candidate friction terms besides Coulomb, viscous, load-dependent and "
         "once-per-turn friction; only terms that improve cross-validation are used; warming: "
         "friction that changes with recorded temperatures",
+    )
+    population: Annotated[str, AfterValidator(_population)] = Field(
+        "shipped",
+        description="measured arms from which an arm's torque constants and friction are expected "
+        "before its recordings: shipped (`ur5 population` lists them), none, or a file that "
+        "this command wrote",
     )
 
 

@@ -60,6 +60,7 @@ rule fit_friction:
         torques=fitted_results("torques.parquet"),
         contradictions=fitted_results("contradictions.json"),
         arm=parameter("arm.yaml"),
+        population=population_file,
     output:
         friction=parameter("friction.json"),
     log:
@@ -70,6 +71,7 @@ rule fit_friction:
         recordings=fitted_on,
         dates=fitted_dates,
         terms=SETTINGS.friction.terms,
+        study=STUDY.study,
     run:
         run_step(rule, input, output, params, log)
 

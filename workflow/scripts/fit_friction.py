@@ -1,9 +1,11 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import reason
+from ur5lib.identification.population import Population, fit_population
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
 from ur5lib.pipeline.records.friction import Friction
@@ -12,7 +14,14 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
+from ur5lib.robots.population import read_measured
 from ur5lib.tables import read_record, write_json
+
+
+def population_of(files: list[str], study: str) -> Population | None:
+    """Return what other studies' arms have in common; files: of measured arms, at most one."""
+    arms = [read_measured(Path(path)).without(study) for path in files]
+    return fit_population(arms[0]) if arms else None
 
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
@@ -30,7 +39,7 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
     found = [read_record(Contradictions, path) for path in input.contradictions]
     try:
         require_no_stop_sign(dict(zip(params.recordings, found, strict=True)))
-        prior = prior_of(robot, ratios)
+        prior = prior_of(robot, ratios, population_of(input.population, params.study))
         friction = fitted_friction(records, prior, smooth, params.terms, model)
     except ContradictionError as sign:
         friction = Friction(stopped=sign.remark)

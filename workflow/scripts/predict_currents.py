@@ -28,7 +28,7 @@ def predict_currents(input: Any, output: Any, params: Any) -> None:
     currents = Currents(time=signals.time, segment=signals.segment)
     summary = Prediction(params.recording in friction.from_)
     stopped = read_record(Contradictions, input.contradictions).stop_signs
-    if record is not None and friction.from_ and not stopped:
+    if record is not None and friction.fit.joints and not stopped:
         smooth, cutoff = smoother(params.order, params.cutoff_hz), params.cutoff_hz
         fit, load, load_torque = friction.fit_for(params.recording), None, 0 * record.q
         if (payload := read_record(PayloadEstimate, input.payload)).is_known:

@@ -32,7 +32,7 @@ class KnownConstants:
 class Friction:
     """friction.json: the map from motion to motor current of an arm.
 
-    from_: the recordings of the fit, none where there is none; paths: number of their
+    from_: the recordings of the fit, none where it is what other arms have; paths: number of their
     trajectories; left_out: fits that predict what they have not seen; explained: (6,), share of
     the currents' variance that these explain, None of a single path; least_squares: (6, 4), the
     baseline's coefficients; cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested

@@ -40,9 +40,11 @@ def constants(results: Results) -> pd.DataFrame:
 
 
 def _moved(results: Results, robot: str) -> set[int]:
-    """Return the joints of an arm that move on its fit recordings."""
+    """Return the joints of an arm that move on its fit recordings; without any, all are typical."""
     arms = results.arms()
     fitted = [name for name in results.with_role("fit") if arms[name] == robot]
+    if not fitted:
+        return set(results.tables["friction"]["joint"])
     return set().union(*map(results.moving, fitted))
 
 

@@ -164,7 +164,7 @@ def missing_recordings(results: Results) -> Iterator[Sentence]:
         motion = row.motion[0].lower() + row.motion[1:]
         yield say("steps.advised", robot=row.robot, motion=motion)
     yield from other_motions(results)
-    if results.tables["friction"].empty and not results.with_role("fit"):
+    if not results.with_role("fit"):
         yield say("steps.fit")
     if not results.with_role("validate"):
         yield say("steps.validate")

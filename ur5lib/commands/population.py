@@ -1,0 +1,138 @@
+"""`ur5 population`: what is known of a joint before its first recording, and from which arms."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from ur5lib.datasets.catalogue import catalogue
+from ur5lib.errors import InputError
+from ur5lib.finished import FinishedStudy
+from ur5lib.identification.population import KINDS, Population, fit_population, typical_arm
+from ur5lib.pipeline.records.friction import Friction
+from ur5lib.robots.description import POPULATION
+from ur5lib.robots.population import (
+    Measured,
+    MeasuredArm,
+    MeasuredJoint,
+    Trait,
+    read_measured,
+)
+
+SIZES = {"size 0": 9.0, "size 1": 28.0, "size 2": 54.0, "size 3": 150.0, "size 4": 330.0}  # Nm
+CLEAR = 2.0  # standard errors, from which on a value's logarithm is nearly normal
+AS_TORQUE = "currents from torques"  # finding of recordings of torques in place of currents
+UNITS = {
+    "torque_constant": "of the family's",
+    "coulomb": "Nm",
+    "viscous": "Nm s/rad",
+    "load": "",
+    "offset": "Nm",
+}
+
+
+def population_lines(results: Sequence[Path], file: Path | None, write: Path | None) -> list[str]:
+    """Return what is known of joints, and what the arms of further studies change.
+
+    results: folders of built studies; file: of measured arms, by default the shipped one; write:
+    where to write the arms of the studies alone.
+    """
+    new = [arm for folder in results for arm in measured_arms(FinishedStudy(folder))]
+    if write is not None:
+        if not new:
+            raise InputError("--write needs results of studies in which friction was fitted")
+        _write(Measured(arms=new), write)
+        return [f"{write} written: {', '.join(f'{arm.arm} of {arm.study}' for arm in new)}"]
+    known = read_measured(file or POPULATION)
+    lines = [*_listed(known), "", *_table(fit_population(known))]
+    if new:
+        studies = {arm.study for arm in new}
+        kept = [arm for arm in known.arms if arm.study not in studies]
+        lines += ["", f"with {', '.join(sorted(studies))}:", ""]
+        lines += _table(fit_population(Measured(arms=[*kept, *new])))
+    return lines
+
+
+def measured_arms(study: FinishedStudy) -> Iterator[MeasuredArm]:
+    """Yield the arms of a study that were fitted without a population, as far as it shows them."""
+    configuration = study.configuration()
+    if configuration.settings.friction.population != "none":
+        raise InputError(
+            f"{study.folder} was fitted with a population, which it would count twice; set "
+            "settings: friction: population: none, and run snakemake again"
+        )
+    for name in configuration.arms():
+        friction = study.parameters(Friction, name, "friction")
+        if friction.from_:
+            yield _measured_arm(study, name, friction)
+
+
+def _measured_arm(study: FinishedStudy, name: str, friction: Friction) -> MeasuredArm:
+    entries = [study.recording(recording) for recording in friction.from_]
+    found = [study.quality(recording) for recording in friction.from_]
+    as_torque = any(own.finding == AS_TORQUE for quality in found for own in quality.findings)
+    configuration, motors = study.configuration(), study.arm(name)
+    dataset = catalogue().get(configuration.study)
+    family, joints = motors.family_torque_constants(), {}
+    for joint, values in _values(friction, as_torque).items():
+        constant = family[joint - 1]
+        joints[joint] = MeasuredJoint(
+            torque_max=motors.motor(joint).torque_max,
+            family_constant=None if np.isnan(constant) else round(constant, 3),
+            values=values,
+        )
+    return MeasuredArm(
+        arm=name,
+        study=configuration.study,
+        source=dataset.address if dataset else configuration.title,
+        days=len({entry.date for entry in entries}),
+        minutes=round(sum(quality.duration_s for quality in found) / 60, 1),
+        joints=joints,
+    )
+
+
+def _values(friction: Friction, as_torque: bool) -> dict[int, dict[Trait, tuple[float, float]]]:
+    """Return the determined traits of each joint whose current follows its torque.
+
+    as_torque: whether currents were recorded as torques, whose unit shows no torque constant.
+    """
+    values: dict[int, dict[Trait, tuple[float, float]]] = {}
+    for row in friction.parameters:
+        kind = KINDS.get(row.name)
+        followed = friction.fit.joints[row.joint - 1].contradicted is None
+        stated = kind is not None and not (as_torque and row.name == "torque_constant")
+        positive = kind is None or not kind.logarithm or row.value > CLEAR * row.std_error
+        if row.determined and followed and stated and positive:
+            pair = float(f"{row.value:.4g}"), float(f"{row.std_error:.2g}")
+            values.setdefault(row.joint, {})[row.name] = pair  # type: ignore[index]
+    return values
+
+
+def _write(measured: Measured, path: Path) -> None:
+    """Write a file of measured arms, a joint a line for each trait."""
+    head = (
+        "# Torque constants and friction of measured arms, by `ur5 population --write`; SI units.\n"
+    )
+    text = yaml.safe_dump(
+        measured.model_dump(exclude_none=True), sort_keys=False, default_flow_style=None, width=120
+    )
+    path.write_text(head + text, encoding="utf-8")
+
+
+def _listed(measured: Measured) -> Iterator[str]:
+    for arm in measured.arms:
+        days = f"{arm.days} day{'s' * (arm.days > 1)}"
+        yield f"{arm.arm}: {len(arm.joints)} joints, {days}, {arm.minutes:g} min ({arm.source})"
+
+
+def _table(population: Population) -> Iterator[str]:
+    """Yield each trait by joint size, with its standard deviation for one more arm."""
+    yield f"{'':16}" + "".join(f"{size:>16}" for size in SIZES)
+    typical = typical_arm(population, np.array([*SIZES.values()]))
+    for name, own in typical.items():
+        std = np.sqrt(np.diag(own.covariance))
+        cells = (f"{mean:.3g} ± {error:.2g}" for mean, error in zip(own.mean, std, strict=True))
+        row = f"{name.replace('_', ' '):16}" + "".join(f"{cell:>16}" for cell in cells)
+        spread = population[name]
+        yield f"{row}  {UNITS[name]} ({spread.joints} joints of {spread.arms} arms)"
