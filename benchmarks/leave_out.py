@@ -44,6 +44,7 @@ from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import FreeRun, Prediction
 from ur5lib.report.findings import in_words
+from ur5lib.robots.population import population_files
 from ur5lib.study.model import Settings
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
@@ -203,12 +204,14 @@ class Fold:
             "fit_friction",
             {name: [own.file(f"{name}.parquet") for own in self.fitted] for name in TABLES}
             | {"arm": str(self.study.arm)}
-            | {"contradictions": [own.file("contradictions.json") for own in self.fitted]},
+            | {"contradictions": [own.file("contradictions.json") for own in self.fitted]}
+            | {"population": population_files(settings.friction.population)},
             {"friction": self.shared("friction.json")},
             lowpass
             | {"terms": settings.friction.terms}
             | {"recordings": [own.name for own in self.fitted]}
-            | {"dates": [own.day for own in self.fitted]},
+            | {"dates": [own.day for own in self.fitted]}
+            | {"study": self.study.arm.parents[2].name},
         )
         everything = [*self.fitted, *tested]
         touched = [own for own in tested if own.entry["role"] == "contact"]

@@ -1,5 +1,6 @@
 """What measured arms have in common, as a prior of one more arm."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,8 @@ import pytest
 import yaml
 
 from ur5lib.errors import InputError
-from ur5lib.identification.currents import expected_fit, parameters
+from ur5lib.identification.currents import expected_fit, parameters, unlike_others
+from ur5lib.identification.estimation import physical
 from ur5lib.identification.population import KINDS, fit_population, typical_arm
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.regression import Normal, posterior_mean
@@ -118,6 +120,33 @@ def test_friction_shows_a_torque_constant_that_inertia_does_not() -> None:
     found = posterior_mean(seen, seen @ np.array([0, 0, 0.3, 0, 0]), prior)
     by_friction, before = joint.typical["coulomb"].mean[0] / 0.3, 1 / joint.inverse
     assert min(by_friction, before) < 1 / found[0] < max(by_friction, before)
+
+
+def remarked(prior: Prior, coulomb: Array) -> set[int]:
+    """Return the joints that are unlike others where Coulomb friction is as given, with 2 %."""
+    joints = []
+    for joint, own in enumerate(expected_fit(prior).joints):
+        coefficients = own.estimate.coefficients.copy()
+        coefficients[2] = coulomb[joint] * coefficients[0]
+        error = 0.02 * np.abs(physical(coefficients))
+        estimate = replace(own.estimate, coefficients=coefficients, std_error=error)
+        joints.append(replace(own, estimate=estimate))
+    return {joint for joint, _ in unlike_others(joints, prior)}
+
+
+def test_a_joint_unlike_those_of_other_arms_is_named() -> None:
+    """Arms drawn from a population of 200; of one joint in each, friction is doubled."""
+    known = typical_arm(fit_population(drawn_arms(200, seed=5)), TORQUE_MAX)
+    constants = Normal(np.full(6, 0.1), np.eye(6) * 1e4)
+    prior = Prior(constants, TORQUE_MAX, typical={"coulomb": known["coulomb"]})
+    random, named, falsely = np.random.default_rng(6), 0, 0
+    for run in range(200):
+        true = coulomb_of(TORQUE_MAX, random)
+        falsely += bool(remarked(prior, true))
+        true[run % 6] *= 2
+        named += remarked(prior, true) == {run % 6}
+    assert falsely / 200 <= 0.05
+    assert named / 200 >= 0.90
 
 
 def test_joints_of_an_arm_are_correlated() -> None:

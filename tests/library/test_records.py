@@ -25,7 +25,7 @@ from ur5lib.pipeline.records.signals import SENSOR_COLUMNS, Signals
 from ur5lib.pipeline.records.table import SegmentedTable, Table
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.pipeline.records.truth import Truth
-from ur5lib.tables import read_table
+from ur5lib.tables import column_unit, read_table
 
 RECORDS: list[type[Table]] = [
     *(Signals, Kinematics, Motion, FusedMotion, Torques, ClosedLoop, Currents, LoadRegressor),
@@ -118,7 +118,7 @@ def test_every_column_has_its_unit(record: type[Table], tmp_path: Path) -> None:
     units = {column.name: column.metadata[b"unit"].decode()
              for column in pq.read_schema(tmp_path / "whole.parquet")}  # fmt: skip
     expected = {
-        name: own.metadata["channel"].unit
+        name: column_unit(name, own.metadata["channel"].unit)
         for own in fields(made)
         for name, _ in own.metadata["channel"].named_arrays(getattr(made, own.name))
     }

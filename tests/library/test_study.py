@@ -245,7 +245,7 @@ def test_every_setting_is_documented_and_used() -> None:
                 check(field.annotation, f"{place}.{name}")
             else:
                 assert field.description
-                used = rf"={place}\.{name}\b|\*\*{place}\.model_dump\(\)"
+                used = rf"[=(]{place}\.{name}\b|\*\*{place}\.model_dump\(\)"
                 assert re.search(used, rules), f"{place}.{name}"
 
     check(Settings, "SETTINGS")

@@ -67,6 +67,8 @@ recordings:
         - {kind: push, start_s: 3, seconds: 2, force: [-30, 30, -60]}
         - {kind: push, start_s: 7, seconds: 2, force: [0, -90, 0]}
         - {kind: push, start_s: 11, seconds: 2, force: [60, 0, 30]}
+settings:
+  friction: {population: none}
 """
 MANY = 200
 
@@ -93,7 +95,7 @@ def standstill(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
 
 @pytest.fixture(scope="module")
 def pressed(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
-    """A study without a recording to fit."""
+    """A study without a recording to fit, nor other arms to expect friction from."""
     return built(tmp_path_factory.mktemp("pressed"), PRESSED)
 
 

@@ -29,6 +29,7 @@ from ur5lib.excitation.questions import QUESTIONS
 from ur5lib.excitation.trajectory import Cell
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import JointFit
+from ur5lib.identification.population import population_of
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Identification
@@ -38,6 +39,7 @@ from ur5lib.report.house_style import save
 from ur5lib.report.render import write_html
 from ur5lib.robots.collisions import Surroundings
 from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.population import population_files
 from ur5lib.strict import read_yaml
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -198,7 +200,9 @@ def problem_after(
         study.parameters(Friction, arm.name, "friction"),
         study.parameters(Identification, arm.name, "identification"),
     )
-    problem = build_problem(arm, model, _maps(arm, friction, base), has_payload)
+    known = study.configuration()
+    population = population_of(population_files(known.settings.friction.population), known.study)
+    problem = build_problem(arm, model, _maps(arm, friction, base), has_payload, population)
     recordings = [*_recorded(arm, study, sorted({*friction.from_, *base.from_}))]
     if friction.from_:
         problem = _as_observed(problem, recordings, _observed(friction))

@@ -19,7 +19,9 @@ from ur5lib.identification.base_parameters import (
     prior_width,
 )
 from ur5lib.identification.excitation import candidate_motions
-from ur5lib.identification.prior import JointPrior
+from ur5lib.identification.population import Population, typical_arm
+from ur5lib.identification.prior import Prior
+from ur5lib.identification.regression import Normal
 from ur5lib.identification.samples import STEP as INDEPENDENT
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import BASE
@@ -227,21 +229,37 @@ def random_states(speed: float, acceleration: float) -> tuple[Array, Array, Arra
     return states
 
 
-def build_problem(robot: Robot, model: LinkModel, maps: Maps, has_payload: bool) -> Problem:
-    """Return the problem of an arm with a link model; has_payload: whether a load is estimated."""
+def build_problem(
+    robot: Robot,
+    model: LinkModel,
+    maps: Maps,
+    has_payload: bool,
+    population: Population | None = None,
+) -> Problem:
+    """Return the problem of an arm with a link model.
+
+    has_payload: whether a load is estimated; population: from which friction is expected, if any.
+    """
     base = base_parameters(model.regressor(*random_states(SPEED, ACCELERATION)))
     beta = base.groups @ model.parameters
     theta = np.concatenate([beta, maps.coefficients.ravel(), np.zeros(10 * has_payload)])
-    return Problem(base, theta, maps.noise, _prior(robot, base, maps, has_payload), has_payload)
+    prior = _prior(robot, base, maps, has_payload, population or {})
+    return Problem(base, theta, maps.noise, prior, has_payload)
 
 
-def _prior(robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool) -> Array:
+def _prior(
+    robot: Robot, base: BaseParameters, maps: Maps, has_payload: bool, population: Population
+) -> Array:
     """Return the information of the priors of the fits, before any recording."""
     spread = base.groups * prior_width(len(PARAMETERS))
-    blocks = [np.linalg.inv(spread @ spread.T)]
-    for joint, (inverse, *_) in enumerate(maps.coefficients, start=1):
-        prior = JointPrior(inverse, CONSTANT_WIDTH * inverse, robot.motor(joint).torque_max)
-        blocks.append(prior.over(BASE).precision)
+    torque_max = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
+    typical, inverse = typical_arm(population, torque_max), maps.coefficients[:, 0]
+    ratio = typical.pop("torque_constant", None)
+    widths = CONSTANT_WIDTH**2 * np.eye(len(inverse)) if ratio is None else ratio.covariance
+    precision = np.linalg.inv(widths * np.outer(inverse, inverse))
+    known = Normal(inverse, np.asarray(precision, dtype=np.float64))
+    joints = Prior(known, torque_max, typical=typical).over([BASE] * len(inverse))
+    blocks = [np.linalg.inv(spread @ spread.T), joints.precision]
     width = prior_width(len(PARAMETERS))[_payload(has_payload)]
     return np.asarray(block_diag(*blocks, np.diag(width**-2.0)))
 

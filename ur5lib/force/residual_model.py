@@ -46,7 +46,7 @@ class ResidualModel:
     error; breakaway: (n,) [Nm], up to which dry friction holds a joint at rest; doubt: factor on
     bands of forces, beside the deviations, since few paths hardly show how paths differ; missed_to:
     size up to which most contacts are missed, in deviations of what hides them; constants_doubt:
-    (n,), relative standard errors of the torque constants that the torques come from.
+    (n,), relative standard deviations of the torque constants that the torques come from.
     """
 
     spread: Array

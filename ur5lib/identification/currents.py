@@ -44,6 +44,7 @@ from ur5lib.timeseries.metrics import COVERED, NORMAL95
 
 UNDETERMINED = 0.5  # prior share above which the data do not determine a parameter
 CONFLICT = 3.0  # prior standard deviations
+VAGUE = 1e3  # relative error that lets a value count for nothing
 # A torque constant contradicts the known one beyond both. In right recordings of two arms, it is
 # up to 5.6 standard deviations off, with ratios of 0.68 to 1.29: wrists lose that in their gears.
 DEVIATIONS, RATIO = 5.0, 1.75
@@ -210,8 +211,39 @@ def _fit_with(
     fuller = [(*own, *(term for term in CONSIDERED if term not in own)) for own in terms]
     fuller_estimates, _ = estimate_together(samples, fuller, prior, seed)
     estimates = [*map(beside_fuller, estimates, fuller_estimates)]
-    joints = zip(samples, terms, alone, estimates, errors, strict=True)
-    return CurrentFit(tuple(_joint_fit(*joint) for joint in joints), units)
+    each = zip(samples, terms, alone, estimates, errors, strict=True)
+    joints = [_joint_fit(*joint) for joint in each]
+    for joint, found in unlike_others(joints, prior):
+        joints[joint] = replace(joints[joint], remarks=(*joints[joint].remarks, found))
+    return CurrentFit(tuple(joints), units)
+
+
+def unlike_others(joints: Sequence[JointFit], prior: Prior) -> Iterator[tuple[int, Remark]]:
+    """Yield joints whose friction differs from what other arms and its own arm's joints have.
+
+    Joint j deviates from its prediction by the others by (C⁻¹ y)ⱼ / √(C⁻¹)ⱼⱼ standard deviations, y
+    being the logarithms of friction over its typical value and C their covariance. With further
+    terms, Coulomb and viscous friction are only a part of it, and not compared.
+    """
+    for name in ("coulomb", "viscous"):
+        if (known := prior.typical.get(name)) is None:
+            continue
+        place = joints[0].names().index(name)
+        value = np.array([physical(one.estimate.coefficients)[place] for one in joints])
+        error = np.array([one.estimate.std_error[place] for one in joints])
+        comparable = np.array([one.terms == BASE for one in joints]) & (value > 0)
+        ratio = np.where(comparable, value / known.mean, 1.0)
+        error = np.where(comparable, error / value, VAGUE)
+        spread = known.covariance / np.outer(known.mean, known.mean)
+        # the farthest first, which then no longer shifts what is expected of the others
+        while True:
+            precision = np.linalg.inv(spread + np.diag(error**2))
+            deviation = np.abs(precision @ np.log(ratio)) / np.sqrt(np.diag(precision))
+            joint = int(np.argmax(deviation))
+            if deviation[joint] <= CONFLICT:
+                break
+            yield joint, remark("unlike other arms", parameter=name, ratio=float(ratio[joint]))
+            ratio[joint], error[joint] = 1.0, VAGUE
 
 
 def fit_without_each_path(
@@ -258,6 +290,17 @@ def breakaway_torque(fit: CurrentFit) -> Array:
 def torque_constants(fit: CurrentFit) -> Array:
     """Return the torque constants (6,) [Nm/A] of the joints."""
     return 1 / _inverse_constants(fit)
+
+
+def constants_band(fit: CurrentFit) -> Array:
+    """Return half of the relative 95 % intervals (6,) of the torque constants over 1.96.
+
+    Of few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
+    """
+    errors = [joint.estimate.std_error[0] for joint in fit.joints]
+    shares = [joint.estimate.prior_share[0] for joint in fit.joints]
+    half = half_width(np.array(errors), fit.units, np.array(shares))
+    return np.abs(half / NORMAL95 / torque_constants(fit))
 
 
 def constants_doubt(fit: CurrentFit) -> Array:

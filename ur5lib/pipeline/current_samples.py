@@ -21,9 +21,9 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
 
-# Relative: of the maker's constants, and among joints with motors of one size; the controller's.
+# Relative: of the maker's constants, and among joints with motors of one size.
 MAKERS = 0.3, 0.1
-CONTROLLERS = 0.1
+CONTROLLERS = 0.1  # relative, of the controller's ratio
 
 
 def current_record(
@@ -67,7 +67,7 @@ def controllers_ratio(signals: Signals, motion: Motion) -> Array:
 def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | None = None) -> Prior:
     """Return the prior of an arm, whose friction is that of a population, or unknown without one.
 
-    Its torque constants come from the population, else from the manufacturer and from the
+    Its torque constants come from the population, else from the manufacturer, and from the
     controller's ratios (n,) [Nm/A] of recordings. Raises RefusalError if they do not suffice.
     """
     joints = range(1, len(robot.joints) + 1)
@@ -84,7 +84,5 @@ def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | Non
         known = np.isfinite(family)
         maker = np.where(known, family * ratio.mean, maker)
         covariance = np.where(np.outer(known, known), ratio.covariance, covariance)
-        # a UR5's controller counts with 1.4 times the constant that its wrists' currents show
-        controller[known] = np.nan
     constants = torque_constant_prior(maker, covariance, controller, CONTROLLERS)
     return Prior(constants, torque_max, typical=typical)

@@ -58,7 +58,9 @@ class Problem(NamedTuple):
 
 def is_fitted(friction: Friction, contradictions: Contradictions) -> bool:
     """Return whether friction is known, or withheld as recordings contradict the study."""
-    return bool(friction.fit.joints or friction.stopped or contradictions.stop_signs)
+    return bool(
+        friction.from_ or friction.fit.joints or friction.stopped or contradictions.stop_signs
+    )
 
 
 def direct_problems(motion: Motion, currents: Currents, residuals: Residuals) -> dict[str, Problem]:

@@ -29,7 +29,7 @@ from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
 from ur5lib.identification.currents import (
     CurrentFit,
     breakaway_torque,
-    constants_doubt,
+    constants_band,
     torque_constants,
 )
 from ur5lib.identification.samples import LEAST_PATHS
@@ -104,7 +104,7 @@ def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
         independent=1 / (2 * cutoff),
         breakaway=coulomb,
         doubt=few_paths(ENOUGH),
-        constants_doubt=constants_doubt(fit),
+        constants_doubt=constants_band(fit),
     )
     return Residuals(tau_ext=model)
 
@@ -138,7 +138,7 @@ def _residual_model(
         for rows in unbroken(one.segment)
     ]
     model = fit_residual_model(stretches, cutoff, breakaway_torque(fit)).of_few_paths(paths)
-    return replace(model, constants_doubt=constants_doubt(fit))
+    return replace(model, constants_doubt=constants_band(fit))
 
 
 def with_trials(

@@ -1,5 +1,6 @@
 """What is known of measured arms: torque constants and friction of their joints, as data."""
 
+import os
 from pathlib import Path
 from typing import Literal
 
@@ -7,7 +8,7 @@ import yaml
 from pydantic import ValidationError
 
 from ur5lib.errors import InputError
-from ur5lib.robots.description import Positive
+from ur5lib.robots.description import POPULATION, Positive
 from ur5lib.strict import Strict, read_yaml
 
 Trait = Literal["torque_constant", "coulomb", "viscous", "load", "offset"]
@@ -43,6 +44,11 @@ class Measured(Strict):
     def without(self, study: str) -> "Measured":
         """Return the arms of other studies: a study's own arm is known from its recordings."""
         return Measured(arms=[own for own in self.arms if own.study != study])
+
+
+def population_files(name: str) -> list[str]:
+    """Return the file that a study names as population: shipped, none, or a path."""
+    return {"shipped": [os.path.relpath(POPULATION)], "none": []}.get(name, [name])
 
 
 def read_measured(path: Path) -> Measured:

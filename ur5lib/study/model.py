@@ -24,6 +24,7 @@ from ur5lib.recordings.entries import (
 from ur5lib.recordings.quality import SENSORS
 from ur5lib.robots.description import Gravity, Payload, Vector3
 from ur5lib.robots.friction import CANDIDATES
+from ur5lib.robots.population import population_files
 from ur5lib.stand import layout
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.strict import Strict, existing_file
@@ -262,7 +263,9 @@ FrictionTerm = Annotated[
 
 
 def _population(name: str) -> str:
-    return name if name in ("shipped", "none") else existing_file(name)
+    for path in population_files(name):
+        existing_file(path)
+    return name
 
 
 class Friction(Strict):

@@ -11,7 +11,8 @@ from snakemake.exceptions import WorkflowError
 from ur5lib.errors import InputError
 from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.reference import read_reference
-from ur5lib.robots.description import POPULATION, robot_path
+from ur5lib.robots.description import robot_path
+from ur5lib.robots.population import population_files
 from ur5lib.steps.workers import run_step
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
@@ -180,12 +181,6 @@ def contact_free_dates(wildcards):
 def fitted_dates(wildcards):
     """Return the dates of an arm's `fit` recordings; empty where the study gives none."""
     return dates_of(fitted_on(wildcards))
-
-
-def population_file(wildcards):
-    """Return the file of measured arms, none where the study judges each arm alone."""
-    known = {"shipped": [os.path.relpath(POPULATION)], "none": []}
-    return known.get(SETTINGS.friction.population, [SETTINGS.friction.population])
 
 
 def dates_of(names):

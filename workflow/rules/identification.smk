@@ -60,7 +60,7 @@ rule fit_friction:
         torques=fitted_results("torques.parquet"),
         contradictions=fitted_results("contradictions.json"),
         arm=parameter("arm.yaml"),
-        population=population_file,
+        population=population_files(SETTINGS.friction.population),
     output:
         friction=parameter("friction.json"),
     log:

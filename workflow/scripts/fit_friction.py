@@ -1,11 +1,10 @@
 """The map from motion to motor current: torque constants and friction, from `fit` recordings."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import reason
-from ur5lib.identification.population import Population, fit_population
+from ur5lib.identification.population import population_of
 from ur5lib.pipeline.current_samples import controllers_ratio, current_record, prior_of, smoother
 from ur5lib.pipeline.friction_fit import ContradictionError, fitted_friction, require_no_stop_sign
 from ur5lib.pipeline.records.friction import Friction
@@ -14,14 +13,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
-from ur5lib.robots.population import read_measured
 from ur5lib.tables import read_record, write_json
-
-
-def population_of(files: list[str], study: str) -> Population | None:
-    """Return what other studies' arms have in common; files: of measured arms, at most one."""
-    arms = [read_measured(Path(path)).without(study) for path in files]
-    return fit_population(arms[0]) if arms else None
 
 
 def fit_friction(input: Any, output: Any, params: Any) -> None:
