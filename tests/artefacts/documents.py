@@ -64,7 +64,7 @@ def check_in_browser(report: Path, folder: Path) -> None:
 
 
 def check_on_a_phone(page: Any) -> None:
-    """Figures and captions are visible as a whole; headers of wide tables leave room for numbers."""
+    """Figures and captions are visible as a whole; headers of wide tables leave room."""
     right = "all => all.map(one => one.getBoundingClientRect().right)"
     for whole in ("figure img", "figcaption", "caption div"):
         assert max(page.eval_on_selector_all(whole, right)) <= NARROW, whole
