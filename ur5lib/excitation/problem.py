@@ -255,8 +255,9 @@ def _prior(
     torque_max = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
     typical, inverse = typical_arm(population, torque_max), maps.coefficients[:, 0]
     ratio = typical.pop("torque_constant", None)
-    widths = CONSTANT_WIDTH**2 * np.eye(len(inverse)) if ratio is None else ratio.covariance
-    precision = np.linalg.inv(widths * np.outer(inverse, inverse))
+    precision = np.diag((CONSTANT_WIDTH * inverse) ** -2.0)
+    if ratio is not None:
+        precision = np.linalg.inv(ratio.covariance * np.outer(inverse, inverse))
     known = Normal(inverse, np.asarray(precision, dtype=np.float64))
     joints = Prior(known, torque_max, typical=typical).over([BASE] * len(inverse))
     blocks = [np.linalg.inv(spread @ spread.T), joints.precision]

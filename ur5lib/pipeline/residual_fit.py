@@ -17,12 +17,10 @@ from ur5lib.force.external_torque import (
 )
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.residual_model import (
-    ENOUGH,
     SLOWEST,
     ResidualModel,
     Residuals,
     Stretch,
-    few_paths,
     fit_residual_model,
 )
 from ur5lib.force.trial_contacts import Tried, largest_of_trials, try_contacts
@@ -103,7 +101,6 @@ def expected_residuals(fit: CurrentFit, cutoff: float) -> Residuals:
         correlation=np.eye(len(coulomb)),
         independent=1 / (2 * cutoff),
         breakaway=coulomb,
-        doubt=few_paths(ENOUGH),
         constants_doubt=constants_band(fit),
     )
     return Residuals(tau_ext=model)
