@@ -255,10 +255,12 @@ def _prior(
     torque_max = np.array([robot.motor(joint).torque_max for joint in robot.joint_numbers])
     typical, inverse = typical_arm(population, torque_max), maps.coefficients[:, 0]
     ratio = typical.pop("torque_constant", None)
-    precision = np.diag((CONSTANT_WIDTH * inverse) ** -2.0)
-    if ratio is not None:
-        precision = np.linalg.inv(ratio.covariance * np.outer(inverse, inverse))
-    known = Normal(inverse, np.asarray(precision, dtype=np.float64))
+    if ratio is None:
+        precision = np.diag((CONSTANT_WIDTH * inverse) ** -2.0)
+    else:
+        covariance = ratio.covariance * np.outer(inverse, inverse)
+        precision = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
+    known = Normal(inverse, precision)
     joints = Prior(known, torque_max, typical=typical).over([BASE] * len(inverse))
     blocks = [np.linalg.inv(spread @ spread.T), joints.precision]
     width = prior_width(len(PARAMETERS))[_payload(has_payload)]
