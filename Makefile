@@ -5,6 +5,7 @@ ESTIMATOR ?=
 SPEED := dynamics smoothing stream rtde_csv study
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
+FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//'
 
 all: .venv/ready ## set up, simulate and build the default study, name its report
 	snakemake
@@ -22,21 +23,28 @@ studies: .venv/ready ## build the default study and every other whose recordings
 		else snakemake --configfile $$study || failed="$$failed $$study"; fi; \
 	done; [ -z "$$failed" ] || { echo "failed:$$failed"; exit 1; }
 
-test: lint ## run every check but the slow tests
-	OMP_NUM_THREADS=1 pytest -m "not slow"  # two processes share the work already
-
-test-slow: .venv/ready ## run the slow tests: many arms and designs, studies, devices in real time
-	OMP_NUM_THREADS=1 pytest -m "slow and not real_time"
+test: lint ## run every check, as .ci/run does: style, types, all tests
+	OMP_NUM_THREADS=1 pytest -m "not real_time"  # two processes share the work already
 	OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 --reruns 2 --reruns-delay 5  # alone: they need a machine that keeps up
 
-lint: .venv/ready ## check style and types
+test-fast: lint ## the same without the tests marked slow: many arms and designs, studies, devices in real time
+	OMP_NUM_THREADS=1 pytest -m "not slow"
+
+lint: .venv/dev ## check style and types
 	pre-commit run --all-files
 
-bench: .venv/ready ## measure speed side by side: some ten minutes, the default study included
+bench: .venv/dev ## measure speed side by side: some ten minutes, the default study included
 	for name in $(SPEED); do echo "benchmarks/$$name.py"; python -m benchmarks.$$name || exit 1; done
 
 leaderboard: .venv/ready ## compare all force estimators on the built studies thesis and ur10e, write docs/benchmark.md; ESTIMATOR=package.module:Class adds another
 	python -m benchmarks.leaderboard --page $(if $(ESTIMATOR),--estimator "$(ESTIMATOR)")
+
+docs: .venv/dev ## build the documents as a site, .site/html
+	rm -rf .site && mkdir -p .site/pages
+	cp -R *.md CITATION.cff LICENSE Snakefile config.yaml config docs ur5lib workflow .site/pages
+	mkdir .site/pages/raw && cp raw/README.md .site/pages/raw
+	NO_MKDOCS_2_WARNING=1 mkdocs build --strict --quiet
+	@echo "site: .site/html/index.html"
 
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
@@ -44,8 +52,10 @@ schema: .venv/ready ## write the schema and the table of a study's settings anew
 
 lock: ## pin the newest versions that pyproject.toml allows
 	rm -rf .venv && $(PYTHON) -m venv .venv
-	$(PIP) install --editable '.[dev,formats,record]' 'setuptools>=77'
-	.venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib | sed 's/+cpu//' > requirements.lock
+	$(PIP) install hatchling editables --editable '.[formats,record]'
+	$(FREEZE) > requirements.lock
+	$(PIP) install --editable '.[dev]'
+	(echo "--requirement requirements.lock"; $(FREEZE) | grep --invert-match --line-regexp --fixed-strings --file requirements.lock) > requirements-dev.lock
 
 clean: ## remove results and the environment; recordings stay
 	rm -rf .venv .snakemake results .mypy_cache .pytest_cache .ruff_cache .hypothesis
@@ -56,7 +66,7 @@ help: ## list these commands
 .venv/ready: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo \
 		"Python 3.11 or newer is needed; name one: make PYTHON=python3.11"; exit 1; }
-	@echo "setting up .venv; this takes a minute or two"
+	@echo "setting up .venv: $$(wc -l < requirements.lock) packages, some 2 GB; this takes a minute or two"
 	@$(PYTHON) -m venv .venv || { echo \
 		"$(PYTHON) cannot make .venv; install its venv module, free the disk, or name another: make PYTHON=..."; exit 1; }
 	@$(PIP) install --requirement requirements.lock || { echo \
@@ -64,4 +74,10 @@ help: ## list these commands
 	@$(PIP) install --no-build-isolation --no-deps --editable .
 	@touch $@
 
-.PHONY: all thesis studies test test-slow lint bench leaderboard schema lock clean help
+.venv/dev: .venv/ready requirements-dev.lock
+	@echo "adding what the tests need: $$(grep -c == requirements-dev.lock) packages"
+	@$(PIP) install --requirement requirements-dev.lock || { echo \
+		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
+	@touch $@
+
+.PHONY: all thesis studies test test-fast lint bench leaderboard docs schema lock clean help

@@ -1,14 +1,9 @@
 # The study, the rules, and what a run makes.
-from snakemake.exceptions import WorkflowError
 from snakemake.utils import min_version
 
 min_version("9.0")
 
-# Paths in rules and studies are relative to this folder.
-project = Path(workflow.main_snakefile).resolve().parent
-if Path.cwd() != project:
-    raise WorkflowError(f"this is {Path.cwd()}; run snakemake in {project}")
-
+# Paths in a study, raw/ and results/ are those of the working folder.
 # A study given by --configfile stands alone: it inherits nothing from config.yaml.
 if not workflow.overwrite_configfiles:
 
@@ -31,6 +26,11 @@ include: "workflow/rules/cluster.smk"
 onsuccess:
     if Path(f"{RESULTS}/report.html").exists():
         print(f"report: {RESULTS}/report.html, {RESULTS}/report.pdf")
+
+
+onerror:
+    if FAILED:
+        print(f"\n{len(FAILED)} failed:", *FAILED, sep="\n")
 
 
 # Intermediate tables are results too: what is deleted is made again.

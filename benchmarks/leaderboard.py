@@ -7,8 +7,8 @@ benchmarks/estimators learns its constants and its noise from the contact-free r
 role `fit`, predicted by fits without their own path. It is then scored against the force sensor,
 or, without one, by the force that it shows on recordings of the role `validate`. Prints the tables
 and writes results/leaderboard.csv; `--page` writes docs/benchmark.md, too, with the tables of
-`simulated_contacts`, `contact_link` and `current_prediction` as these left them in results/, or as
-the page already has them.
+`simulated_contacts`, `contact_link`, `current_prediction` and `learning_curve` as these left them
+in results/, or as the page already has them.
 `--estimator` adds one that is not among them, and the page is then results/benchmark.md.
 `--quick` takes four estimators: it only shows that it runs.
 """

@@ -3,13 +3,13 @@
     python -m benchmarks.population [--quick]
 
 Takes the built studies of results/ whose arms are in ur5lib/robots/population.yaml. A line for
-each: the error of predicted currents below 2 Hz over all recordings without contact, relative to
-that of the study's own fit (cross-fitted), mean over joints: expected from the other arms; without
-friction; with the median friction per largest torque of the other arms' joints of nearly that size;
-fitted to one recording in which every joint moves, with the other arms and without them, mean over
-these recordings, and the worst joint of that mean. Then the share of currents inside the expected
-band, and that of the measured values inside the expected 95 % intervals. `--quick` fits to one
-recording only.
+each: the error of predicted currents below 2 Hz over all recordings without contact or undeclared
+load, relative to that of the study's own fit (cross-fitted), mean over joints: expected from the
+other arms; without friction; with the median friction per largest torque of the other arms' joints
+of nearly that size; fitted to one recording in which every joint moves, with the other arms and
+without them, mean over these recordings, and the worst joint of that mean. Then the share of
+currents inside the expected band, and that of the measured values inside the expected 95 %
+intervals. `--quick` fits to one recording only.
 """
 
 import argparse
@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.current_prediction import read_arms
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
 from ur5lib.identification.currents import (
@@ -33,11 +34,8 @@ from ur5lib.identification.currents import (
 from ur5lib.identification.population import fit_population
 from ur5lib.identification.samples import Record
 from ur5lib.identification.validation import baseline_current, coefficients_of_constants
-from ur5lib.pipeline.current_samples import current_record, prior_of, smoother
+from ur5lib.pipeline.current_samples import prior_of, smoother
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.signals import Signals
-from ur5lib.pipeline.records.torques import Torques
 from ur5lib.robots.description import POPULATION, Robot, load_robot, robot_path
 from ur5lib.robots.population import Measured, MeasuredArm, read_measured
 from ur5lib.timeseries.arrays import Array
@@ -73,7 +71,7 @@ def judged(
 ) -> str:
     """Return what the others tell of an arm's currents, beside its own fit and simpler guesses."""
     described = load_robot(robot_path(arm.arm))
-    records = recorded(study, arm.arm)
+    records = recorded(study.folder, arm.arm)
     prior = prior_of(described, [], fit_population(others))
     own = rmse(
         [record.current - predict(friction.fit_for(record.name), record) for record in records],
@@ -109,18 +107,9 @@ def judged(
     return "; ".join([*parts, f"inside the expected band {np.nanmean(shares):.2f}"])
 
 
-def recorded(study: FinishedStudy, robot: str) -> list[Record]:
-    """Return the contact-free recordings of an arm."""
-    entries = [study.recording(name) for name in study.recordings]
-    names = [own.name for own in entries if own.role != "contact" and own.arm.known_as == robot]
-    model = study.arm(robot).fullest_model()
-    found = [
-        current_record(
-            name, *(study.record(kind, name) for kind in (Signals, Motion, Torques)), model
-        )
-        for name in names
-    ]
-    return [record for record in found if record is not None]
+def recorded(folder: Path, robot: str) -> list[Record]:
+    """Return the contact-free recordings of an arm, without those of an undeclared load."""
+    return [own.record for arm in read_arms(folder) if arm.folder.name == robot for own in arm.runs]
 
 
 def rmse(residuals: Sequence[Array], records: Sequence[Record]) -> Array:

@@ -28,6 +28,19 @@ def change(current: Array, qd: Array, temperature: Array, block: Labels) -> tupl
     return whole, float(np.sqrt(len(every) - 1) * np.std(left))
 
 
+def main() -> None:
+    """Print the change of each joint's friction, and the mean."""
+    options = options_of(__doc__)
+    options.add_argument("log", nargs="?", help="dataset_02052023.csv")
+    given = options.parse_args()
+    *kinds, block = made_up() if given.quick else read(given.log)
+    found = np.array([change(*own, block) for own in zip(*(k.T for k in kinds), strict=True)]) * 100
+    for joint, (value, error) in enumerate(found, 1):
+        print(f"| joint {joint} | {value:.2f} ± {error:.2f} %/K |")
+    weight = found[:, 1] ** -2.0
+    print(f"| all | {weight @ found[:, 0] / weight.sum():.2f} ± {weight.sum() ** -0.5:.2f} %/K |")
+
+
 def read(path: str) -> tuple[Array, Array, Array, Labels]:
     """Return currents [A], speeds [rad/s] and temperatures [°C] (N, 6), and blocks (N,)."""
     log = pd.read_csv(path, sep=";", decimal=",").rename(columns=str.strip)
@@ -47,12 +60,4 @@ def made_up() -> tuple[Array, Array, Array, Labels]:
 
 
 if __name__ == "__main__":
-    options = options_of(__doc__)
-    options.add_argument("log", nargs="?", help="dataset_02052023.csv")
-    given = options.parse_args()
-    *kinds, block = made_up() if given.quick else read(given.log)
-    found = np.array([change(*own, block) for own in zip(*(k.T for k in kinds), strict=True)]) * 100
-    for joint, (value, error) in enumerate(found, 1):
-        print(f"| joint {joint} | {value:.2f} ± {error:.2f} %/K |")
-    weight = found[:, 1] ** -2.0
-    print(f"| all | {weight @ found[:, 0] / weight.sum():.2f} ± {weight.sum() ** -0.5:.2f} %/K |")
+    main()

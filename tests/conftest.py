@@ -23,7 +23,15 @@ if TYPE_CHECKING:
     from tests.real_arms import RealStudy
 
 PROJECT = Path(__file__).parents[1]
-COPIED = ["Snakefile", "config.yaml", "profiles", "workflow", "ur5lib", "pyproject.toml"]
+COPIED = [
+    "Snakefile",
+    "CITATION.cff",
+    "config.yaml",
+    "profiles",
+    "workflow",
+    "ur5lib",
+    "pyproject.toml",
+]
 STUDY = """\
 study: small
 title: Two made-up recordings

@@ -633,6 +633,8 @@ def files_for(base: Base, kind: str) -> tuple[list[str], Damage]:
 
 
 ELSEWHERE = {"negative times"}  # a thesis clock that starts elsewhere is no damage
+BLANK = ["cut after a separator", "cut inside the last number", "quotes", "a cell lost"]
+BLANK += ["a cell too many", "an empty row", "empty cells", "no head", "the head twice"]
 EVERYWHERE = {"rows lost, many", "rows lost in turn", "misaligned rows"}
 
 
@@ -641,9 +643,9 @@ def kinds(base: Base) -> list[str]:
     if base.name.startswith("Movement_No9"):
         return []  # its sensor is of interest
     if base.name == "rtde-blank":
-        return [*TRUNCATED, *ENCODED, *LINES, *HEAD]
+        return BLANK
     if base.name.startswith("Movement"):
-        return [kind for kind in [*TIMES, *CHANNELS, *TRUNCATED] if kind not in ELSEWHERE]
+        return [*CHANNELS]  # as large and as fast as real ones
     heads = HEAD if base.head else NO_HEAD
     skipped = ELSEWHERE if base.recording["format"] == "thesis-csv" else set()
     every = [*TRUNCATED, *ENCODED, *TIMES, *LINES, *heads, *CHANNELS]
@@ -667,7 +669,8 @@ def sensor_cases(base: Base, folder: Path) -> Iterator[Case]:
         return
     mark, head = (b",", 0) if base.name == "rtde" else (base.mark, 0)
     of_sensor = replace(base, mark=mark, head=head)
-    for kind, damage in (TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD | FORCES).items():
+    made = {} if base.name.startswith("Movement") else TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD
+    for kind, damage in (made | FORCES).items():
         if kind == "stale data":
             continue  # a force sensor at rest says the same twice, and may
         place = folder / base.name / f"sensor {kind}"

@@ -22,11 +22,11 @@ from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 
 MARKDOWN = MarkdownIt("commonmark").enable("table")
-COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", "sbatch", ".")
+COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", "sbatch", "cd", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
-    "yaml": re.compile(r"(?:- )?[a-z_]+:(?: |\n|$)"),
+    "yaml": re.compile(r"(?:- )?\{?[a-z_]+:(?: |\n|$)"),
     "way-points": re.compile(r"-?\d+\.\d+,"),
     "moves": re.compile(r"move[jl]\("),
     "listing": re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S"),
@@ -192,6 +192,11 @@ def check_sbatch(words: list[str]) -> str | None:
     return command_fault(shlex.split(words[words.index("--wrap") + 1]))
 
 
+def check_cd(words: list[str]) -> str | None:
+    """The command that follows."""
+    return command_fault(words[2:]) if words[1:2] == ["&&"] else None
+
+
 SHELL: dict[str, Callable[[list[str]], str | None]] = {
     "make": check_make,
     "snakemake": check_snakemake,
@@ -200,6 +205,7 @@ SHELL: dict[str, Callable[[list[str]], str | None]] = {
     "cp": check_files,
     "rm": check_files,
     "sbatch": check_sbatch,
+    "cd": check_cd,
     "git": lambda words: None if words[0] in {"clone", "describe", "status"} else "unknown",
     "pip": lambda words: None if words[0] == "install" else "unknown",
     ".": lambda words: None if words == [".venv/bin/activate"] else "no such environment",
@@ -249,8 +255,12 @@ def faults_of(study: dict[str, Any], folder: Path) -> list[str]:
 
 
 def make_files(entry: dict[str, Any], folder: Path) -> None:
-    """Make what an entry names: its folder, its file of way-points."""
+    """Make what an entry names: its folder, a file of its pattern, its file of way-points."""
     (folder / str(entry.get("folder", ""))).mkdir(parents=True, exist_ok=True)
+    if "*" in (pattern := entry.get("file", "")):
+        found = folder / str(entry.get("folder", "")) / pattern.replace("*", "1")
+        found.parent.mkdir(parents=True, exist_ok=True)
+        found.touch()
     way_points = entry.get("simulate", {}).get("trajectory", {}).get("way_points")
     if isinstance(way_points, str):
         (folder / way_points).write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)

@@ -1,7 +1,8 @@
 """Tables of results from summaries that a test makes up."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, fields, is_dataclass
+from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
@@ -9,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.report.reference import Printed
-from ur5lib.report.tables.making import RECORDS, declarations, make_table
-from ur5lib.tables import as_record, key
+from ur5lib.report.tables.making import RECORDS, declarations, joined, make_table
+from ur5lib.tables import as_record, key, read_csv, write_csv, write_rows
 
 NOTHING: dict[Any, Any] = {float: np.nan, int: 0, str: "", bool: False}
 
@@ -27,6 +28,14 @@ def table(name: str, printed: Printed | None = None, **summaries: Any) -> pd.Dat
         for kind, found in summaries.items()
     }
     return make_table(name, kinds, printed)
+
+
+def gathered(kind: type, rows: Sequence[object], folder: Path) -> pd.DataFrame:
+    """The table of a study of one arm, ur5, to which a step writes these rows."""
+    part, whole = folder / "parameters" / "ur5" / "rows.csv", folder / "tables" / "rows.csv"
+    write_rows(kind, rows, part)
+    write_csv(joined([str(part)]), whole)
+    return read_csv(whole)
 
 
 def record(kind: Any, data: Any) -> Any:

@@ -36,14 +36,9 @@ Names = dict[str, set[str]]
 
 @dataclass
 class Declared:
-    """What the rules of a script declare.
-
-    names: all but `code`; by_itself: those of files that are part of the library, which may read
-    them by itself.
-    """
+    """What the rules of a script declare: all names but `code`."""
 
     names: Names = field(default_factory=lambda: {kind: set() for kind in KINDS})
-    by_itself: Names = field(default_factory=lambda: {kind: set() for kind in KINDS})
 
 
 def declared_names(project: Path, study: Path) -> dict[str, Declared]:
@@ -59,14 +54,7 @@ def declared_names(project: Path, study: Path) -> dict[str, Declared]:
         for kind, values in kinds.items():
             values.pop("code", None)
             declared.names[kind] |= set(values)
-        declared.by_itself["input"] |= {
-            name for name, value in kinds["input"].items() if _of_library(value.split())
-        }
     return found
-
-
-def _of_library(files: list[str]) -> bool:
-    return bool(files) and all(file.startswith(f"{LIBRARY}/") for file in files)
 
 
 @dataclass
@@ -159,7 +147,7 @@ def differences(reads: Reads, declared: Declared) -> list[str]:
         ]
         told += [
             f"does not read {kind}.{name}, which its rule declares"
-            for name in sorted(declared.names[kind] - declared.by_itself[kind])
+            for name in sorted(declared.names[kind])
             if not reads.has(kind, name)
         ]
     return told

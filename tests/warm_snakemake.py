@@ -2,13 +2,15 @@
 
 import multiprocessing
 import os
+import pkgutil
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 WARM = multiprocessing.get_context("forkserver")  # a process that waits, and forks one for each run
-WARM.set_forkserver_preload(["snakemake.cli"])
+PLUGINS = [one.name for one in pkgutil.iter_modules() if one.name.startswith("snakemake_")]
+WARM.set_forkserver_preload(["snakemake.cli", "pydantic", *PLUGINS])
 
 
 def run(

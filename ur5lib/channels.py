@@ -2,10 +2,12 @@
 
 import math
 import re
+from collections.abc import Collection
 from difflib import get_close_matches
 from typing import NamedTuple
 
 SIX = tuple(f"_{index}" for index in range(6))
+MOST_JOINTS = 8
 AXES = ("x", "y", "z")
 UNUSED = (
     "actual_robot_braking_energy_dissipated",
@@ -29,7 +31,8 @@ class ChannelSpec(NamedTuple):
     """A channel in SI units.
 
     suffixes: of its columns, empty for a single column; bound: an impossible magnitude for any
-    Universal Robots arm; of_joints: whether its columns are joints 1 to 6 (not pose or wrench).
+    Universal Robots arm; of_joints: whether its columns are the joints (not pose or wrench), of
+    which there are six unless a recording or its arm has more or fewer.
     """
 
     unit: str
@@ -55,6 +58,7 @@ CHANNELS = {
     "target_qdd": _of_joints("rad/s2", 200.0),
     "actual_current": _of_joints("A", 60.0),
     "actual_current_as_torque": _of_joints("Nm", 1000.0),
+    "actual_torque": _of_joints("Nm", 1000.0),  # of joints that sense it, not RTDE
     "actual_torque_less_gravity": _of_joints("Nm", 1000.0),  # as some drivers write, not RTDE
     "target_current": _of_joints("A", 60.0),
     "target_moment": _of_joints("Nm", 1000.0),
@@ -110,9 +114,23 @@ SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.s
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]
 
 
-def columns(channel: str) -> list[str]:
+def suffixes(channel: str, joints: int = 6) -> tuple[str, ...]:
+    """Return the suffixes of a channel's columns, none for a single one."""
+    if channel in JOINT_CHANNELS:
+        return tuple(f"_{index}" for index in range(joints))
+    return SUFFIXES.get(channel, ())
+
+
+def columns(channel: str, joints: int = 6) -> list[str]:
     """Return the names of a channel's columns: actual_q_0 .. actual_q_5, or its own name."""
-    return [channel + suffix for suffix in SUFFIXES.get(channel, ("",))]
+    return [channel + suffix for suffix in suffixes(channel, joints) or ("",)]
+
+
+def joint_count(names: Collection[str]) -> int:
+    """Return the number of joints of a recording with these columns, by its widest channel."""
+    places = range(MOST_JOINTS)
+    every = (k + 1 for name in JOINT_CHANNELS for k in places if f"{name}_{k}" in names)
+    return max(every, default=0)
 
 
 def channels_of(column: str) -> list[str]:

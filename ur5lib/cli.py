@@ -24,6 +24,16 @@ app = typer.Typer(
 
 
 @app.command()
+def new(
+    folder: Annotated[Path, typer.Argument(help="folder to make; . is the one you are in")],
+) -> None:
+    """Make a folder for recordings of your own, in which `snakemake` builds their report."""
+    from ur5lib.lab.new import new_lab
+
+    typer.echo(new_lab(folder))
+
+
+@app.command()
 def fetch(
     dataset: Annotated[
         str | None, typer.Argument(help="name of a published data set; default: list them")
@@ -36,11 +46,17 @@ def fetch(
     ] = None,
 ) -> None:
     """Download a published data set into raw/ and verify every file, or list them all."""
-    from ur5lib.datasets.catalogue import listing
+    from ur5lib.datasets.catalogue import catalogue, listing
     from ur5lib.datasets.fetching import fetch as fetch_dataset
+    from ur5lib.lab.new import copy_study, next_command
 
-    lines = listing() if dataset is None else [fetch_dataset(dataset, target, source)]
-    _print(lines)
+    if dataset is None:
+        _print(listing())
+        return
+    typer.echo(fetch_dataset(dataset, target, source))
+    study = catalogue()[dataset].study
+    if study and target is None:
+        typer.echo(f"next: {next_command(copy_study(study))}")
 
 
 @app.command()
@@ -54,9 +70,11 @@ def check(
 ) -> None:
     """Check every recording of a study: read it, repair it, and print the findings."""
     from ur5lib.commands.check import print_findings
+    from ur5lib.lab.new import next_command
 
     if print_findings(study, recordings or []):
         raise SystemExit(1)
+    typer.echo(f"next: {next_command(study)}")
 
 
 @app.command(name="import")
@@ -281,6 +299,21 @@ def export(
     from ur5lib.commands.exported import exported
 
     typer.echo(exported(robot, model, to, results, as_in))
+
+
+@app.command()
+def describe(
+    file: Annotated[Path, typer.Argument(help="URDF of a serial arm of 2 to 8 revolute joints")],
+    base: Annotated[str | None, typer.Option(help="link that stands; default: the root")] = None,
+    tip: Annotated[
+        str | None, typer.Option(help="link of the flange; default: the last that turns")
+    ] = None,
+    name: Annotated[str | None, typer.Option(help="name of the arm; default: the file's")] = None,
+) -> None:
+    """Describe an arm by its URDF: writes robots/<name>.yaml, for `robot: <name>` in a study."""
+    from ur5lib.commands.described import describe_urdf
+
+    _print(describe_urdf(file, base, tip, name))
 
 
 @app.command()

@@ -11,7 +11,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -69,11 +69,10 @@ def write_table(
         pa.field(
             name,
             pa.from_numpy_dtype(values.dtype),
-            metadata={
-                "unit": column_unit(name, explicit[name]) if explicit.get(name) else unit(name)
-            },
+            metadata={"unit": column_unit(name, own) if own else unit(name)},
         )
         for name, values in arrays.items()
+        for own in [explicit.get(name)]
     ]
     write_aside(path, lambda aside: _write_parquet(arrays, pa.schema(fields), aside))
 
@@ -135,9 +134,10 @@ def columns(name: str, count: int = 6) -> list[str]:
     return [f"{name}_{index}" for index in range(count)]
 
 
-def channel(table: pd.DataFrame, name: str, count: int = 6) -> Array:
-    """Return a channel as a copied array (N, count)."""
-    return table[columns(name, count)].to_numpy(np.float64, copy=True)
+def channel(table: pd.DataFrame, name: str, count: int | None = None) -> Array:
+    """Return a channel as a copied array (N, count), by default of all its columns."""
+    have = count or next(k for k in range(len(table.columns) + 1) if f"{name}_{k}" not in table)
+    return table[columns(name, max(1, have))].to_numpy(np.float64, copy=True)
 
 
 def named(values: Array, name: str) -> dict[str, Array]:
@@ -151,10 +151,21 @@ def write_csv(table: pd.DataFrame, path: str | Path, digits: int = 9) -> None:
     write_aside(path, lambda aside: table.to_csv(aside, index=False, float_format=f"%.{digits}g"))
 
 
+def write_rows(kind: type, rows: Sequence[object], path: str | Path) -> None:
+    """Write records of one kind as CSV, a column for each field; infinity becomes an empty cell."""
+    table = pd.DataFrame(rows, columns=[field.name for field in fields(kind)])
+    write_csv(table.replace([math.inf, -math.inf], math.nan), path)
+
+
 def read_csv(path: str | Path) -> pd.DataFrame:
     """Read a table of results: an empty cell is NaN, and a name is text (`nan`, `1e5`)."""
     names = dict.fromkeys(NAMES, str)
     return pd.read_csv(path, dtype=names, keep_default_na=False, na_values=[""])
+
+
+def read_cells(path: str | Path) -> pd.DataFrame:
+    """Read a table of results, each cell as the text that stands there."""
+    return pd.read_csv(path, dtype=str, keep_default_na=False)
 
 
 def checksum(path: str | Path) -> str:

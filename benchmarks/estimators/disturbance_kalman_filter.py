@@ -12,14 +12,13 @@ disturbance Kalman filter. IEEE Transactions on Industrial Electronics 65(4) (20
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
 
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import Corrections, MomentumObserver, added_momentum
+from benchmarks.harness.momentum import LinearObserver, added_momentum
 from benchmarks.harness.run import Run
 from benchmarks.harness.tuning import tuned, untuned
 from ur5lib.timeseries import kalman
@@ -30,30 +29,25 @@ MEASURED = (0.1, 1.0, 3.0)  # noise of z, in units of what w adds in a step
 
 
 @dataclass(frozen=True)
-class DisturbanceKalman(MomentumObserver):
+class DisturbanceKalman(LinearObserver):
     """wandering: of d in a second; measured: noise of z."""
 
     wandering: float
     measured: float
-
-    def correct(self, innovation: Array, period: float) -> Corrections:
-        """Return the innovation times the stationary Kalman gain."""
-        of_momentum, of_torque = self.gain(period)
-        return of_momentum * innovation, of_torque * innovation
 
     def system(self, period: float) -> tuple[Array, Array, float]:
         """Return transition (2, 2), process noise (2, 2) and the variance of the measurement."""
         process = np.diag([period**2, self.wandering**2 * period])
         return np.array([[1.0, period], [0.0, 1.0]]), process, (self.measured * period) ** 2
 
-    @lru_cache(maxsize=64)  # noqa: B019 - frozen, and few
-    def gain(self, period: float) -> Array:
-        """Return the stationary gain (2,) [1, 1/s]: P Hᵀ (H P Hᵀ + R)⁻¹, by Riccati's equation."""
+    def gains(self, period: float) -> tuple[float, float]:
+        """Return the stationary Kalman gain: P Hᵀ (H P Hᵀ + R)⁻¹, by Riccati's equation."""
         transition, process, variance = self.system(period)
         predicted = solve_discrete_are(
             transition.T, np.array([[1.0], [0.0]]), process, np.array([[variance]])
         )
-        return np.asarray(predicted[:, 0] / (predicted[0, 0] + variance))
+        of_momentum, of_torque = predicted[:, 0] / (predicted[0, 0] + variance)
+        return float(of_momentum), float(of_torque)
 
     def smoothed(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm] given all samples."""

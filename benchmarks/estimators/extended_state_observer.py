@@ -15,24 +15,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import Corrections, MomentumObserver
+from benchmarks.harness.momentum import LinearObserver
 from benchmarks.harness.run import Run
 from benchmarks.harness.tuning import tuned
-from ur5lib.timeseries.arrays import Array
 
 BANDWIDTHS = (20.0, 30.0, 35.0, 40.0, 45.0, 50.0, 60.0, 80.0, 120.0)  # rad/s
 
 
 @dataclass(frozen=True)
-class ExtendedState(MomentumObserver):
+class ExtendedState(LinearObserver):
     """bandwidth: ω [rad/s]."""
 
     bandwidth: float
 
-    def correct(self, innovation: Array, period: float) -> Corrections:
-        """Place both poles at a = exp(-ω T): ẑ by 1 - a², d by (1 - a)² / T."""
-        pole = np.exp(-self.bandwidth * period)
-        return (1 - pole**2) * innovation, (1 - pole) ** 2 / period * innovation
+    def gains(self, period: float) -> tuple[float, float]:
+        """Place both poles at exp(-ω T)."""
+        pole = float(np.exp(-self.bandwidth * period))
+        return 1 - pole**2, (1 - pole) ** 2 / period
 
 
 def learn(runs: Sequence[Run]) -> Learned:

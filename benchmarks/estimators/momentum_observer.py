@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import Corrections, MomentumObserver
+from benchmarks.harness.momentum import LinearObserver
 from benchmarks.harness.run import Run
 from benchmarks.harness.tuning import tuned, untuned
 from ur5lib.force.observer import observe
@@ -25,14 +25,14 @@ GAINS = (10.0, 15.0, 18.0, 20.0, 22.0, 25.0, 30.0, 40.0, 60.0)  # 1/s
 
 
 @dataclass(frozen=True)
-class FirstOrder(MomentumObserver):
+class FirstOrder(LinearObserver):
     """gain: K [1/s]."""
 
     gain: float
 
-    def correct(self, innovation: Array, period: float) -> Corrections:
+    def gains(self, period: float) -> tuple[float, float]:
         """ẑ = z; r_k = r_k-1 + K T (τ_ext - r_k), solved for r_k."""
-        return innovation, self.gain / (1 + self.gain * period) * innovation
+        return 1.0, self.gain / (1 + self.gain * period)
 
 
 def learn_causal(runs: Sequence[Run]) -> Learned:

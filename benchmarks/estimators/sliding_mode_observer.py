@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 
 from benchmarks.harness.estimator import Estimator, Learned
-from benchmarks.harness.momentum import Corrections, MomentumObserver
+from benchmarks.harness.momentum import MomentumObserver
 from benchmarks.harness.run import Run
 from benchmarks.harness.tuning import tuned
 from ur5lib.timeseries.arrays import Array
@@ -35,13 +35,19 @@ class SlidingMode(MomentumObserver):
     bandwidth: float
     scale: Array = field(repr=False)
 
-    def correct(self, innovation: Array, period: float) -> Corrections:
-        """Return one step of Euler."""
-        switching, sign = self.switching * self.scale, np.sign(innovation)
-        of_momentum = 2 * np.sqrt(switching * np.abs(innovation)) * sign
-        of_momentum = of_momentum + 2 * self.bandwidth * innovation
-        of_torque = switching * sign + self.bandwidth**2 * innovation
-        return period * of_momentum, period * of_torque
+    def follow(self, added: Array, period: float) -> Array:
+        """Return d (n, 6) [Nm] by steps of Euler; added: z (n, 6) [Nm s]; period: T [s]."""
+        result, torque = np.empty_like(added), np.zeros(6)
+        momentum, switching = added[0], self.switching * self.scale
+        for k, measured in enumerate(added):
+            momentum = momentum + period * torque
+            innovation = measured - momentum
+            sign = np.sign(innovation)
+            rate = 2 * np.sqrt(switching * np.abs(innovation)) * sign
+            momentum = momentum + period * (rate + 2 * self.bandwidth * innovation)
+            torque = torque + period * (switching * sign + self.bandwidth**2 * innovation)
+            result[k] = torque
+        return result
 
 
 def usual_torque(runs: Sequence[Run]) -> Array:

@@ -5,6 +5,7 @@ and subtracted, so that it can be part of a causal estimate.
 """
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -85,12 +86,16 @@ def on_top(name: str, source: str, train: Train, step: float) -> list[Estimator]
     observer; name: of the regression; step: as in `samples`.
     """
 
+    @lru_cache(maxsize=1)  # both learn it from the same runs
+    def left_of(runs: tuple[Run, ...]) -> TorqueEstimate:
+        return cross_fitted(train, runs, step)
+
     def learn_offline(runs: Sequence[Run]) -> Learned:
-        left = cross_fitted(train, runs, step)
+        left = left_of((*runs,))
         return untuned(lambda run: run.smoothed - left(run), runs)
 
     def learn_observed(runs: Sequence[Run]) -> Learned:
-        left, observer = cross_fitted(train, runs, step), learn_causal(runs)
+        left, observer = left_of((*runs,)), learn_causal(runs)
         below = FirstOrder(**observer.constants)
         return untuned(lambda run: below.torque(run) - left(run), runs, observer.latency)
 

@@ -6,16 +6,18 @@
 external torque:
 
     ẑ⁻ = ẑ + T d,   e = z - ẑ⁻,   ẑ = ẑ⁻ + (momentum's correction),   d = d + (torque's correction)
+
+Corrections a e and b e are those of a linear observer, whose transfer function from z to d is
+b (1 - p) / (1 + (a + T b - 2) p + (1 - a) p²), p being a delay by one sample.
 """
 
 from abc import ABC, abstractmethod
 
 import numpy as np
+from scipy.signal import lfilter
 
 from benchmarks.harness.run import Run
 from ur5lib.timeseries.arrays import Array
-
-Corrections = tuple[Array, Array]  # of ẑ [Nm s] and d [Nm], (6,) each
 
 
 def added_momentum(run: Run, rows: slice) -> Array:
@@ -30,11 +32,7 @@ def added_momentum(run: Run, rows: slice) -> Array:
 
 
 class MomentumObserver(ABC):
-    """A causal observer of the external torque, given by its corrections."""
-
-    @abstractmethod
-    def correct(self, innovation: Array, period: float) -> Corrections:
-        """Return what is added to ẑ and d; innovation: e (6,) [Nm s]; period: T [s]."""
+    """A causal observer of the external torque."""
 
     def torque(self, run: Run) -> Array:
         """Return the external torque (N, 6) [Nm], NaN where momentum or its rate is unknown."""
@@ -43,14 +41,23 @@ class MomentumObserver(ABC):
             result[rows] = self.follow(added_momentum(run, rows), run.period)
         return result
 
+    @abstractmethod
     def follow(self, added: Array, period: float) -> Array:
-        """Return d (n, 6) [Nm] at each sample of an unbroken stretch; added: z (n, 6) [Nm s]."""
-        result = np.empty_like(added)
-        momentum, torque = added[0], np.zeros(6)
-        for k, measured in enumerate(added):
-            if k:
-                momentum = momentum + period * torque
-            of_momentum, of_torque = self.correct(measured - momentum, period)
-            momentum, torque = momentum + of_momentum, torque + of_torque
-            result[k] = torque
-        return result
+        """Return d (n, 6) [Nm] at each sample of an unbroken stretch, from ẑ = z and d = 0 on.
+
+        added: z (n, 6) [Nm s]; period: T [s].
+        """
+
+
+class LinearObserver(MomentumObserver):
+    """An observer whose corrections are proportional to e."""
+
+    @abstractmethod
+    def gains(self, period: float) -> tuple[float, float]:
+        """Return a, and b [1/s]; period: T [s]."""
+
+    def follow(self, added: Array, period: float) -> Array:
+        """Return d (n, 6) [Nm] by the transfer function; added: z (n, 6) [Nm s]; period: T [s]."""
+        a, b = self.gains(period)
+        past = [1.0, a + period * b - 2.0, 1.0 - a]
+        return np.asarray(lfilter([b, -b], past, added - added[0], axis=0))

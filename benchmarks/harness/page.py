@@ -33,6 +33,9 @@ MEASURED = {  # sections by the name of what other benchmarks measure
     "simulated": "Simulated arms",
     "links": "Which link was touched",
     "currents": "Currents along paths that no fit has seen",
+    "curve": "Currents by few recordings",
+    "curve_forces": "Forces by few recordings",
+    "days": "Days left out",
 }
 ABSENT = "Estimators of the tables above that did not run on these seeds:"
 

@@ -20,7 +20,7 @@ class Estimate(NamedTuple):
     std: Array | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # equal only to itself, so that results can be kept by run
 class Run:
     """Inputs of an estimate, (N, 6) where no other shape is given, NaN where unknown.
 

@@ -6,10 +6,16 @@ from typing import Any
 
 import pandas as pd
 
+from benchmarks.harness.curve import (
+    days_table,
+    forces_table,
+    learning_findings,
+    learning_table,
+)
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import prediction_findings, prediction_table
 from benchmarks.harness.pushes import EACH, FORCES, PLACES
-from benchmarks.harness.simulated import simulated_table
+from benchmarks.harness.simulated import better_than_ours, simulated_table
 from ur5lib.tables import read_csv
 
 Section = dict[str, Any]
@@ -21,6 +27,9 @@ def sections(results: Path) -> dict[str, Section | None]:
         "simulated": ("simulated_contacts", simulated),
         "links": ("contact_link", links),
         "currents": ("current_prediction", currents),
+        "curve": ("learning_curve", few_recordings),
+        "days": ("days_left_out", lambda table: {"table": days_table(table)}),
+        "curve_forces": ("learning_curve_forces", lambda table: {"table": forces_table(table)}),
     }
     files = {name: (results / f"{file}.csv", section) for name, (file, section) in made.items()}
     return {
@@ -36,6 +45,7 @@ def simulated(table: pd.DataFrame) -> Section:
         "arms": ", ".join(table["arm"].unique()),
         "pushes": EACH * len(PLACES),
         "forces": f"{FORCES[0]:g} to {FORCES[1]:g} N",
+        "better": [*better_than_ours(table)],
         "table": simulated_table(table),
     }
 
@@ -51,3 +61,8 @@ def links(table: pd.DataFrame) -> Section:
 def currents(table: pd.DataFrame) -> Section:
     """Return the section on predicted currents."""
     return {"findings": [*prediction_findings(table)], "table": prediction_table(table)}
+
+
+def few_recordings(table: pd.DataFrame) -> Section:
+    """Return the section on currents by few recordings."""
+    return {"findings": [*learning_findings(table)], "table": learning_table(table)}

@@ -1,6 +1,6 @@
 """The page's table of estimators on simulated arms, from results/simulated_contacts.csv."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,9 +18,27 @@ COLUMNS = ["estimator", "causal", "latency", "RMSE at the flange [N]", "less our
 
 
 def simulated_table(table: pd.DataFrame) -> str:
-    """Return a row for each estimator, the smallest error first; intervals: resamples of seeds.
+    """Return a row for each estimator, the smallest error first."""
+    return markdown(COLUMNS, [cells(own) for _, own in compared(table).iterrows()])
 
-    Estimators that lack any seed are left out.
+
+def better_than_ours(table: pd.DataFrame) -> Iterator[str]:
+    """Yield which estimators are better than ours beyond chance, by place."""
+    rows = compared(table)
+    for place in LINK_6:
+        better = rows[rows[f"{place}_more_high"] < 0]
+        named = [
+            f"{own['estimator']} by {interval(own, f'{place}_more')} N"
+            for _, own in better.iterrows()
+        ]
+        if named:
+            yield f"at the {place}: {'; '.join(named)}"
+
+
+def compared(table: pd.DataFrame) -> pd.DataFrame:
+    """Return the figures of each estimator, the smallest error first.
+
+    Intervals are from resamples of seeds. Estimators that lack any seed are left out.
     """
     seeds = table["seed"].nunique()
     table = table.dropna(subset="flange_square")
@@ -30,7 +48,7 @@ def simulated_table(table: pd.DataFrame) -> str:
     by_name = {name: table[table["estimator"] == name].sort_values("seed") for name in names}
     ours = {place: rmse(by_name[OURS], place, drawn) for place in LINK_6}
     rows = pd.DataFrame([row(own, drawn, ours) for own in by_name.values()])
-    return markdown(COLUMNS, [cells(own) for _, own in rows.sort_values("flange").iterrows()])
+    return rows.sort_values("flange")
 
 
 def draws(seeds: int) -> Array:

@@ -5,8 +5,9 @@ median of |F| where nothing touches the arm. (Near a singularity, |F| without a 
 and a mean would judge those postures alone.) An estimate that uses later samples has no latency.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
+from functools import cache
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -64,8 +65,9 @@ def untuned(torque: TorqueEstimate, runs: Sequence[Run], latency: float | None =
 
 def fitted(torque: TorqueEstimate, runs: Sequence[Run]) -> Method:
     """Return the least-squares force of a torque estimate, with its noise on contact-free runs."""
-    noise = learned_noise(torque, runs)
-    return lambda run: force(run, torque(run), noise)
+    known = cache(torque)  # the noise and the false force are of the same runs
+    noise = learned_noise(known, runs)
+    return lambda run: force(run, known(run), noise)
 
 
 def false_force(method: Method, runs: Sequence[Run]) -> float:
@@ -83,19 +85,21 @@ def latency(torque: TorqueEstimate, runs: Sequence[Run]) -> float:
     """
     run = max(runs, key=lambda own: len(own.q))
     starts = [round(place * len(run.q)) for place in PLACES]
-    return float(np.median([_delay(torque, run, at, axis) for at in starts for axis in range(3)]))
+    return float(np.median([delay for at in starts for delay in _delays(torque, run, at)]))
 
 
-def _delay(torque: TorqueEstimate, run: Run, start: int, axis: int) -> float:
-    """Return the latency [s] at one push along an axis of the base."""
+def _delays(torque: TorqueEstimate, run: Run, start: int) -> Iterator[float]:
+    """Yield the latency [s] at a push along each axis of the base."""
     before, after = (round(seconds / run.period) for seconds in (BEFORE, AFTER))
     first = max(0, start - before)
     part = run.part(slice(first, start + after))
-    push = PUSH * part.jacobian[:, axis]  # Jᵀ F (n, 6)
-    push[: start - first] = 0.0
-    change = torque(part.pushed(push)) - torque(part)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = (change * push).sum(axis=1) / (push**2).sum(axis=1)
-    shown = np.flatnonzero(share[start - first :] >= REACHED)
-    # the sample at which the push starts already is one period of it
-    return (shown[0] + 1) * run.period if len(shown) else np.inf
+    untouched = torque(part)
+    for axis in range(3):
+        push = PUSH * part.jacobian[:, axis]  # Jᵀ F (n, 6)
+        push[: start - first] = 0.0
+        change = torque(part.pushed(push)) - untouched
+        with np.errstate(invalid="ignore", divide="ignore"):
+            share = (change * push).sum(axis=1) / (push**2).sum(axis=1)
+        shown = np.flatnonzero(share[start - first :] >= REACHED)
+        # the sample at which the push starts already is one period of it
+        yield (shown[0] + 1) * run.period if len(shown) else np.inf

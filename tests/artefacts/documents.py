@@ -4,7 +4,7 @@ import html
 import json
 import re
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +17,7 @@ import pytest
 from pypdf import PdfReader
 
 WIDE, NARROW, HEIGHT = 1200, 390, 900  # pixels
+VIEWS = ((WIDE, "light"), (WIDE, "dark"), (NARROW, "light"))
 MARGIN = {"html": 14, "pdf": 18}  # mm, left and right of the text on A4
 POINTS = 72 / 25.4  # in a millimetre
 SLACK = 6  # points: punctuation hangs out
@@ -37,12 +38,12 @@ def browser() -> Iterator[Any]:
         opened.close()
 
 
-def check_in_browser(report: Path, folder: Path) -> None:
+def check_in_browser(report: Path, folder: Path, views: Sequence[tuple[int, str]] = VIEWS) -> None:
     """It reads on wide and narrow screens, light and dark, and prints to A4."""
     from axe_playwright_python.sync_playwright import Axe
 
     with browser() as chromium:
-        for width, scheme in ((WIDE, "light"), (WIDE, "dark"), (NARROW, "light")):
+        for width, scheme in views:
             page = chromium.new_page(
                 viewport={"width": width, "height": HEIGHT}, color_scheme=scheme
             )
@@ -57,7 +58,7 @@ def check_in_browser(report: Path, folder: Path) -> None:
                 check_on_a_phone(page)
             violations = Axe().run(page).response["violations"]
             assert [(v["id"], v["nodes"][0]["html"][:200]) for v in violations] == []
-            if width == WIDE and scheme == "light":
+            if (width, scheme) == views[0]:
                 page.pdf(path=str(folder / "print.pdf"), prefer_css_page_size=True)
             page.close()
     check_margins(folder / "print.pdf", MARGIN["html"])

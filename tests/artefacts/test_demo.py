@@ -58,6 +58,13 @@ def test_few_recordings_are_tried(demo: Workflow) -> None:
     assert "in motion" in printed
 
 
+def test_a_learning_curve_has_no_recording_and_all(demo: Workflow) -> None:
+    """Without any recording, and with all."""
+    printed = run_benchmark("learning_curve", demo.folder, "demo")
+    assert "| demo_ur5 | 0 |" in printed
+    assert "| demo_ur5 | all | 1.00 |" in printed
+
+
 def test_an_estimator_from_outside_is_compared_beside_the_page(demo: Workflow) -> None:
     """That of the page's example: in table and page copy; the page itself stays as it is."""
     page = PROJECT / "docs" / "benchmark.md"

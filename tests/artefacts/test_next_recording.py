@@ -37,7 +37,7 @@ def test_a_load_would_tell_what_five_paths_of_a_real_arm_did_not(
     """Of the thesis's UR5, without moving it, by the report's command: above the base."""
     monkeypatch.chdir(thesis_results.parents[1])
     load = known_load(2.0, 0.06, 0.0, 0.05)
-    options = ExciteOptions("ur5", 20.0, "undetermined", thesis_results, 0.0, None, 0, load)
+    options = ExciteOptions("ur5", 10.0, "undetermined", thesis_results, 0.0, None, 0, load)
     task = task_of(options)
     found = design(task, 0, SHORT)
     assert found.margins.broken() == []

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator
 from contextlib import nullcontext
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,12 @@ import yaml
 from benchmarks import simulated_contacts
 from benchmarks.current_prediction import Known, Own, pair_rows
 from benchmarks.estimators.ours import OURS
+from benchmarks.harness import curve
 from benchmarks.harness.detection import detection_tables
 from benchmarks.harness.links import link_table
 from benchmarks.harness.prediction import FLOOR, prediction_findings, prediction_table
 from benchmarks.harness.pushes import PLACES
-from benchmarks.harness.simulated import simulated_table
+from benchmarks.harness.simulated import better_than_ours, simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.identification.samples import Record
 from ur5lib.robots.description import Robot
@@ -43,6 +45,14 @@ def test_seeds_are_pooled_by_their_samples() -> None:
     ours, other = simulated_table(table).splitlines()[2:]
     assert ours.startswith(f"| {OURS} | no |  | 3.0 (3.0 to 3.0) |  | 3.0")
     assert other.startswith("| other | no |  | 4.0 (4.0 to 4.0) | +1.0 (1.0 to 1.0) |")
+
+
+def test_who_is_better_than_ours_is_said() -> None:
+    errors = {OURS: 3.0, "better": 2.0, "worse": 4.0}
+    rows = [seed_row(seed, *own) for seed in (0, 1) for own in errors.items()]
+    flange, tool = better_than_ours(pd.DataFrame(rows))
+    assert flange == "at the flange: better by −1.0 (−1.0 to −1.0) N"
+    assert tool.startswith("at the tool: better")
 
 
 def test_an_estimator_that_lacks_a_seed_is_left_out() -> None:
@@ -181,3 +191,39 @@ def test_the_floor_is_half_the_square_of_what_repeats_differ_by(ur5: Robot) -> N
     assert len(rows[rows["model"] == FLOOR]) == 6
     assert rows[rows["model"] == FLOOR]["square"].to_numpy() == pytest.approx(0.02)
     assert rows[rows["model"] == "ours"]["square"].to_numpy() == pytest.approx(0.04)
+
+
+def errors_by_few(errors: dict[str, float]) -> pd.DataFrame:
+    """Rows of one arm, two recordings and joints; errors: RMSE [A] by model, of all recordings."""
+    rows = []
+    for size, factor in (("1", 2.0), ("all", 1.0)):
+        for (model, error), name, joint in product(errors.items(), "ab", (1, 2)):
+            about = {"arm": "x", "fitted": size, "recording": name, "joint": joint}
+            square = 100 * (factor * error * joint) ** 2
+            inside = {"banded": 100, "inside": 80 + 10 * joint}
+            rows.append(about | {"model": model, "square": square, "samples": 100} | inside)
+    return pd.DataFrame(rows)
+
+
+def test_errors_of_few_recordings_are_relative_to_ours_of_all() -> None:
+    """Every joint alike; a difference that is the same on all recordings is certain."""
+    printed = curve.learning_table(
+        errors_by_few(dict(zip(curve.MODELS, (0.1, 0.3, 0.2), strict=True)))
+    )
+    one, every = [line.split(" | ") for line in printed.splitlines()[2:]]
+    assert one[2:5] == ["2.00", "6.00", "4.00"]
+    assert every[2:5] == ["1.00", "3.00", "2.00"]
+    assert one[5] == "−4.00 (−4.00 to −4.00)"
+    assert one[6] == "0.95, joint 0.90"
+
+
+def test_days_left_out_are_told_one_by_one_and_together() -> None:
+    rows = errors_by_few({curve.OURS: 0.1})
+    rows["day"] = rows["fitted"]
+    rows["agrees"] = rows["joint"] == 1
+    printed = curve.days_table(rows.assign(inside=rows["inside"] - 40 * (rows["day"] == "1")))
+    (first, last, whole) = [line.strip("| ").split(" | ") for line in printed.splitlines()[2:]]
+    assert first[:4] == ["x", "1", "0.50", "0.60"]
+    assert last[-2:] == ["0.950", "1 of 2"]
+    assert whole[1:4] == ["all", "0.70", "0.80"]
+    assert whole[-1] == "2 of 4"

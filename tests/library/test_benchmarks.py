@@ -1,12 +1,17 @@
 """Each benchmark runs, in small sizes, and prints its table; how fast is not asked here."""
 
+import importlib
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import IO
 
 import pytest
 
@@ -37,25 +42,38 @@ OF_A_BUILT_STUDY = {
     "leave_out",
     "few_recordings",
     "leaderboard",
+    "learning_curve",
     "current_prediction",
 }  # in tests/artefacts/test_demo.py
 
 
 def run_benchmark(name: str, folder: Path, *arguments: str) -> str:
-    """What a benchmark prints when it runs quickly in a folder."""
-    program = [sys.executable, "-m", f"benchmarks.{name}", "--quick", *arguments]
-    environment = os.environ | {"PYTHONPATH": str(PROJECT), "OMP_NUM_THREADS": "1"}
-    done = subprocess.run(
-        program,
-        cwd=folder,
-        env=environment,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout
-    return done.stdout
+    """What a benchmark and its own processes print when it runs quickly in a folder."""
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryFile("w+") as printed:
+        patch.chdir(folder)
+        patch.syspath_prepend(folder)
+        patch.setenv("PYTHONPATH", str(PROJECT))
+        patch.setattr(sys, "argv", [name, "--quick", *arguments])
+        with printing_to(printed):
+            importlib.import_module(f"benchmarks.{name}").main()
+        printed.seek(0)
+        return printed.read()
+
+
+@contextmanager
+def printing_to(file: IO[str]) -> Iterator[None]:
+    """Standard output and error go to a file, those of other processes, too."""
+    before = [(stream, os.dup(stream)) for stream in (1, 2)]
+    for stream, _ in before:
+        os.dup2(file.fileno(), stream)
+    try:
+        with redirect_stdout(file), redirect_stderr(file):
+            yield
+    finally:
+        file.flush()
+        for stream, kept in before:
+            os.dup2(kept, stream)
+            os.close(kept)
 
 
 def test_every_benchmark_is_run() -> None:
@@ -114,10 +132,5 @@ def test_what_make_bench_runs_is_there() -> None:
 
 @pytest.mark.parametrize("name", sorted(OF_A_BUILT_STUDY))
 def test_a_study_that_is_not_built_is_told(name: str, tmp_path: Path) -> None:
-    program = [sys.executable, "-m", f"benchmarks.{name}", "other"]
-    environment = os.environ | {"PYTHONPATH": str(PROJECT)}
-    done = subprocess.run(
-        program, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
-    assert done.stderr.startswith("results/other is not built; ")
+    with pytest.raises(SystemExit, match=r"^results/other is not built; "):
+        run_benchmark(name, tmp_path, "other")

@@ -66,7 +66,7 @@ def test_lines_are_packed_within_half_a_level(tmp_path: Path) -> None:
 
 def test_lines_keep_the_colours_of_the_figure(tmp_path: Path) -> None:
     head, *_ = unpacked(packed_lines(drawn(tmp_path / "currents.svg", CURRENT, "joint")))
-    assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINTS]]
+    assert [line["colours"] for line in head["lines"]] == [["#000000"], [*JOINTS[:6]]]
 
 
 def test_figures_that_are_not_over_time_have_no_closer_look(tmp_path: Path) -> None:

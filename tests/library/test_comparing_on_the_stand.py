@@ -15,7 +15,7 @@ from ur5lib.robots.description import load_robot, robot_path
 pytestmark = pytest.mark.slow
 
 PATHS, SECONDS = 5, 12.0
-SEEDS = 3
+SEEDS = 2
 Study = Callable[..., Path]
 
 
@@ -66,7 +66,7 @@ def test_other_recordings_of_the_same_arm_have_not_changed(study: Study) -> None
     pairs = combinations(range(1, SEEDS + 1), 2)
     found = [compare(study(one), study(other)) for one, other in pairs]
     each = [one for pair in found for one in of_friction(pair)]
-    assert len(each) >= 3 * 24
+    assert len(each) >= 24
     assert sum(one.differs for one in each) <= 0.05 * len(each) + 2
     assert not any(one.changed for pair in found for one in pair)
 

@@ -111,6 +111,23 @@ def test_neither_constants_nor_friction_of_the_ur3_contradict_its_maker(
     assert not rows[0].determined
 
 
+@pytest.mark.parametrize("name", ["id1", "id2", "circle"])
+def test_currents_of_the_ur3_show_links_but_no_rotor(real_ur3: RealStudy, name: str) -> None:
+    """On joint 1, beside friction: the links' inertia by the maker's constant, and less than none
+    of the rotor's, for which the torque of the arm's model is therefore wrong.
+    """
+    own = real_ur3.recording(name)
+    known = own.robot.maker_torque_constants()[0]
+    (rotor, *_) = own.robot.models[own.robot.fullest_model()].rotor_inertias
+    qd, qdd = own.record.qd[:, 0], own.motion.qdd[:, 0]
+    links = own.record.torque[:, 0] - rotor * qdd
+    terms = np.column_stack([links, qdd, np.ones_like(qd), np.tanh(qd / 0.05), qd])
+    per_torque, per_acceleration, *_ = np.linalg.lstsq(terms, own.record.current[:, 0])[0]
+    assert 1 / per_torque == pytest.approx(known, rel=0.3)
+    assert rotor > 0.5
+    assert -0.4 < per_acceleration / per_torque < 0.0
+
+
 # The UR10e
 
 

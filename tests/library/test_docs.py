@@ -12,7 +12,16 @@ from tests.conftest import PROJECT
 from ur5lib.report.findings import templates
 
 PAGES = [
-    *(PROJECT / name for name in ("README.md", "CONTRIBUTING.md", "raw/README.md")),
+    *(
+        PROJECT / name
+        for name in (
+            "README.md",
+            "CHANGELOG.md",
+            "CONTRIBUTING.md",
+            "raw/README.md",
+            "config/README.md",
+        )
+    ),
     *sorted((PROJECT / "docs").glob("*.md")),
 ]
 LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")

@@ -84,7 +84,7 @@ def test_every_package_is_recorded_with_what_is_true(ur5e: EmulatedController, r
     told = device.open()
     received, values, lost = recorded(device, 2 * rate)
     device.close()
-    assert (told["rate_hz"], told["firmware"]) == (rate, "5.11.1.108318")
+    assert (told.rate_hz, told.firmware) == (rate, "5.11.1.108318")
     assert lost == 0
     stamps = column(device, values, "timestamp")[:, 0]
     np.testing.assert_allclose(np.diff(stamps), 1 / rate, rtol=0, atol=1e-9)
@@ -133,11 +133,11 @@ def test_outputs_that_a_controller_lacks_are_left_out(controller_ports: None) ->
         told = device.open()
         recorded(device, 10)
         device.close()
-    assert told["rate_hz"] == 125
+    assert told.rate_hz == 125
     lacking = ["actual_current_as_torque", "ft_raw_wrench", "wrench_calc_from_currents"]
     lacking += ["target_gravity", "target_base_acceleration"]
     lacking += ["collision_detection_ratio", "joint_position_deviation_ratio"]
-    assert told["missing"] == lacking
+    assert told.missing == lacking
     assert not {f"{name}_0" for name in lacking} & {*device.columns}
 
 
@@ -153,7 +153,7 @@ def test_an_e_series_arm_s_wrench_from_currents_is_recorded(controller_ports: No
         device.close()
         stamps = column(device, values, "timestamp")[:, 0]
         true = controller.truth.part("wrench", np.asarray(controller.clock.host(stamps)))
-    assert told["missing"] == []
+    assert told.missing == []
     assert np.abs(true[:, 1]).max() > 25
     stated = column(device, values, "wrench_calc_from_currents")
     np.testing.assert_allclose(stated[500:], true[500:], rtol=0, atol=2.0)  # delayed by 30 ms
@@ -188,7 +188,7 @@ def test_lost_packages_are_counted(controller_ports: None) -> None:
 def test_the_realtime_port_is_recorded_to_the_bit(ur5e: EmulatedController, tmp_path: Path) -> None:
     device, plain = RealtimeArm(HERE), socket.create_connection((HERE, 30003))
     told = device.open()
-    assert (told["message_bytes"], told["rate_hz"]) == (1220, 500)
+    assert (told.message_bytes, told.rate_hz) == (1220, 500)
     lines, messages = [], 0
     while messages < 1000:
         packets = device.read()

@@ -25,6 +25,7 @@ from benchmarks.estimators.sliding_mode_observer import SlidingMode
 from benchmarks.harness import page, tuning
 from benchmarks.harness.estimator import Learned
 from benchmarks.harness.learned_residual import samples
+from benchmarks.harness.momentum import LinearObserver
 from benchmarks.harness.outside import check
 from benchmarks.harness.run import Estimate, Run
 from benchmarks.harness.scores import free_rows, sensed_rows
@@ -106,6 +107,20 @@ def test_what_is_unknown_stays_unknown(torque: Callable[[Run], Array]) -> None:
         values[100:110] = np.nan
     unknown = np.isnan(torque(run)).any(axis=1)
     assert np.flatnonzero(unknown).tolist() == [*range(100, 110)]
+
+
+@pytest.mark.parametrize(
+    "observer", [FirstOrder(20.0), ExtendedState(40.0), DisturbanceKalman(5.0, 1.0)]
+)
+def test_the_filter_of_a_linear_observer_is_its_recursion(observer: LinearObserver) -> None:
+    added = np.cumsum(np.random.default_rng(0).normal(size=(200, 6)), axis=0)
+    a, b = observer.gains(0.008)
+    momentum, torque, found = added[0], np.zeros(6), []
+    for measured in added:
+        error = measured - (momentum + 0.008 * torque)
+        momentum, torque = momentum + 0.008 * torque + a * error, torque + b * error
+        found.append(torque)
+    np.testing.assert_allclose(observer.follow(added, 0.008), found, rtol=1e-9, atol=1e-9)
 
 
 def test_friction_and_torque_constant_that_are_off_are_learnt() -> None:

@@ -75,7 +75,10 @@ def test_cheap_commands_run(line: str) -> None:
 def test_studies_are_valid(
     example: Example, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """With an arm of one's own, `my-arm`."""
     monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    Path("robots/my-arm.yaml").write_bytes(robot_path("ur5").read_bytes())
     assert yaml_faults(example.text, tmp_path) == []
 
 
@@ -153,11 +156,19 @@ def add_an_estimator(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert 0 < learned.latency <= 0.05
 
 
+def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
+    """What it imports; tests/workflow/test_lab.py runs the rules as a module."""
+    known: dict[str, Path] = {}
+    exec(code.partition("\n")[0], known)
+    assert known["SNAKEFILE"].is_file()
+
+
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     'KINDS["root"]': add_a_term,
     "from dataclasses import dataclass": add_an_estimator,
+    "from ur5lib.lab.places import": use_the_rules,
 }
 
 

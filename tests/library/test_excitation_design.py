@@ -33,7 +33,7 @@ from ur5lib.timeseries.changes import coloured
 
 TABLE = -0.05  # m
 SHORT = Effort(1, 0, ((1e2, 60), (1e4, 40)))
-RANDOM, CELLS, SEEDS = 10, 50, 300
+RANDOM, CELLS, SEEDS = 10, 12, 300
 
 
 @functools.cache

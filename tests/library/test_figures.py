@@ -90,7 +90,7 @@ def test_forces_stand_left_and_moments_right() -> None:
 
 def test_joints_have_the_same_colours_everywhere() -> None:
     axes = drawing(panels=TORQUE).figure.axes
-    assert [axis.lines[1].get_color() for axis in axes] == [*JOINTS]
+    assert [axis.lines[1].get_color() for axis in axes] == [*JOINTS[:6]]
 
 
 def test_known_torque_constants_are_drawn_beside_the_fitted_ones() -> None:

@@ -81,6 +81,22 @@ def test_bias_and_tool_are_found_between_contacts() -> None:
     np.testing.assert_array_less(off, 5 * offset.moment_arm_std + 1e-4, strict=True)
 
 
+def test_a_sensor_without_moments_tells_bias_and_weight() -> None:
+    rotation = orientations(60, turning=0.8)
+    reading, wrench = pushed(rotation, seed=0)
+    whole = fit_offset(reading, GRAVITY @ rotation, PERIOD)
+    reading[:, 3:] = np.nan
+    offset = fit_offset(reading, GRAVITY @ rotation, PERIOD)
+    np.testing.assert_allclose(offset.bias[:3], whole.bias[:3], atol=0.01)
+    assert offset.mass == pytest.approx(MASS, abs=5 * offset.mass_std)
+    assert np.abs(wrench[offset.free, :3]).max() < 0.5
+    unknown = (offset.bias[3:], offset.bias_std[3:], offset.noise[3:], offset.moment_arm)
+    assert np.isnan(unknown).all()
+    estimate = wrench_of_environment(reading - offset.reading(GRAVITY @ rotation), rotation)
+    assert np.abs(estimate - wrench)[:, :3].max() < 0.3
+    assert np.isnan(estimate[:, 3:]).all()
+
+
 def test_the_compensated_wrench_is_the_push() -> None:
     rotation = orientations(60, turning=0.8)
     reading, wrench = pushed(rotation, seed=1)

@@ -17,14 +17,14 @@ from tests.library.current_study import (
     prior,
     smooth,
 )
-from tests.made_tables import table
+from tests.made_tables import gathered
 from ur5lib.identification.condition import UNITS, joint_conditions
 from ur5lib.identification.currents import CurrentFit, fit_currents
 from ur5lib.identification.payload import JudgedLoad
 from ur5lib.identification.samples import Record, design
 from ur5lib.identification.validation import Scores
 from ur5lib.pipeline.health import Checkup, checkup, dated, health_of, together
-from ur5lib.pipeline.records.health import Health
+from ur5lib.pipeline.records.health import Condition, Health, JointChange
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.recordings.quality import Finding, Quality
 from ur5lib.report.arm_state_figures import health_figure
@@ -166,14 +166,16 @@ def _checkups(fit: CurrentFit) -> Iterator[Checkup]:
 
 
 @pytest.fixture(scope="module")
-def results(summary: Health) -> Results:
-    return of_arm(summary)
+def results(summary: Health, tmp_path_factory: pytest.TempPathFactory) -> Results:
+    return of_arm(summary, tmp_path_factory.mktemp("study"))
 
 
-def of_arm(summary: Health) -> Results:
+def of_arm(summary: Health, folder: Path) -> Results:
     """The two tables of a study of one arm."""
-    names = ("health", "health_changes")
-    tables = {name: table(name, health={"ur5": summary}) for name in names}
+    tables = {
+        "health": gathered(Condition, summary.dates, folder),
+        "health_changes": gathered(JointChange, summary.changes, folder),
+    }
     return Results({"recordings": []}, tables, Path())
 
 
@@ -187,10 +189,10 @@ def test_what_changed_is_found_and_nothing_else(summary: Health) -> None:
     assert jumped.first < (START + timedelta(18)).isoformat() <= jumped.last
 
 
-def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
+def test_few_dates_give_no_tables(fit: CurrentFit, tmp_path: Path) -> None:
     summary = health_of([*_checkups(fit)][:5])
     assert summary == Health()
-    results = of_arm(summary)
+    results = of_arm(summary, tmp_path)
     assert judge_drift(results) is None
     assert (
         arm_state.dated(results)
@@ -198,7 +200,7 @@ def test_few_dates_give_no_tables(fit: CurrentFit) -> None:
         == [*arm_state.steps(results)]
         == []
     )
-    assert health_figure([], []).data.empty
+    assert health_figure(*results.tables.values()).data.empty
 
 
 def test_the_change_is_a_sentence_with_its_dates(results: Results) -> None:
@@ -242,8 +244,8 @@ def test_the_section_states_dates_and_lost_frames(results: Results) -> None:
     ]
 
 
-def test_every_joint_and_quantity_is_drawn(summary: Health) -> None:
-    drawing = health_figure(summary.dates, summary.changes)
+def test_every_joint_and_quantity_is_drawn(results: Results) -> None:
+    drawing = health_figure(*results.tables.values())
     assert len(drawing.figure.axes) == 36
     assert {*drawing.data["quantity"]} == {*UNITS, "temperature"}
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from hypothesis import given
@@ -88,7 +89,7 @@ def test_what_names_and_numbers_tell_becomes_the_entry(tmp_path: Path, made: Mad
 
 def test_another_order_of_the_joints_is_found_by_the_pose(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *shuffled(made, ORDER))
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
     assert "elbow, shoulder lift, shoulder pan, wrist 1" in comments
     complete = entry | {"units": {}, "joints": entry["joints"]}
@@ -100,7 +101,7 @@ def test_degrees_are_reported(tmp_path: Path, made: Made) -> None:
     time, channels = made
     turned = {n: np.degrees(channels[n]) for n in ("actual_q", "actual_qd")}
     write_parquet(tmp_path / "run.parquet", time, channels | turned)
-    entry, comments = entry_and_comments(tmp_path / "run.parquet")
+    entry, comments = entry_and_comments(tmp_path / "run.parquet", robot="ur5")
     assert entry["units"] == {"actual_q": "deg", "actual_qd": "deg/s"}
     assert "in degrees" in comments
 
@@ -111,7 +112,7 @@ def test_the_unit_of_efforts_is_told_by_gravity(tmp_path: Path, made: Made) -> N
         effort = {"effort": factor * channels["actual_current"]}
         kept = {name: channels[name] for name in ("actual_q", "actual_qd", "actual_TCP_pose")}
         write_hdf5(tmp_path / "run.h5", time, kept | effort)
-        entry, _ = entry_and_comments(tmp_path / "run.h5")
+        entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
         assert entry["channels"][name] == "run/effort"
 
 
@@ -128,14 +129,14 @@ def currents_read(entry: dict[str, Any]) -> Array:
 
 def test_milliamperes_are_told_by_gravity(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=1e3 * made[1]["actual_current"]))
-    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["units"] == {"actual_current": "mA"}
     np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
 
 
 def test_efforts_of_the_opposite_sign_are_turned(tmp_path: Path, made: Made) -> None:
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=-made[1]["actual_current"]))
-    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["units"] == {"actual_current": "opposite"}
     np.testing.assert_allclose(currents_read(entry), made[1]["actual_current"])
 
@@ -148,7 +149,7 @@ def test_constants_of_a_driver_are_told_by_the_rounding_of_currents(
     constants = np.array([-12.925, -13.088, -9.358, -4.572, -4.572, -4.548])
     time, channels = bare(made, effort=constants * current)
     write_hdf5(tmp_path / "run.h5", *shuffled((time, channels), ORDER))
-    entry, _ = entry_and_comments(tmp_path / "run.h5")
+    entry, _ = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["joints"] == [3, 2, 1, 4, 5, 6]
     np.testing.assert_allclose(entry["units"]["actual_current"], 1 / constants[ORDER], rtol=1e-6)
     np.testing.assert_allclose(currents_read(entry), current, atol=1e-6)
@@ -163,7 +164,7 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     """As UR's driver gives them; a current is never without gravity."""
     free = np.tanh(made[1]["actual_qd"] / 0.02) + 0.5 * made[1]["actual_qd"]
     write_hdf5(tmp_path / "run.h5", *bare(made, effort=free))
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["channels"]["actual_torque_less_gravity"] == "run/effort"
     assert "assumed: run/effort in Nm, less gravity" in comments
     taken = read_and_repair({"units": {}, "joints": None, "time": "relative_s"} | entry, ur5, 0.1)
@@ -171,7 +172,7 @@ def test_gravity_is_added_to_torques_without_it(tmp_path: Path, made: Made, ur5:
     current = torque / np.array(ur5.maker_torque_constants())
     np.testing.assert_allclose(channel(taken.robot, "actual_current"), current, atol=1e-6)
     write_hdf5(tmp_path / "run.h5", *bare(made, current=free))
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert "run/current" not in entry["channels"].values()
     assert "ambiguous: run/current" in comments
 
@@ -273,7 +274,7 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
     """Of four; ROS drivers publish flange axes and the force of the arm on its surroundings."""
     time, channels = touched(made, ur5, frame)
     write_hdf5(tmp_path / "run.h5", time, channels | {"force": sign * channels["force"]})
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert entry["role"] == "contact"
     assert f"proven: run/force and run/torque in the {frame}'s frame" in comments
     turned = {} if sign == 1 else {"units": dict.fromkeys(("ft_f", "ft_t"), "opposite")}
@@ -289,12 +290,36 @@ def test_the_frame_of_a_wrench_is_the_one_that_explains_the_efforts(
         np.testing.assert_allclose(read["ft_fx"], touched(made, ur5, frame)[1]["force"][:, 0])
 
 
+@pytest.mark.parametrize("frame", ["base", "flange"])
+def test_a_sensor_may_have_forces_alone(tmp_path: Path, made: Made, ur5: Robot, frame: str) -> None:
+    """In a table and in arrays; in the base's frame, there is no channel of forces alone."""
+    time, channels = touched(made, ur5, frame)
+    del channels["torque"]
+    force = channels.pop("force")
+    write_hdf5(tmp_path / "run.h5", time, channels | {"force": force})
+    columns = {f"{name}_{k}": rows[:, k] for name, rows in channels.items() for k in range(6)}
+    columns |= {f"F{axis}": force[:, k] for k, axis in enumerate("xyz")}
+    table = pd.DataFrame({"timestamp": time} | columns)
+    table.to_csv(tmp_path / "run.csv", index=False)
+    arrays, stated = entry_and_comments(tmp_path / "run.h5")
+    named, told = entry_and_comments(tmp_path / "run.csv")
+    kept = frame == "flange"
+    sensed = [name for name in named.get("columns", []) if name.startswith("ft_")]
+    assert sensed == (["ft_fx", "ft_fy", "ft_fz"] if kept else [])
+    assert arrays.get("force_sensor") == (
+        {"channels": {"time": "run/time", "ft_f": "run/force"}} if kept else None
+    )
+    for comments in (stated, told):
+        assert f"in the {frame}'s frame" in comments
+        assert ("ambiguous" in comments) != kept
+
+
 def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur5: Robot) -> None:
     """Noise of a sensor, of which the efforts know nothing."""
     time, channels = touched(made, ur5, "flange")
     random = np.random.default_rng(2).normal(0, 5, channels["force"].shape)
     write_hdf5(tmp_path / "run.h5", time, made[1] | {"force": random, "torque": random / 50})
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert "actual_TCP_force" not in entry["channels"]
     assert "force_sensor" not in entry
     assert "ambiguous: run/force and run/torque" in comments
@@ -303,7 +328,7 @@ def test_a_wrench_without_efforts_proves_no_frame(tmp_path: Path, made: Made, ur
 def test_zeros_of_channels_that_were_not_there_are_left_out(tmp_path: Path, made: Made) -> None:
     time, channels = made
     write_hdf5(tmp_path / "run.h5", time, channels | {"target_qdd": 0 * channels["actual_q"]})
-    entry, comments = entry_and_comments(tmp_path / "run.h5")
+    entry, comments = entry_and_comments(tmp_path / "run.h5", robot="ur5")
     assert "target_qdd" not in entry["channels"]
     assert "run/target_qdd: zero throughout, so not recorded" in comments
 
@@ -315,7 +340,7 @@ def test_names_that_appear_twice_are_read_once(tmp_path: Path, made: Made) -> No
     table = np.column_stack([time, *values, channels["actual_q"][:, 0]])
     head = ",".join(["timestamp", *names, "actual_q_0"])
     np.savetxt(tmp_path / "run.csv", table, delimiter=",", header=head, comments="", fmt="%.6f")
-    entry, comments = entry_and_comments(tmp_path / "run.csv")
+    entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
     assert entry["columns"] == ["time", "actual_q", "actual_qd", "actual_TCP_pose", "-"]
     assert "actual_q_0 appears twice" in comments
 
@@ -369,13 +394,13 @@ def test_columns_of_nist_are_known(tmp_path: Path, made: Made) -> None:
         np.zeros((len(time), 6)) if columns[name] is None else columns[name] for name in NIST[1:]
     ]
     np.savetxt(tmp_path / "run.csv", np.hstack(blocks), delimiter=",", fmt="%.6f")
-    entry, comments = entry_and_comments(tmp_path / "run.csv")
+    entry, comments = entry_and_comments(tmp_path / "run.csv", robot="ur5")
     assert {"time", "actual_q", "target_moment"} <= {*entry["columns"]}
     assert "NIST" in comments
     rows = zip(*(block.tolist() for block in blocks), strict=True)
     lines = [", ".join([str(stamp), *map(str, groups)]) for (stamp,), *groups in rows]
     (tmp_path / "run.csv").write_text("\n".join(lines) + "\n")  # as NIST's own files group them
-    assert entry_and_comments(tmp_path / "run.csv")[0] == entry
+    assert entry_and_comments(tmp_path / "run.csv", robot="ur5")[0] == entry
 
 
 def test_three_commands_are_named(
@@ -439,15 +464,15 @@ def test_demonstrations_of_a_ur5e(ur5e_data: Path) -> None:
 def test_bag_and_table_of_one_run_of_a_ur3_agree() -> None:
     """A lab's driver multiplied the currents in the bag (ROS 1) by constants of its own."""
     folder = shared_folder("ur3-cb", "they are recordings of a real UR3")
-    for name in ("id1", "id2", "_2019-11-27-20-59-11"):
-        both = [import_files([folder / f"{name}.{end}"], [])[0].entry for end in ("bag", "csv")]
-        for key in ("name", "robot", "role"):
-            assert both[0][key] == both[1][key]
-        complete = {"units": {}, "joints": None, "time": "relative_s"}
-        bag, table = (read_recording(complete | one).robot.table for one in both)
-        assert [*bag] == [*table]
-        assert both[0]["robot"] == "ur3"
-        np.testing.assert_allclose(bag, table, atol=2e-6)
+    files = [folder / f"_2019-11-27-20-59-11.{end}" for end in ("bag", "csv")]
+    both = [import_files([file], [])[0].entry for file in files]
+    for key in ("name", "robot", "role"):
+        assert both[0][key] == both[1][key]
+    complete = {"units": {}, "joints": None, "time": "relative_s"}
+    bag, table = (read_recording(complete | one).robot.table for one in both)
+    assert [*bag] == [*table]
+    assert both[0]["robot"] == "ur3"
+    np.testing.assert_allclose(bag, table, atol=2e-6)
 
 
 def test_a_bag_of_a_ur10() -> None:
@@ -486,7 +511,7 @@ def test_logs_without_names(ur10e_data: Path) -> None:
         import_files([ur10e_data / "ur-20_01_17-p1.csv"], [])
 
 
-@pytest.mark.parametrize("joint", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize("joint", [1, 2, 6])
 def test_runs_of_one_joint(ur10e_data: Path, joint: int) -> None:
     """What they do not prove is assumed: the order from base to wrist, the folder's arm."""
     entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv")
@@ -495,6 +520,15 @@ def test_runs_of_one_joint(ur10e_data: Path, joint: int) -> None:
     whole = ["actual_current", "target_current", "target_moment"]
     assert entry["columns"][3:] == (whole if joint > 1 else ["-"] * 18)
     assert joint == 6 or "assumed: the joints' order, base to wrist" in comments
+
+
+def test_a_run_of_joint_1_has_the_columns_of_another_run(ur10e_data: Path) -> None:
+    """By itself, no effort of it has a unit, as gravity does not change."""
+    paths = [ur10e_data / f"ur-20_01_22-joint_{joint}.csv" for joint in (1, 2)]
+    one, other = import_files(paths, [])
+    assert one.entry["columns"] == other.entry["columns"]
+    assert one.entry["file"] != other.entry["file"]
+    assert "columns, units and robot as in" in "".join(one.comments)
 
 
 def test_joints_shuffled_at_random_are_found_or_refused(ur5e_data: Path, ur10e_data: Path) -> None:

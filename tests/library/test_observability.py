@@ -1,20 +1,21 @@
 """The smallest push by speed, and the speeds at which friction is predicted."""
 
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from tests.library.made_up_torques import MODEL
+from tests.made_tables import gathered
 from ur5lib.force.detection import PAUSE, PUSH, smallest_force
 from ur5lib.force.external_torque import MOVING, STILL
 from ur5lib.force.force_input import Gears
 from ur5lib.force.trial_contacts import LEAST, MOST, Trials, felt_push, try_each_place
 from ur5lib.identification.validation import FEWEST, SPEEDS, ShareBySpeed, share_by_speed
 from ur5lib.pipeline.observability import Judged, observability
-from ur5lib.pipeline.records.observability import Observability
+from ur5lib.pipeline.records.observability import Observed
 from ur5lib.report.arm_state_figures import observability_figure
-from ur5lib.report.tables.making import make_table
 from ur5lib.timeseries.arrays import Array
 
 PERIOD, COUNT = 0.01, 30_000  # s, samples: five minutes
@@ -99,14 +100,15 @@ def test_the_range_that_suffices(share: list[float], expected: tuple[float, floa
     np.testing.assert_array_equal(found, expected)
 
 
-def test_the_table_has_each_joint_and_push() -> None:
+def test_the_table_has_each_joint_and_push(tmp_path: Path) -> None:
     """Joint 3 is predicted from 0.2 rad/s on, the others at every speed."""
     trials = detected_above(np.full(COUNT, 10.0))
     speed = np.tile(np.repeat(SPEEDS[:-1] + 1e-4, 50)[:, None], 6)
     inside = np.ones_like(speed)
     inside[speed[:, 2] < 0.2, 2] = 0.0
-    summary = observability([trials], [Judged(speed, inside)])
-    table = make_table("observability", {"observability": {"ur5": summary}})
+    found = observability([trials], [Judged(speed, inside)])
+    table = gathered(Observed, [*found], tmp_path)
+    assert {*table["robot"]} == {"ur5"}
     least = table[table["quantity"] == "least_velocity"].set_index("joint")["value"]
     assert least.to_dict() == {1: 0.0, 2: 0.0, 3: 0.2, 4: 0.0, 5: 0.0, 6: 0.0}
     assert (table["quantity"] == "friction_in_band").sum() == 6 * 9
@@ -119,16 +121,13 @@ def test_the_table_has_each_joint_and_push() -> None:
     assert along["value"].to_numpy() == pytest.approx(10.0, rel=0.5)
     assert (along["std_error"] > 0).all()
     assert along["samples"].sum() == len(trials.force)
-    drawing = observability_figure(summary.pushes, summary.shares, 0.9, MOST)
-    assert len(drawing.data) == 2 + 6 * 9
-    for pushes in (
-        [],
-        [replace(summary.pushes[0], speed_high=None)],
-    ):
-        drawing = observability_figure(pushes, summary.shares, 0.9, MOST)
-        assert len(drawing.data) == len(pushes) + 6 * 9
+    assert len(observability_figure(table, 0.9, MOST).data) == 2 + 6 * 9
+    shares = table[table["quantity"] == "friction_in_band"]
+    for pushed in (pushes[:0], pushes[:1].assign(speed_high=np.nan)):
+        drawing = observability_figure(pd.concat([pushed, shares]), 0.9, MOST)
+        assert len(drawing.data) == len(pushed) + 6 * 9
 
 
-def test_nothing_is_drawn_of_recordings_that_tell_nothing() -> None:
-    assert observability([], []) == Observability()
-    assert observability_figure([], [], 0.9, MOST).data.empty
+def test_nothing_is_drawn_of_recordings_that_tell_nothing(tmp_path: Path) -> None:
+    table = gathered(Observed, [*observability([], [])], tmp_path)
+    assert observability_figure(table, 0.9, MOST).data.empty

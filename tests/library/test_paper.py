@@ -14,6 +14,7 @@ from pypdf import PdfReader
 
 from tests.conftest import PROJECT
 from tests.latex import ERRORS, check_latex, compile_latex
+from ur5lib import __version__
 from ur5lib.report.charts import calibration_panels, residual_panels, scatter_panels
 from ur5lib.report.document import Cell, Document, Picture, Section, Table
 from ur5lib.report.house_style import Drawing, save
@@ -29,27 +30,30 @@ HOSTILE = (
 )
 
 
-def drawings() -> dict[str, Drawing]:
-    """Figures of several kinds, one with more vertices than the report keeps as lines."""
+def drawing(name: str) -> Drawing:
+    """A figure of one of several kinds, one with more vertices than the report keeps as lines."""
     time = np.linspace(0, 60, 20_000)
     waves = np.outer(np.sin(time), np.arange(1.0, 7.0))
     thin = waves[::40]
     series = {"force sensor": (waves, "measured"), "F̂ᵐᵃᵖ": (0.9 * waves, "third")}
     errors = {"F̂ᵐᵃᵖ": (0.1 * waves, "third")}
     shares = {"in contact": np.full((3, 3), 80.0), "free": np.full((3, 3), 90.0)}
-    return {
-        "forces": draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH),
-        "currents": draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT),
-        "residuals": residual_panels(thin, {"q̇ [rad/s]": thin, "τ [Nm]": thin}, "A"),
-        "friction": scatter_panels(thin, thin, ("velocity of joint {} [rad/s]", "τ of {} [Nm]")),
-        "calibration": calibration_panels([50, 80, 95], {"F̂ᵐᵃᵖ": shares}, ["Fx", "Fy", "Fz"]),
-    }
+    match name:
+        case "forces":
+            return draw_traces(Traces(time, series, errors, (waves - 1, waves + 1)), WRENCH)
+        case "residuals":
+            return residual_panels(thin, {"q̇ [rad/s]": thin, "τ [Nm]": thin}, "A")
+        case "friction":
+            return scatter_panels(thin, thin, ("velocity of joint {} [rad/s]", "τ of {} [Nm]"))
+        case "calibration":
+            return calibration_panels([50, 80, 95], {"F̂ᵐᵃᵖ": shares}, ["Fx", "Fy", "Fz"])
+    return draw_traces(Traces(time, {"a": (waves, "joint")}), CURRENT)
 
 
 @pytest.mark.parametrize("name", ["forces", "currents", "residuals", "friction", "calibration"])
 def test_figures_fit_a_column_with_their_fonts(name: str, tmp_path: Path) -> None:
     for copy in ("a", "b"):
-        save(drawings()[name], tmp_path / f"{copy}.pdf")
+        save(drawing(name), tmp_path / f"{copy}.pdf")
     assert (tmp_path / "a.pdf").read_bytes() == (tmp_path / "b.pdf").read_bytes()
     assert not (tmp_path / "a.csv").exists()
     (page,) = PdfReader(tmp_path / "a.pdf").pages
@@ -144,14 +148,14 @@ def test_what_is_cited_can_be_found(tmp_path: Path) -> None:
 def test_the_references_are_those_of_the_citation_file() -> None:
     known = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
     bare = re.sub(r"[{}]", "", references())
-    for title in (known["title"], known["references"][0]["title"], known["version"]):
+    for title in (known["title"], known["references"][0]["title"], __version__):
         assert title in bare
 
 
 def test_everything_compiles(tmp_path: Path) -> None:
     figures = tmp_path / "figures"
-    save(drawings()["currents"], figures / "still" / "currents.svg")
-    save(drawings()["currents"], figures / "still" / "currents.pdf")
+    save(drawing("currents"), figures / "still" / "currents.svg")
+    save(drawing("currents"), figures / "still" / "currents.pdf")
     picture = Picture(HOSTILE, figures / "still" / "currents.svg", HOSTILE, "currents")
     row = [Cell(HOSTILE), Cell("1")]
     many = [Table(HOSTILE, [HOSTILE, "a"], [row], f"t.{i}") for i in range(40)]

@@ -20,7 +20,7 @@ from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
-from ur5lib.recorder.device import DeviceLost
+from ur5lib.recorder.device import DeviceLost, Identity
 from ur5lib.recorder.net_ft import NetFT
 from ur5lib.recorder.xsens import Xsens
 from ur5lib.timeseries.arrays import Array
@@ -31,13 +31,13 @@ WRENCH = np.array([10.0, -20.0, 30.0, 0.5, -1.0, 2.0])
 READING = np.array([0.5, -1.0, 9.75, 0.25, 0.0, -0.125, 0.5, 0.25, -0.75])
 BORN = time.monotonic()
 
-Opened = AbstractContextManager[tuple[Emulated, NetFT | Xsens, dict[str, Any]]]
+Opened = AbstractContextManager[tuple[Emulated, NetFT | Xsens, Identity]]
 
 
 @contextmanager
 def net_ft(
     reading: Array | None = WRENCH, bias: bool = False, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens, dict[str, Any]]]:
+) -> Iterator[tuple[Emulated, NetFT | Xsens, Identity]]:
     """An emulated box, the open device that records it, and its entry.
 
     reading: None for the host's time [s] since these tests began.
@@ -51,7 +51,7 @@ def net_ft(
 @contextmanager
 def xsens(
     reading: Array | None = READING, **options: Any
-) -> Iterator[tuple[Emulated, NetFT | Xsens, dict[str, Any]]]:
+) -> Iterator[tuple[Emulated, NetFT | Xsens, Identity]]:
     """The same for a tracker."""
     with XsensDevice(lambda now: _read(reading, now, 9), **options) as tracker:
         imu = Xsens(tracker.path, rate_hz=256)
@@ -79,8 +79,8 @@ def record(device: NetFT | Xsens, seconds: float) -> tuple[Array, Array, int]:
 def test_force_and_torque_arrive_with_their_counters() -> None:
     with net_ft() as (_, sensor, entry):
         received, values, lost = record(sensor, 2.0)
-    assert (entry["serial_number"], entry["rate_hz"], entry["bias"]) == ("FT00001", 1000, False)
-    assert (entry["units"]["ft_fz"], entry["units"]["ft_tz"]) == ("N", "Nm")
+    assert (entry.serial_number, entry.rate_hz, entry.bias) == ("FT00001", 1000, False)
+    assert (entry.units["ft_fz"], entry.units["ft_tz"]) == ("N", "Nm")
     assert values.shape == (len(received), len(sensor.columns))
     assert (values[0, 0], values[-1, 0]) == (1, len(values) + lost)
     np.testing.assert_array_equal(np.diff(values[:, 1]), 7 * np.diff(values[:, 0]))
@@ -93,11 +93,11 @@ def test_force_and_torque_arrive_with_their_counters() -> None:
 def test_samples_of_a_tracker_arrive_with_their_counters(is_legacy: bool) -> None:
     with xsens(is_legacy=is_legacy) as (_, imu, entry):
         received, values, lost = record(imu, 2.0)
-    assert entry["rate_hz"] == 256
-    assert entry["message"] == ("MTData" if is_legacy else "MTData2")
-    assert (entry["model"], entry["firmware"]) == ("MTi-30-2A5G4", "1.8.2")
-    assert entry["serial_number"] == "07700ABC"
-    assert (entry["units"]["imu_az"], entry["units"]["imu_gx"]) == ("m/s²", "rad/s")
+    assert entry.rate_hz == 256
+    assert entry.message == ("MTData" if is_legacy else "MTData2")
+    assert (entry.model, entry.firmware) == ("MTi-30-2A5G4", "1.8.2")
+    assert entry.serial_number == "07700ABC"
+    assert (entry.units["imu_az"], entry.units["imu_gx"]) == ("m/s²", "rad/s")
     assert values.shape == (len(received), len(imu.columns))
     assert np.ptp(values[:, 0]) == len(values) + lost - 1
     np.testing.assert_array_equal(values[:, 2:], np.tile(READING, (len(values), 1)))
@@ -189,7 +189,7 @@ def test_units_of_the_box_become_newtons(
 def test_a_bias_is_set_and_recorded() -> None:
     with net_ft(bias=True) as (_, sensor, entry):
         _, values, _ = record(sensor, 0.2)
-    assert entry["bias"] is True
+    assert entry.bias is True
     np.testing.assert_allclose(values[:, 3:], 0, atol=1e-6)
 
 
@@ -285,7 +285,7 @@ def test_a_rate_that_the_tracker_does_not_offer(is_legacy: bool) -> None:
             with pytest.raises(InputError, match=r"does not accept 100 Hz; choose"):
                 imu.open()
         else:
-            assert imu.open()["rate_hz"] == 256
+            assert imu.open().rate_hz == 256
             imu.close()
 
 

@@ -24,7 +24,7 @@ from ur5lib.doubles.net_ft_box import NetFTBox
 from ur5lib.doubles.xsens_device import XsensDevice as EmulatedXsens
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
-from ur5lib.recorder.device import NewSamples
+from ur5lib.recorder.device import Identity, NewSamples
 from ur5lib.recorder.lab import ArmDevice, Lab, NetFTDevice, XsensDevice
 from ur5lib.recorder.session import MANIFEST, Session, write_manifest
 from ur5lib.recordings.quality import Finding
@@ -172,8 +172,8 @@ class MadeUp:
     def device(self) -> "MadeUp":
         return self
 
-    def open(self) -> dict[str, Any]:
-        return {"rate_hz": 100.0}
+    def open(self) -> Identity:
+        return Identity(model="made up", address="here", units="SI", rate_hz=100.0)
 
     def read(self) -> NewSamples:
         time.sleep(0.01)
@@ -237,7 +237,7 @@ def test_a_full_disk_is_said(tmp_path: Path) -> None:
         finally:
             signal.signal(signal.SIGINT, handler)
     identity, status = here.recv(), here.recv()
-    assert identity["model"].startswith("MTi")
+    assert identity.model.startswith("MTi")
     assert isinstance(status, Status)
     assert "cannot be written (No space left on device)" in str(status.ended)
 

@@ -25,7 +25,7 @@ from ur5lib.recordings.intake import Intake
 from ur5lib.recordings.plausibility import check_pace
 from ur5lib.recordings.quality import Finding, Log
 from ur5lib.recordings.recording import DeviceRecord, RawRecording, Stamp
-from ur5lib.recordings.sensors import FORCE_CHANNELS
+from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.recordings.thesis_csv import ROBOT_CHANNELS
 from ur5lib.robots.description import Robot, load_robot, robot_path
@@ -118,9 +118,9 @@ def test_a_long_recording_is_in_memory_about_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ur5: Robot
 ) -> None:
     """Not as text, and not once more for each step of the repair; pyarrow's memory is not seen."""
-    monkeypatch.setattr(text_blocks, "SIZE", 1 << 18)
+    monkeypatch.setattr(text_blocks, "SIZE", 1 << 17)
     monkeypatch.setattr(text_blocks, "SHORT", 1 << 12)
-    time = 0.008 * np.arange(20_000)
+    time = 0.008 * np.arange(10_000)
     columns = {f"{name}_{k}": 0.1 * np.sin(time + k) for name in LONG_CHANNELS for k in range(6)}
     pd.DataFrame({"timestamp": time, **columns}).to_csv(tmp_path / "long.csv", index=False)
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "long.csv"}
@@ -637,7 +637,9 @@ def test_channels_that_nothing_uses_are_told_from_unknown_ones(tmp_path: Path, u
     [
         (FORCE_CHANNELS, "assumed frame"),
         ([f"ft_{k}" for k in range(6)], "unused wrench"),
-        (FORCE_CHANNELS[:3], "unused wrench"),
+        (FORCE_CHANNELS[:3], "no moments"),
+        (FORCE_CHANNELS[:4], "unused wrench"),
+        (FORCE_CHANNELS[1:], "unused wrench"),
     ],
 )
 def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
@@ -649,4 +651,5 @@ def test_a_wrench_in_the_robot_s_file_is_used_or_reported(
     entry = {"format": "rtde-csv", "folder": str(tmp_path), "file": "robot.csv"}
     taken = read_and_repair(entry | {"force_sensor": None, "imu": None}, ur5, 0.1)
     assert finding in {one.finding for one in taken.quality.findings}
-    assert ("ft_fx" in taken.robot) == (finding == "assumed frame")
+    assert ("ft_fx" in taken.robot) == ({*FORCES} <= {*columns})
+    assert ("ft_tx" in taken.robot) == ({*FORCE_CHANNELS} <= {*columns})

@@ -45,7 +45,7 @@ def is_family(own: Field[Any]) -> bool:
 def samples(own: Field[Any], count: int) -> st.SearchStrategy[Any]:
     """Made-up samples of a field; numbers of any kind, NaN included."""
     declared = own.metadata["channel"]
-    array = arrays.arrays(declared.dtype, (count, *declared.shape))
+    array = arrays.arrays(declared.dtype, (count, *of_six(declared.shape)))
     if not is_family(own):
         return st.none() | array if is_optional(own) else array
     keys = st.lists(st.sampled_from(declared.keys or KEYS), unique=True)
@@ -61,12 +61,17 @@ def made_up(record: type[Table]) -> st.SearchStrategy[Table]:
     return st.integers(0, 3).flatmap(of_count)
 
 
+def of_six(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape of a sample of an arm of six joints."""
+    return tuple(6 if size < 0 else size for size in shape)
+
+
 def whole(record: type[Table], count: int = 4) -> Table:
     """A record that has all there may be, each element another number."""
     counter = iter(range(10**9))
 
     def array(own: Field[Any]) -> np.ndarray:
-        shape = count, *own.metadata["channel"].shape
+        shape = count, *of_six(own.metadata["channel"].shape)
         flat = [next(counter) for _ in range(math.prod(shape))]
         return np.array(flat).reshape(shape).astype(own.metadata["channel"].dtype)
 

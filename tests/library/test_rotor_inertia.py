@@ -72,7 +72,7 @@ def test_standard_errors_hold_what_they_promise() -> None:
     """Errors alike through a motion: the jackknife sees them, one of single samples would not."""
     scores = []
     for trial in range(20):
-        found = fit([made_up(10 * trial + k) for k in range(6)])
+        found = fit([made_up(10 * trial + k, 1000) for k in range(6)])
         scores.append((found.value.inertia - INERTIA) / found.std_error.inertia)
     assert 0.6 < np.sqrt(np.mean(np.square(scores))) < 2.0
 

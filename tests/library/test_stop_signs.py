@@ -28,51 +28,18 @@ from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, r
 from ur5lib.robots.statics import load_torque
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
+from ur5lib.strict import read_yaml
 from ur5lib.study.model import Recording
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import channel
 from ur5lib.timeseries.segments import period
 
 STUDIES = {"thesis": "`make thesis` fetches them", "ur10e": "see workflow/studies/ur10e.yaml"}
-NAMES = {
-    "thesis": [
-        "Movement_No1",
-        "Movement_No2",
-        "Movement_No3_Acc",
-        "Movement_No4_Acc",
-        "Movement_No5_Acc_slow_no_disturbance",
-        "Movement_No5_Acc_slow_w_disturbance",
-        "Movement_No6_Acc_slow_Verify_Model",
-        "Movement_No7_Acc_slow_Verify_Model_short",
-        "Movement_No8_Singularity_Free_1",
-        "Movement_No9_Singularity_Free_ForceSensor",
-        "Movement_No9_Singularity_Free_NoDist",
-        "Movement_No10_Standstill_ForceSensor_All",
-        "Movement_No10_Standstill_ForceSensor_Fx",
-        "Movement_No10_Standstill_WDist",
-        "TEST",
-    ],
-    "ur10e": [
-        "ur-20_01_17-p1",
-        "ur-20_01_17-p2",
-        "ur-20_01_17-p3",
-        "ur-20_01_17-p4",
-        "ur-20_01_17-p5",
-        "ur-20_01_17-ptp_10_points",
-        "ur-19_12_23_free",
-        *(f"ur-20_01_22-joint_{k}" for k in range(1, 7)),
-        "ur-20_01_22-push_pose_1",
-        "ur-20_01_31-load",
-        "ur-20_01_31-unload",
-        "ur-20_02_05-20sec_8harm",
-        "ur-20_02_12-40sec_12harm",
-        "ur-20_02_12-50sec_12harm",
-        "ur-20_02_19_14harm50sec",
-        "ur-20_02_19_14harm50secLoad",
-        "ur-20_02_19_15harm50secLoad",
-    ],
-}
-REAL = [(study, name) for study, names in NAMES.items() for name in names]
+REAL = [
+    (study, recording["name"])
+    for study in STUDIES
+    for recording in read_yaml(PROJECT / f"workflow/studies/{study}.yaml")["recordings"]
+]
 SIMULATED = {
     "fast": {"trajectory": {"kind": "fourier", "draw": 4, "period_s": 20, "harmonics": 10}},
     "slow": {"trajectory": {"kind": "fourier", "draw": 9, "period_s": 20, "limit_share": 0.1}},
@@ -102,6 +69,12 @@ SIMULATED = {
         ],
     },
 }
+ARMS = robot_names()
+EACH_ARM = [  # each plan on two arms, each arm in a plan at least
+    (name, ARMS[(2 * k + other) % len(ARMS)])
+    for k, name in enumerate(SIMULATED)
+    for other in (0, 1)
+]
 MOUNTINGS = {"floor": (0.0, 0.0, -9.81), "ceiling": (0.0, 0.0, 9.81), "wall": (9.81, 0.0, 0.0)}
 TORQUE_CONSTANTS = np.array([12.0, 11.0, 10.0, 10.0, 10.0, 10.0])  # Nm/A, about those of all arms
 DEGREE = np.pi / 180
@@ -166,8 +139,7 @@ def test_real_recordings_are_right(study: str, name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("robot", robot_names())
-@pytest.mark.parametrize("name", SIMULATED)
+@pytest.mark.parametrize(("name", "robot"), EACH_ARM)
 def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> None:
     assert simulated(made, name, robot, "floor").signs() == []
 
@@ -429,15 +401,14 @@ def test_jumps_of_all_channels_exchange_no_currents(study: str, name: str) -> No
 
 # Small arms bear little beside their friction: 12 s do not show these faults on them.
 UNSEEN = [
-    ("joint 2's current x 0.6", "ur3"),
     ("joint 2's current x 0.6", "ur3e"),
     ("current 50 ms late", "ur3e"),
 ]
 
 
 def corrupted_arms() -> Iterator[object]:
-    """Every corruption on arms of all sizes; those that are not seen are expected to fail."""
-    for case in product(CORRUPTIONS, ("ur3", "ur3e", "ur10e", "ur20")):
+    """Every corruption on a small and a large arm; those that are not seen are expected to fail."""
+    for case in product(CORRUPTIONS, ("ur3e", "ur20")):
         unseen = pytest.mark.xfail(strict=True, reason="a small arm bears too little")
         yield pytest.param(*case, marks=[unseen] if case in UNSEEN else [])
 

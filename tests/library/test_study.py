@@ -42,6 +42,39 @@ def test_defaults_fill_what_is_not_given(raw: dict[str, Any]) -> None:
     assert study.reference is None
 
 
+def with_pattern(raw: dict[str, Any], tmp_path: Path, **entry: Any) -> dict[str, Any]:
+    """A study of logs by month and arm, one of which has no day in its path."""
+    for name in ("2026-03/a_20260309.csv", "2026-04/b 2026-04-01.csv", "2026-04/c.csv", "x.txt"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    keys = {"name": "log", "robot": "ur5", "format": "rtde-csv", "role": "validate"}
+    raw["recordings"].append(keys | {"folder": str(tmp_path), "file": "2026-*/*.csv"} | entry)
+    return raw
+
+
+def test_a_pattern_stands_for_a_recording_of_each_file(raw: dict[str, Any], tmp_path: Path) -> None:
+    raw["recordings"][0]["folder"] = str(tmp_path.parent)
+    found = parse_study(with_pattern(raw, tmp_path), "").recordings[1:]
+    assert [(run.name, str(run.date), *run.file_names()) for run in found] == [
+        ("log_2026-03-a_20260309", "2026-03-09", "2026-03/a_20260309.csv"),
+        ("log_2026-04-b-2026-04-01", "2026-04-01", "2026-04/b 2026-04-01.csv"),
+        ("log_2026-04-c", "None", "2026-04/c.csv"),
+    ]
+    raw["recordings"][1]["date"] = "2025-12-31"
+    assert {str(run.date) for run in parse_study(raw, "").recordings[1:]} == {"2025-12-31"}
+
+
+def test_the_error_of_a_pattern_is_stated_once_at_its_entry(
+    raw: dict[str, Any], tmp_path: Path
+) -> None:
+    raw["recordings"][0]["folder"] = str(tmp_path.parent)
+    (error,) = complaints(with_pattern(raw, tmp_path, role="fitt"))
+    assert "recordings[1].role" in error
+    raw["recordings"][1] |= {"role": "fit", "file": "2027-*/*.csv"}
+    (error,) = complaints(raw)
+    assert "2027-*/*.csv" in error
+
+
 def changed(raw: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
     """A study with other values at some places, e.g. `recordings[0].role`; GONE for no value."""
     for place, value in changes.items():
@@ -231,8 +264,9 @@ def test_the_committed_table_of_settings_is_the_models() -> None:
 
 def test_the_table_of_settings_has_every_key() -> None:
     parts = [Study.model_json_schema(), *Study.model_json_schema()["$defs"].values()]
+    text = settings_text()
     for key in {key for part in parts for key in part["properties"]}:
-        assert f"\n| `{key}` | " in settings_text()
+        assert f"\n| `{key}` | " in text
 
 
 def test_every_setting_is_documented_and_used() -> None:

@@ -32,7 +32,7 @@ STEPS = {
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A project of a few made-up steps, with workers of its own."""
-    scripts = tmp_path / job.SCRIPTS
+    scripts = tmp_path / "workflow" / "scripts"
     scripts.mkdir(parents=True)
     for name, text in STEPS.items():
         (scripts / f"{name}.py").write_text(text)
@@ -105,7 +105,7 @@ def test_a_failed_step_says_why(folder: Path, step: str, sentence: str, logged: 
 def test_what_a_library_prints_goes_to_the_log(folder: Path) -> None:
     """Also what is not Python's own output."""
     script = "import os\ndef shouts(input, output, params):\n    os.write(2, b'from C')\n"
-    (folder / job.SCRIPTS / "shouts.py").write_text(script)
+    (folder / "workflow" / "scripts" / "shouts.py").write_text(script)
     run("shouts")
     assert (folder / "logs" / "shouts.log").read_text() == "from C"
 

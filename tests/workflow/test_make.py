@@ -3,10 +3,13 @@
 import os
 import shutil
 import subprocess
+import tomllib
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 from tests.conftest import PROJECT
 from ur5lib.datasets.catalogue import catalogue
@@ -104,3 +107,28 @@ def test_recordings_of_every_study_can_be_fetched_by_their_folder() -> None:
             raw, name, *_ = Path(recording["folder"]).parts
             assert raw == "raw"
             assert name in catalogue()
+
+
+# Locks
+
+
+def locked(name: str) -> set[str]:
+    lines = (PROJECT / name).read_text().splitlines()
+    return {canonicalize_name(line.split("==")[0]) for line in lines if "==" in line}
+
+
+def test_a_user_installs_nothing_that_only_tests_need() -> None:
+    """Each lock has what its part of pyproject.toml names, and no package is in both."""
+    project = tomllib.loads((PROJECT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    for_users = project["dependencies"] + extras["formats"] + extras["record"]
+    named = {canonicalize_name(Requirement(each).name) for each in for_users}
+    for_tests = {canonicalize_name(Requirement(each).name) for each in extras["dev"]}
+    assert named <= locked("requirements.lock")
+    assert for_tests <= locked("requirements.lock") | locked("requirements-dev.lock")
+    assert not locked("requirements.lock") & locked("requirements-dev.lock")
+
+
+def test_make_test_is_what_the_checks_of_a_change_run() -> None:
+    assert (PROJECT / ".ci" / "run").read_text().splitlines()[-1] == "make test"
+    assert "make test " in (PROJECT / "README.md").read_text()

@@ -28,7 +28,7 @@ title: One short recording
 recordings:
   - name: only
     robot: ur5
-    format: rtde-csv
+    format: realtime-stream
     role: fit
     simulate: {seconds: 10, trajectory: {kind: fourier, draw: 3}, seed: 1}
 """
@@ -38,12 +38,12 @@ title: An arm at rest
 recordings:
   - name: rest
     robot: ur5
-    format: rtde-csv
+    format: thesis-csv
     role: fit
     simulate: {seconds: 10, trajectory: {kind: standstill}, seed: 1}
   - name: rest_pushed
     robot: ur5
-    format: rtde-csv
+    format: thesis-csv
     role: contact
     simulate:
       trajectory: {kind: standstill}
@@ -57,7 +57,7 @@ title: Pressed at rest beside a force sensor, and nothing to fit
 recordings:
   - name: pressed
     robot: ur5
-    format: rtde-csv
+    format: thesis-csv
     role: contact
     simulate:
       trajectory: {kind: standstill}

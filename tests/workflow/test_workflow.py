@@ -9,11 +9,14 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.conftest import PROJECT, STUDY, Workflow
+from ur5lib.study.turn import take_turn
 
 RECORDINGS = 2
+RUN = "run_times", "ro-crate-metadata"  # files that say when or how long it ran
 FROM_ALARMS = ["detect_contacts", "locate_contacts"]
 FROM_SENSOR = ["compare_forces", *FROM_ALARMS, "draw_figures", "ablate_forces"]
 FROM_CURRENTS = ["estimate_payload", "predict_currents", "estimate_forces", *FROM_SENSOR]
@@ -34,7 +37,8 @@ FRICTION = {"fit_friction": 1, "draw_friction": 1} | HEALTH | RESIDUALS | INDEX
 IMU = {"calibrate_imu": 1, "calibrate_imu_without_each": 1}
 ARM = IMU | MODELS | FRICTION
 DRIFTS = {"pool_drifts": 1}
-DOCUMENT = {"time_steps": 1, "write_report": 1}
+DOCUMENTED = {"write_report": 1, "describe_run": 1}
+DOCUMENT = {"time_steps": 1} | DOCUMENTED
 REPORT = {"make_tables": 1, "draw_calibration": 1} | DOCUMENT
 DRAWINGS = {
     "draw_filters": 1,
@@ -61,7 +65,7 @@ def results(workflow: Workflow) -> dict[str, bytes]:
     """What the user gets, byte by byte, without how long it took."""
     folder = workflow.folder / "results" / "small"
     kinds = {".csv", ".parquet", ".json", ".svg", ".html"}
-    files = [p for p in folder.rglob("*") if p.suffix in kinds and p.stem != "run_times"]
+    files = [p for p in folder.rglob("*") if p.suffix in kinds and p.stem not in RUN]
     found = {str(path.relative_to(folder)): path.read_bytes() for path in files}
     if "report.html" in found:
         times = rb"<p>The \d+ jobs took.*?</table>"
@@ -194,9 +198,9 @@ def test_no_file_is_left_aside(built_workflow: Workflow) -> None:
          jobs("find_contradictions", *FROM_FRICTION) | FRICTION | REPORT),
         # The wording of a warning, verdict or caption: no step but those of the report.
         ("ur5lib/report/templates/findings.yaml", REPORT),
-        ("ur5lib/report/verdicts/force.py", {"write_report": 1}),
-        ("ur5lib/report/contents.yaml", {"write_report": 1}),
-        ("ur5lib/report/sentences.yaml", {"write_report": 1}),
+        ("ur5lib/report/verdicts/force.py", DOCUMENTED),
+        ("ur5lib/report/contents.yaml", DOCUMENTED),
+        ("ur5lib/report/sentences.yaml", DOCUMENTED),
         ("ur5lib/comparing/topics.py", {"compare_studies": 1} | DOCUMENT),
         ("workflow/scripts/ablate_forces.py", jobs("ablate_forces") | REPORT),
         ("ur5lib/report/house_style.py",
@@ -262,10 +266,10 @@ def test_editing_the_study_reruns_what_it_concerns(
 
 
 def test_after_a_run_with_other_settings_nothing_is_left_to_do(workflow: Workflow) -> None:
-    append(workflow.folder / "config.yaml", SETTING + HOST)
+    append(workflow.folder / "config.yaml", SETTING)
     workflow.build()
     assert workflow.plan() == {}
-    (workflow.folder / "config.yaml").write_text(STUDY + HOST)
+    (workflow.folder / "config.yaml").write_text(STUDY)
     assert workflow.plan() == AT_A_SETTING
 
 
@@ -288,7 +292,7 @@ DELETED = {
     "recordings/pushed/load_regressor.parquet": jobs(*FROM_CURRENTS, recordings=1) | REPORT,
     "tables/force_mae.csv": REPORT,
     "figures/still/torques.svg": {"draw_figures": 1} | DOCUMENT,
-    "report.pdf": {"write_report": 1},
+    "report.pdf": DOCUMENTED,
 }  # fmt: skip
 
 
@@ -300,6 +304,18 @@ def test_a_deleted_file_is_planned_again(
     assert built_workflow.plan() == expected
 
 
+def started(workflow: Workflow) -> subprocess.Popen[bytes]:
+    """A run in a session of its own."""
+    return subprocess.Popen(
+        workflow.command(),
+        cwd=workflow.folder,
+        env=workflow.environment,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
 def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     """What was deleted is made again to the byte: all of one recording, and files that follow."""
     before = results(workflow)
@@ -308,14 +324,7 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
         (folder / file).unlink()
     shutil.rmtree(folder / "recordings" / "pushed")
     planned = workflow.plan()
-    run = subprocess.Popen(
-        workflow.command(),
-        cwd=workflow.folder,
-        env=workflow.environment,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )
+    run = started(workflow)
     while not (folder / "recordings" / "pushed" / "motion.parquet").exists():
         assert run.poll() is None, "the run ended before it could be killed"
         time.sleep(0.05)
@@ -326,6 +335,39 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
     workflow.build()
     assert results(workflow) == before
     assert workflow.plan() == {}
+
+
+@pytest.mark.slow
+def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
+    """Killed as a whole, or its first process alone, whose workers then end by themselves."""
+    before, random = results(workflow), np.random.default_rng(0)
+    for _ in range(int(os.environ.get("KILLS", "15"))):
+        lost = random.choice(["pushed", "still", "none"])
+        shutil.rmtree(
+            workflow.folder / "results" / "small" / "recordings" / lost, ignore_errors=True
+        )
+        run = started(workflow)
+        time.sleep(random.uniform(0.5, 15))
+        kill = os.killpg if random.random() < 0.5 else os.kill
+        kill(run.pid, signal.SIGKILL)
+        run.wait()
+    workflow.build()
+    assert results(workflow) == before
+    assert workflow.plan() == {}
+
+
+def test_a_second_run_at_once_is_refused_and_changes_nothing(workflow: Workflow) -> None:
+    before = results(workflow)
+    folder = workflow.folder / "results" / "small"
+    with take_turn(folder):
+        (folder / "tables" / "clocks.csv").unlink()
+        done = workflow.run()
+        assert done.returncode == 1
+        assert f"being made by process {os.getpid()} of " in done.stdout
+        assert workflow.plan() != {}
+        assert not (folder / "tables" / "clocks.csv").exists()
+    workflow.build()
+    assert results(workflow) == before
 
 
 # Other studies
@@ -358,7 +400,8 @@ def test_a_study_is_compared_with_another(workflow: Workflow) -> None:
 # Bad input: one clear sentence, a non-zero exit, nothing destroyed
 
 
-def fails_with(workflow: Workflow, *sentences: str) -> None:
+def fails_with(workflow: Workflow, *sentences: str) -> str:
+    """What a run prints that fails with these sentences, and leaves other results as they are."""
     before = results(workflow)
     done = workflow.run()
     assert done.returncode == 1
@@ -366,6 +409,7 @@ def fails_with(workflow: Workflow, *sentences: str) -> None:
     assert "Traceback" not in done.stdout
     after = results(workflow)
     assert {name: after[name] for name in before if name in after} == after
+    return done.stdout
 
 
 def test_a_misspelt_key(built_workflow: Workflow, change: Change) -> None:
@@ -380,15 +424,16 @@ def test_a_missing_folder(built_workflow: Workflow, change: Change) -> None:
 
 
 def test_recordings_that_cannot_be_read(workflow: Workflow) -> None:
-    """One lacks a file, in the other is a letter; each has its sentence."""
+    """One lacks a file, in the other is a letter; each has its sentence, once more at the end."""
     letter = workflow.folder / "raw/pushed/csv_files/log_i_actual.csv"
     letter.write_text("This is a letter, not a recording.\n")
     (workflow.folder / "raw/still/csv_files/log_m_target.csv").unlink()
-    fails_with(
-        workflow,
+    sentences = (
         "repair_frames: raw/still/csv_files/log_m_target.csv is missing",
         "raw/pushed/csv_files/log_i_actual.csv, line 1: expected 7 numbers (it has 2 cells)",
     )
+    [*_, end] = fails_with(workflow, *sentences).split("2 failed:\n")
+    assert all(sentence in end for sentence in sentences)
 
 
 def test_a_study_that_is_no_study(built_workflow: Workflow) -> None:
@@ -398,10 +443,14 @@ def test_a_study_that_is_no_study(built_workflow: Workflow) -> None:
     assert "Config file must be given as JSON or YAML with keys at top level" in done.stdout
 
 
-def test_another_folder(built_workflow: Workflow) -> None:
-    done = built_workflow.run("--directory", "raw")
-    assert done.returncode == 1
-    assert f"/raw; run snakemake in {built_workflow.folder}" in done.stdout
+def test_recordings_and_results_are_those_of_the_working_folder(
+    built_workflow: Workflow, tmp_path: Path
+) -> None:
+    shutil.copytree(built_workflow.folder / "raw", tmp_path / "raw")
+    shutil.copy(built_workflow.folder / "config.yaml", tmp_path)
+    plan = built_workflow.plan("--directory", str(tmp_path))
+    assert plan["repair_frames"] == RECORDINGS
+    assert built_workflow.plan() == {}
 
 
 def test_unwritable_results(workflow: Workflow) -> None:
@@ -421,7 +470,7 @@ def test_every_rule_declares_its_code_and_its_log() -> None:
     for path in (PROJECT / "workflow" / "rules").glob("*.smk"):
         for rule in path.read_text().split("\nrule ")[1:] if "rule " in path.read_text() else []:
             name = rule.split(":")[0].removeprefix("rule ")
-            step = re.search(r'code\("(\w+)"\)', rule)
+            step = re.search(r'code\(\s*"(\w+)"', rule)
             assert step, name
             assert name.startswith(step[1])
             assert f'traces("{name}"' in rule, name
@@ -432,7 +481,7 @@ def test_every_rule_declares_its_code_and_its_log() -> None:
 def test_every_script_has_a_rule() -> None:
     rules = "".join(p.read_text() for p in (PROJECT / "workflow" / "rules").glob("*.smk"))
     for path in (PROJECT / "workflow" / "scripts").glob("*.py"):
-        assert f'code("{path.stem}")' in rules
+        assert re.search(rf'code\(\s*"{path.stem}"', rules)
 
 
 def test_parsing_imports_neither_torch_nor_pandas(workflow: Workflow) -> None:

@@ -106,7 +106,7 @@ def print_tables(
 
 def severe(quality: Quality) -> list[str]:
     """Return the stop signs and errors of a recording, a sentence each."""
-    return [worded(one)["detail"] for one in quality.findings if one.severity in SEVERE]
+    return [str(worded(one)["detail"]) for one in quality.findings if one.severity in SEVERE]
 
 
 def is_there(recording: Recording) -> bool:

@@ -81,7 +81,7 @@ def excite(options: ExciteOptions, folder: Path, effort: Effort = USUAL) -> Iter
     planned = _design(task, options.seed, effort)
     worth = Worth.along(task, planned.path)
     asked = {"robot": options.robot, "question": options.question, "seed": options.seed}
-    summary = asked | summary_of(task, planned, worth)
+    summary = summary_of(options.robot, options.question, options.seed, task, planned, worth)
     drawing = excitation_figure(task.cell.robot, planned.path, planned.margins, task.problem, worth)
     write_files(folder, options.robot, options.payload, task, planned.path, summary)
     drawn = folder / "excitation.svg"

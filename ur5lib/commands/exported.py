@@ -11,7 +11,7 @@ import numpy as np
 from ur5lib.commands.friction_scales import direct_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
-from ur5lib.identification.currents import CurrentFit, JointFit, Parameter, torque_constants
+from ur5lib.identification.currents import CurrentFit, Parameter, torque_constants
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import BaseParameter, Identification, Rotors
@@ -72,7 +72,7 @@ def exported(robot: str, model: str | None, to: str, results: Path | None, as_in
     if study is not None:
         parameters |= identified_parameters(study, robot, friction)
         fitted = {name for names in parameters["fitted_on"].values() for name in names}
-        parameters["files"] = provenance(study, sorted(fitted))
+        parameters["files"] = {name: study.quality(name).read for name in sorted(fitted)}
     return json_text(parameters)
 
 
@@ -154,42 +154,32 @@ def identified_parameters(
     )
     currents = study.parameters(Friction, robot, "friction")
     return {
-        "base_parameters": [_base_parameter(row) for row in model.parameters],
+        "base_parameters": [
+            _shown(row, "weights") | _interval(row.value, row.std_error) for row in model.parameters
+        ],
         "rotor_inertia": [*_rotor_rows(rotors)],
         "torque_noise": model.noise,
-        "currents": [_current_parameter(row) for row in currents.parameters],
+        "currents": [
+            _shown(row, "interval") | dict(zip(("low", "high"), row.interval, strict=True))
+            for row in currents.parameters
+        ],
         "known_constants": currents.known_constants,
-        "current_model": [_current_model(joint) for joint in currents.fit.joints],
+        "current_model": [
+            {name: getattr(joint, name) for name in FITTED}
+            | {"remarks": [*map(in_words, joint.remarks)]}
+            for joint in currents.fit.joints
+        ],
         "simulator_friction": None if friction is None else asdict(friction),
         "fitted_on": {"link_model": model.from_, "currents": currents.from_},
     }
 
 
-def _current_model(joint: JointFit) -> dict[str, Any]:
-    """Return the fit of a joint, with its remarks in words."""
-    shown = {name: getattr(joint, name) for name in FITTED}
-    return shown | {"remarks": [*map(in_words, joint.remarks)]}
+def _shown(row: BaseParameter | Parameter, hidden: str) -> dict[str, str | float | bool]:
+    """Return the fields of a record but one."""
+    return {name: value for name, value in vars(row).items() if name != hidden}
 
 
-def provenance(study: FinishedStudy, recordings: list[str]) -> dict[str, Any]:
-    """Return the files that a study read of some recordings, with their SHA-256."""
-    return {name: study.quality(name).read for name in recordings}
-
-
-def _base_parameter(row: BaseParameter) -> dict[str, Any]:
-    """Return a base parameter with its interval, without its weights."""
-    shown = asdict(row)
-    del shown["weights"]
-    return shown | _interval(row.value, row.std_error)
-
-
-def _current_parameter(row: Parameter) -> dict[str, Any]:
-    shown = asdict(row)
-    low, high = shown.pop("interval")
-    return shown | {"low": low, "high": high}
-
-
-def _rotor_rows(rotors: Rotors) -> Iterator[dict[str, Any]]:
+def _rotor_rows(rotors: Rotors) -> Iterator[dict[str, float]]:
     if rotors.value is not None and rotors.std_error is not None:
         pairs = zip(rotors.value.inertia, rotors.std_error.inertia, strict=True)
         for joint, (value, error) in enumerate(pairs, 1):

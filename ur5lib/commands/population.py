@@ -9,9 +9,10 @@ import yaml
 from ur5lib.datasets.catalogue import catalogue
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.identification import condition
 from ur5lib.identification.population import KINDS, Population, fit_population, typical_arm
 from ur5lib.pipeline.records.friction import Friction
-from ur5lib.robots.description import POPULATION
+from ur5lib.robots.description import POPULATION, joint_sizes
 from ur5lib.robots.population import (
     Measured,
     MeasuredArm,
@@ -19,17 +20,11 @@ from ur5lib.robots.population import (
     Trait,
     read_measured,
 )
+from ur5lib.tables import write_text
 
-SIZES = {"size 0": 9.0, "size 1": 28.0, "size 2": 54.0, "size 3": 150.0, "size 4": 330.0}  # Nm
 CLEAR = 2.0  # standard errors, from which on a value's logarithm is nearly normal
 AS_TORQUE = "currents from torques"  # finding of recordings of torques in place of currents
-UNITS = {
-    "torque_constant": "of the family's",
-    "coulomb": "Nm",
-    "viscous": "Nm s/rad",
-    "load": "",
-    "offset": "Nm",
-}
+UNITS = condition.UNITS | {"torque_constant": "of the family's", "load": ""}
 
 
 def population_lines(results: Sequence[Path], file: Path | None, write: Path | None) -> list[str]:
@@ -75,7 +70,7 @@ def _measured_arm(study: FinishedStudy, name: str, friction: Friction) -> Measur
     configuration, motors = study.configuration(), study.arm(name)
     dataset = catalogue().get(configuration.study)
     family, joints = motors.family_torque_constants(), {}
-    for joint, values in _values(friction, as_torque).items():
+    for joint, values in sorted(_values(friction, as_torque).items()):
         constant = family[joint - 1]
         joints[joint] = MeasuredJoint(
             torque_max=motors.motor(joint).torque_max,
@@ -98,14 +93,15 @@ def _values(friction: Friction, as_torque: bool) -> dict[int, dict[Trait, tuple[
     as_torque: whether currents were recorded as torques, whose unit shows no torque constant.
     """
     values: dict[int, dict[Trait, tuple[float, float]]] = {}
-    for row in friction.parameters:
-        kind = KINDS.get(row.name)
-        followed = friction.fit.joints[row.joint - 1].contradicted is None
-        stated = kind is not None and not (as_torque and row.name == "torque_constant")
-        positive = kind is None or not kind.logarithm or row.value > CLEAR * row.std_error
-        if row.determined and followed and stated and positive:
-            pair = float(f"{row.value:.4g}"), float(f"{row.std_error:.2g}")
-            values.setdefault(row.joint, {})[row.name] = pair  # type: ignore[index]
+    shown = KINDS.keys() - ({"torque_constant"} if as_torque else set())
+    for name, kind in KINDS.items():
+        rows = (row for row in friction.parameters if row.name == name in shown)
+        for row in rows:
+            followed = friction.fit.joints[row.joint - 1].contradicted is None
+            clear = not kind.logarithm or row.value > CLEAR * row.std_error
+            if row.determined and followed and clear:
+                pair = float(f"{row.value:.4g}"), float(f"{row.std_error:.2g}")
+                values.setdefault(row.joint, {})[name] = pair
     return values
 
 
@@ -117,7 +113,7 @@ def _write(measured: Measured, path: Path) -> None:
     text = yaml.safe_dump(
         measured.model_dump(exclude_none=True), sort_keys=False, default_flow_style=None, width=120
     )
-    path.write_text(head + text, encoding="utf-8")
+    write_text(head + text, path)
 
 
 def _listed(measured: Measured) -> Iterator[str]:
@@ -128,8 +124,10 @@ def _listed(measured: Measured) -> Iterator[str]:
 
 def _table(population: Population) -> Iterator[str]:
     """Yield each trait by joint size, with its standard deviation for one more arm."""
-    yield f"{'':16}" + "".join(f"{size:>16}" for size in SIZES)
-    typical = typical_arm(population, np.array([*SIZES.values()]))
+    sizes = [size for size in joint_sizes() if size.startswith("size")]
+    yield f"{'':16}" + "".join(f"{size.replace('size', 'size '):>16}" for size in sizes)
+    torque_max = [joint_sizes()[size]["torque_max"] for size in sizes]
+    typical = typical_arm(population, np.array(torque_max))
     for name, own in typical.items():
         std = np.sqrt(np.diag(own.covariance))
         cells = (f"{mean:.3g} ± {error:.2g}" for mean, error in zip(own.mean, std, strict=True))

@@ -11,7 +11,7 @@ import numpy as np
 from rich.console import Console
 from rich.live import Live
 
-from ur5lib.commands.recorded_study import arm_of, checked_name, enter, entry_of, lab_of
+from ur5lib.commands.recorded_study import StudyFile, checked_name, entry_of
 from ur5lib.doubles.lab import TRUTH, emulated_lab
 from ur5lib.errors import InputError
 from ur5lib.recorder import live
@@ -23,7 +23,6 @@ from ur5lib.recorder.lab import Lab
 from ur5lib.recorder.move_program import is_program, plan, read_program
 from ur5lib.recorder.session import Session, write_manifest
 from ur5lib.robots.description import Robot
-from ur5lib.study.reading import read_plain
 from ur5lib.timeseries.arrays import Array
 
 POLL = 0.25  # s between queries of the devices' state
@@ -59,15 +58,15 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     path: the study, which need not have recordings yet. Raises InputError when something is missing
     or forbidden, before anything moves or is written.
     """
-    plain = read_plain(path)
-    robot = arm_of(plain, path).description()
-    folder = Path("raw", checked_name(str(plain.get("study"))), checked_name(options.name))
+    study = StudyFile.read(path)
+    robot = study.arm().description()
+    folder = Path("raw", study.name(), checked_name(options.name))
     if folder.exists():
         raise InputError(f"{folder} exists; give the recording another name")
     laboratory: AbstractContextManager[Lab] = (
         emulated_lab(robot, options.role == "contact", folder)
         if options.emulate
-        else nullcontext(lab_of(plain, path))
+        else nullcontext(study.lab())
     )
     with laboratory as lab:
         devices = {n: d for n, d in lab.devices().items() if n not in options.without}
@@ -80,7 +79,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
             _confirm("the arm will be in freedrive; hold it. Type yes: ", options, console)
         mover = Mover(address, motion) if motion or options.by_hand else None
         with Session(devices, folder) as session:
-            session.identities()["robot"].update(_identity(lab))
+            vars(session.identities()["robot"]).update(_identity(lab))
             moved = f"{options.move} at {options.speed:g} of its speed" if motion else None
             write_manifest(folder, session.identities(), None, moved)
             _watch(session, mover, options.seconds, console)
@@ -89,7 +88,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     entry = {"name": options.name, "role": options.role, "folder": str(folder)}
     entry |= entry_of(lab, session.statuses())
     entry |= {"truth": TRUTH} if options.emulate else {}
-    return enter(entry, path, plain, options.add, console)
+    return study.enter(entry, options.add, console)
 
 
 def _identity(lab: Lab) -> dict[str, str]:

@@ -1,7 +1,8 @@
 """What `ur5 record` reads from a study, and the entry of a new recording that it adds."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import yaml
 from pydantic import TypeAdapter, ValidationError
@@ -12,33 +13,78 @@ from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status
 from ur5lib.recorder.lab import Lab
 from ur5lib.study.arms import Arm, Name, NamedArm
-from ur5lib.study.reading import parse_study
+from ur5lib.study.reading import parse_study, read_plain
 from ur5lib.study.schema import explain
 from ur5lib.tables import write_text
 
 EXAMPLE = "devices: {robot: {address: 192.168.1.10}}"
 
 
-def lab_of(plain: dict[str, Any], path: Path) -> Lab:
-    """Return the devices that a study names. Raises InputError with all mistakes."""
-    if "devices" not in plain:
-        raise InputError(f"{path} has no `devices`; add, for example, {EXAMPLE}")
-    try:
-        return Lab.model_validate(plain["devices"])
-    except ValidationError as error:
-        mistakes = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
-        raise InputError("\n".join(f"{path}: devices: {text}" for text in mistakes)) from error
+@dataclass(frozen=True)
+class StudyFile:
+    """The file of a study, to which a recording may be added, and what stands there."""
 
+    path: Path
+    plain: dict[str, Any]
 
-def arm_of(plain: dict[str, Any], path: Path) -> Arm:
-    """Return the arm of a study. Raises InputError where it names no described arm."""
-    try:
-        robot = TypeAdapter[Any](NamedArm).validate_python(plain.get("robot"))
-    except ValidationError as error:
-        raise InputError(
-            f"{path}: `robot` names no described arm; give one, e.g. `robot: ur5e`"
-        ) from error
-    return Arm(arm=robot) if isinstance(robot, str) else robot
+    @classmethod
+    def read(cls, path: Path) -> Self:
+        """Read a study's file. Raises InputError where it is none."""
+        return cls(path, read_plain(path))
+
+    def name(self) -> str:
+        """Return the study's name. Raises InputError where it is not allowed."""
+        return checked_name(str(self.plain.get("study")))
+
+    def lab(self) -> Lab:
+        """Return the devices that the study names. Raises InputError with all mistakes."""
+        if "devices" not in self.plain:
+            raise InputError(f"{self.path} has no `devices`; add, for example, {EXAMPLE}")
+        try:
+            return Lab.model_validate(self.plain["devices"])
+        except ValidationError as error:
+            mistakes = [explain(detail, Lab.model_json_schema()) for detail in error.errors()]
+            lines = [f"{self.path}: devices: {text}" for text in mistakes]
+            raise InputError("\n".join(lines)) from error
+
+    def arm(self) -> Arm:
+        """Return the arm of the study. Raises InputError where it names no described arm."""
+        try:
+            robot = TypeAdapter[Any](NamedArm).validate_python(self.plain.get("robot"))
+        except ValidationError as error:
+            raise InputError(
+                f"{self.path}: `robot` names no described arm; give one, e.g. `robot: ur5e`"
+            ) from error
+        return Arm(arm=robot) if isinstance(robot, str) else robot
+
+    def enter(self, entry: dict[str, Any], add: bool, console: Console) -> int:
+        """Check an entry, then append it, or print it; returns stop signs and errors."""
+        alone = {"study": self.plain["study"], "title": self.plain.get("title", "")}
+        whole = alone | {"robot": self.plain["robot"], "recordings": [entry]}
+        severe = print_findings_of(parse_study(whole, str(self.path)))
+        text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
+        if add and self._append(text):
+            added = f"{self.path}: {entry['name']} added"
+            console.print(f"{added}; next: snakemake --configfile {self.path}")
+        else:
+            console.print(f"add to `recordings` of {self.path}:\n{text}", soft_wrap=True)
+        return severe
+
+    def _append(self, text: str) -> bool:
+        """Append an entry as text to the file; return False where its layout prevents that."""
+        lines = self.path.read_text(encoding="utf-8").rstrip() + "\n"
+        lines += "" if "recordings" in self.plain else "recordings:\n"
+        whole = [*(self.plain.get("recordings") or []), *yaml.safe_load(text)]
+        for indent in ("", "  "):
+            candidate = lines + "".join(f"{indent}{line}\n" for line in text.splitlines())
+            try:
+                read = yaml.safe_load(candidate)
+            except yaml.YAMLError:
+                continue
+            if read == self.plain | {"recordings": whole}:
+                write_text(candidate, self.path)
+                return True
+        return False
 
 
 def checked_name(name: str) -> str:
@@ -58,34 +104,3 @@ def entry_of(lab: Lab, statuses: dict[str, Status]) -> dict[str, Any]:
         if name != "robot" and name in statuses and statuses[name].samples:
             keys[name] = device.entry(f"{name}.csv")
     return keys
-
-
-def enter(
-    entry: dict[str, Any], path: Path, plain: dict[str, Any], add: bool, console: Console
-) -> int:
-    """Check an entry, then append it to the study, or print it; returns stop signs and errors."""
-    alone = {"study": plain["study"], "title": plain.get("title", "")}
-    study = parse_study(alone | {"robot": plain["robot"], "recordings": [entry]}, str(path))
-    severe = print_findings_of(study)
-    text = yaml.safe_dump([entry], sort_keys=False, allow_unicode=True)
-    if add and _append(text, entry, path, plain):
-        console.print(f"{path}: {entry['name']} added; next: snakemake --configfile {path}")
-    else:
-        console.print(f"add to `recordings` of {path}:\n{text}", soft_wrap=True)
-    return severe
-
-
-def _append(text: str, entry: dict[str, Any], path: Path, plain: dict[str, Any]) -> bool:
-    """Append an entry as text to the study's file; return False where its layout prevents that."""
-    lines = path.read_text(encoding="utf-8").rstrip() + "\n"
-    lines += "" if "recordings" in plain else "recordings:\n"
-    for indent in ("", "  "):
-        candidate = lines + "".join(f"{indent}{line}\n" for line in text.splitlines())
-        try:
-            read = yaml.safe_load(candidate)
-        except yaml.YAMLError:
-            continue
-        if read == plain | {"recordings": [*(plain.get("recordings") or []), entry]}:
-            write_text(candidate, path)
-            return True
-    return False

@@ -74,7 +74,7 @@ def _write_truth(
     }
     motion = arm.truth.states(round((start - setup.clock.offset_s) / STEP))
     rig = build_rig(setup.robot, setup.plan, np.random.default_rng(setup.seed))
-    write_truth(rig, setup.plan, motion, 1 / setup.rate, {"clocks": clocks}, truth)
+    write_truth(rig, setup.plan, motion, 1 / setup.rate, clocks, truth)
 
 
 def _begin(clock: Clock, file: Path, counter: str, rate: float) -> float | None:

@@ -1,15 +1,15 @@
 """The files of a designed trajectory: for `ur5 record`, for the arm's controller, for the stand."""
 
-from dataclasses import asdict
+from dataclasses import dataclass
 from pathlib import Path as File
-from typing import Any
 
 import numpy as np
 import yaml
 
 from ur5lib.excitation.design import Design
 from ur5lib.excitation.objective import Task, Worth
-from ur5lib.excitation.trajectory import Cell, Path
+from ur5lib.excitation.problem import Noise
+from ur5lib.excitation.trajectory import Cell, Margins, Path
 from ur5lib.robots.description import Payload
 from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
@@ -23,13 +23,43 @@ SERVO = "t=0.008, lookahead_time=0.1, gain=300"
 STUDY = "excitation"
 
 
+@dataclass(frozen=True)
+class ParameterWorth:
+    """The standard error of a parameter by what was known of any arm, and before and after the
+    trajectory is recorded.
+    """
+
+    parameter: str
+    unit: str
+    std_error_prior: float
+    std_error_before: float
+    std_error_after: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """excitation.json: a trajectory, its margins and its worth, as `Worth` explains it."""
+
+    robot: str
+    question: str
+    seed: int
+    path: Path
+    margins: Margins
+    noise: Noise
+    log_det: float
+    log_det_gain: float
+    condition_number_of_regressor: float
+    condition_number: float
+    parameters: list[ParameterWorth]
+
+
 def write_files(
     folder: File,
     robot: str,
     payload: Payload | None,
     task: Task,
     path: Path,
-    summary: dict[str, Any],
+    summary: Summary,
 ) -> None:
     """Write all files of a trajectory that `ur5 excite` designed; see docs/excitation.md.
 
@@ -47,27 +77,26 @@ def write_files(
         write_text(text, folder / name)
 
 
-def summary_of(task: Task, design: Design, worth: Worth) -> dict[str, Any]:
-    """Return a trajectory, its margins and its worth as plain data."""
+def summary_of(
+    robot: str, question: str, seed: int, task: Task, design: Design, worth: Worth
+) -> Summary:
+    """Return a trajectory with what was asked for, its margins and its worth."""
     problem = task.problem
-    columns = {
-        "parameter": problem.names(),
-        "unit": problem.units(),
-        "std_error_prior": worth.prior.tolist(),
-        "std_error_before": worth.before.tolist(),
-        "std_error_after": worth.after.tolist(),
-    }
-    rows = zip(*columns.values(), strict=True)
-    return {
-        "path": asdict(design.path),
-        "margins": asdict(design.margins),
-        "noise": asdict(problem.noise),
-        "log_det": worth.log_det,
-        "log_det_gain": worth.gain,
-        "condition_number_of_regressor": worth.regressor_condition,
-        "condition_number": worth.condition,
-        "parameters": [dict(zip(columns, row, strict=True)) for row in rows],
-    }
+    errors = worth.prior, worth.before, worth.after
+    rows = zip(problem.names(), problem.units(), *errors, strict=True)
+    return Summary(
+        robot=robot,
+        question=question,
+        seed=seed,
+        path=design.path,
+        margins=design.margins,
+        noise=problem.noise,
+        log_det=worth.log_det,
+        log_det_gain=worth.gain,
+        condition_number_of_regressor=worth.regressor_condition,
+        condition_number=worth.condition,
+        parameters=[ParameterWorth(*row) for row in rows],
+    )
 
 
 def way_points(cell: Cell, path: Path) -> Array:
@@ -100,7 +129,7 @@ def stand_study(robot: str, payload: Payload | None, path: Path) -> str:
         "period_s": path.seconds,
         "coefficients": path.coefficients.tolist(),
     }
-    plan: dict[str, Any] = {"trajectory": trajectory, "seconds": path.seconds + BESIDE}
+    plan = {"trajectory": trajectory, "seconds": path.seconds + BESIDE}
     if payload is not None:
         plan["payload"] = payload.model_dump(mode="json")
     recording = {

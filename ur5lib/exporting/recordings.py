@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -101,7 +101,7 @@ def write_mat(contents: Contents, path: Path) -> None:
         ) from error
 
 
-def _structure(table: pd.DataFrame) -> dict[str, Any]:
+def _structure(table: pd.DataFrame) -> dict[str, np.ndarray | dict[str, str]]:
     groups = channels([*table])
     units = table.attrs["units"]
     arrays = {name: table[columns].to_numpy() for name, columns in groups.items()}
@@ -150,7 +150,7 @@ def _add_topic(writer: "Writer", name: str, table: pd.DataFrame) -> int:
     return int(writer.register_channel(f"/{name}", "json", number))
 
 
-def schema_of(table: pd.DataFrame) -> dict[str, Any]:
+def schema_of(table: pd.DataFrame) -> dict[str, str | dict[str, dict[str, str]]]:
     """Return the JSON schema of a table's messages; each column's description is its unit."""
     units = table.attrs["units"]
     kinds = {name: "boolean" if table[name].dtype == bool else "number" for name in table}

@@ -24,13 +24,14 @@ SAMPLES = 20  # of a contact that are used; more add no information
 
 
 def places(rotation: Array, origin: Array) -> dict[int, list[Array]]:
-    """Return places along each link 1 to 6 and along a tool on link 6: (n, 3) [m] each.
+    """Return places along each link 1 to k and along a tool on the last: (n, 3) [m] each.
 
-    rotation, origin: of frames 0 to 6, (n, 7, 3, 3) and (n, 7, 3) [m], base axes. A link reaches
-    from the frame before it to its own; link 6, from the flange to the end of a tool.
+    rotation, origin: of frames 0 to k, (n, k + 1, 3, 3) and (n, k + 1, 3) [m], base axes. A link
+    reaches from the frame before it to its own; the last, from the flange to the end of a tool.
     """
-    ends = {link: (origin[:, link - 1], origin[:, link]) for link in range(1, 6)}
-    ends[6] = origin[:, 6], origin[:, 6] + TOOL * rotation[:, 6, :, 2]
+    last = origin.shape[1] - 1
+    ends = {link: (origin[:, link - 1], origin[:, link]) for link in range(1, last)}
+    ends[last] = origin[:, last], origin[:, last] + TOOL * rotation[:, last, :, 2]
     return {link: _along(*both) for link, both in ends.items()}
 
 
@@ -41,12 +42,12 @@ def _along(first: Array, last: Array) -> list[Array]:
 
 
 def lever(rotation: Array, origin: Array, link: int, point: Array) -> Array:
-    """Return J_g (n, 6, 6) of a point (n, 3) [m] of a link: [z × (p - o); z] of joints up to it.
+    """Return J_g (n, 6, k) of a point (n, 3) [m] of a link: [z × (p - o); z] of joints up to it.
 
     rotation, origin: as for `places`; columns of joints beyond the link are zero.
     """
-    axis = rotation[:, :6, :, 2]  # z of joints 1 to 6 (n, 6, 3)
-    columns = np.concatenate([np.cross(axis, point[:, None] - origin[:, :6]), axis], axis=2)
+    axis = rotation[:, :-1, :, 2]  # z of joints 1 to k (n, k, 3)
+    columns = np.concatenate([np.cross(axis, point[:, None] - origin[:, :-1]), axis], axis=2)
     columns[:, link:] = 0.0
     return columns.mT
 

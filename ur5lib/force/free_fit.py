@@ -1,6 +1,7 @@
 """Regression of a force sensor's readings in the samples without contact, which it finds.
 
-The model is reading (N, 6) = terms (N, 6, P) times parameters (P,), plus noise, except in contact.
+The model is reading (N, 6) = terms (N, 6, P) times parameters (P,), plus noise, except in contact;
+readings of a sensor without moments are (N, 3), and all that is said to be (6,) is (3,) then.
 Candidates for the parameters come from consensus (RANSAC, Fischler and Bolles 1981): each is fitted
 to a few short quiet stretches, because a tool that a hand holds moves more than one that nothing
 touches. So the samples in contact may be the majority.
@@ -51,14 +52,14 @@ def quiet_stretches(
     """
     length = max(2, round(STRETCH / period))
     count = len(reading) // length
-    parts = reading[: count * length].reshape(count, length, 6)
+    parts = reading[: count * length].reshape(count, length, reading.shape[1])
     std = parts.std(axis=1)
     unrest = np.square(std / scale).mean(axis=1)
     # the quieter half, rounded up, of the stretches without NaN
     known = np.flatnonzero(np.isfinite(unrest))
     order = np.argsort(unrest[known], kind="stable")
     quiet = known[order[: -(-len(known) // 2)]]
-    noise = np.median(std[quiet], axis=0) if len(quiet) else np.zeros(6)
+    noise = np.median(std[quiet], axis=0) if len(quiet) else np.zeros(reading.shape[1])
     return quiet * length + length // 2, parts[quiet].mean(axis=1), noise
 
 
@@ -75,8 +76,8 @@ def candidates(terms: Array, reading: Array, scale: Array, together: int) -> Arr
         chosen = drawn(stretches, DRAWS)[:, None]
     else:
         chosen = np.random.default_rng(0).choice(stretches, (DRAWS, together))
-    rows = (terms[chosen] / scale[:, None]).reshape(len(chosen), 6 * together, terms.shape[2])
-    values = (reading[chosen] / scale).reshape(len(chosen), 6 * together, 1)
+    rows = (terms[chosen] / scale[:, None]).reshape(len(chosen), -1, terms.shape[2])
+    values = (reading[chosen] / scale).reshape(len(chosen), -1, 1)
     return (np.linalg.pinv(rows, rcond=CONDITION) @ values)[..., 0]
 
 
@@ -102,6 +103,11 @@ class Record:
     period: float
     known: Array | float = 0.0
 
+    @property
+    def repeats(self) -> Array:
+        """Return REPEATS of the components that are read."""
+        return REPEATS[: self.reading.shape[1]]
+
     def agreement(self, parameters: Array, tolerance: Array) -> Mask:
         """Return which of J samples, drawn once, agree with each of the offsets (K, P): (K, J)."""
         rows = drawn(np.flatnonzero(self.measured), JUDGED)
@@ -115,7 +121,7 @@ def settle(record: Record, free: Mask, weight: Array) -> Fit:
     """
     for _ in range(ROUNDS):
         parameters, residual = fit(record, free, weight)
-        noise = np.maximum(MAD * np.median(np.abs(residual[free]), axis=0), REPEATS)
+        noise = np.maximum(MAD * np.median(np.abs(residual[free]), axis=0), record.repeats)
         quiet = free_samples(residual, noise, record.measured, record.period)
         if (quiet == free).all() or not quiet.any():
             break
@@ -138,7 +144,7 @@ def least_deviations(record: Record) -> Array:
     weight = np.ones(len(record.reading))
     for _ in range(ROUNDS):
         _, residual = fit(record, record.measured, weight)
-        weight = 1 / np.sqrt(np.maximum(np.linalg.norm(residual / REPEATS, axis=1), 1.0))
+        weight = 1 / np.sqrt(np.maximum(np.linalg.norm(residual / record.repeats, axis=1), 1.0))
     return weight
 
 
@@ -147,7 +153,7 @@ def fit(record: Record, free: Mask, weight: Array) -> tuple[Array, Array]:
 
     Returns the parameters (P,) and the residuals of all readings (N, 6).
     """
-    scale = weight[free, None] / REPEATS
+    scale = weight[free, None] / record.repeats
     scaled = record.terms[free] * scale[..., None]
     rows = scaled.reshape(-1, scaled.shape[2])
     values = (record.reading[free] * scale).ravel()

@@ -1,8 +1,7 @@
 """From a force sensor's readings to the wrench on the arm, and a check of its mounting."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,7 +38,7 @@ class Offset:
     frame; *_std: their standard errors; mass and arm are NaN if the arm turned too little to
     separate weight from bias (the bias then contains both); noise: (6,), standard deviation of a
     free sample; agreeing: share of the samples that agree with this offset; rival: largest share
-    of the others that agree on another offset.
+    of the others that agree on another offset. Of a sensor without moments, what needs them is NaN.
     """
 
     bias: Array
@@ -70,11 +69,17 @@ class SensorOffset(Offset):
         return np.concatenate([force, moment], axis=1) + self.bias
 
 
+def sensed(reading: Array) -> slice:
+    """Return the columns of a reading (N, 6) that were measured: a sensor may lack the moments."""
+    return slice(3 if np.isnan(reading[:, 3:]).all() else 6)
+
+
 def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     """Fit bias, mass and centre of mass of the tool to the contact-free samples.
 
-    reading: (N, 6), sensor frame, NaN rows allowed; pull: p (N, 3) [m/s²], what pulls on each
-    kilogram of the tool, R_6ᵀ g, or R_6ᵀ (g - a) where the tool's inertia counts; period: [s].
+    reading: (N, 6), sensor frame, NaN rows allowed, and moments that are NaN throughout; pull: p
+    (N, 3) [m/s²], what pulls on each kilogram of the tool, R_6ᵀ g, or R_6ᵀ (g - a) where the tool's
+    inertia counts; period: [s].
     f = m p + b_f, n = m c x p + b_n. One fit starts from least absolute deviations,
     which are robust if contacts fill less than half of the time; another from the offset on which
     most samples agree, which may be less than half, as forces vary in contact. In both, samples off
@@ -82,16 +87,18 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     fit with which more samples agree is returned. Long records are thinned.
     """
     # the record, thinned; the weight counts only if the arm turns
+    reading = reading[:, sensed(reading)]
+    repeats = REPEATS[: reading.shape[1]]
     every = max(1, -(-len(reading) // MOST))
     measured = finite_rows(reading)
     weighed = _turns(pull[measured])
-    terms = _terms(pull[::every], weighed)
+    terms = _terms(pull[::every], weighed, reading.shape[1])
     record = Record(reading[::every], terms, measured[::every], every * period)
     # candidates from quiet stretches
-    middle, means, noise = quiet_stretches(reading, period, REPEATS)
+    middle, means, noise = quiet_stretches(reading, period, repeats)
     together = TOGETHER if weighed else 1
-    tried = candidates(_terms(pull[middle], weighed), means, REPEATS, together)
-    tolerance = OUTSIDE * np.maximum(noise, REPEATS)
+    tried = candidates(_terms(pull[middle], weighed, reading.shape[1]), means, repeats, together)
+    tolerance = OUTSIDE * np.maximum(noise, repeats)
     # both fits, and the one with which more samples agree
     fits = [
         settle(record, record.measured, least_deviations(record)),
@@ -100,11 +107,12 @@ def fit_offset(reading: Array, pull: Array, period: float) -> SensorOffset:
     agree = record.agreement(np.array([parameters for parameters, _, _ in fits]), tolerance)
     parameters, free, noise = fits[agree.sum(axis=1).argmax()]
     tolerance = np.maximum(tolerance, OUTSIDE * noise)
-    offset = _offset(record, parameters, free) | _shares(record, parameters, tried, tolerance)
+    offset = _offset(record, parameters, free, _shares(record, parameters, tried, tolerance))
     if every > 1:  # free samples of the whole record
-        residual = reading - SensorOffset(**offset, free=free).reading(pull)
-        free = free_samples(residual, noise, measured, period)
-    return SensorOffset(**offset, free=free)
+        untouched = offset.reading(pull)[:, : reading.shape[1]]
+        found = free_samples(reading - untouched, noise, measured, period)
+        offset = replace(offset, free=found)
+    return offset
 
 
 def offset_doubt(offset: SensorOffset) -> Remark | None:
@@ -143,8 +151,8 @@ def _turns(pull: Array) -> bool:
     return bool(np.std(down, axis=0).max() > TURNED)
 
 
-def _terms(pull: Array, weighed: bool) -> Array:
-    """Return the regressor (N, 6, 10) of mass, mass times arm (3), and bias (6).
+def _terms(pull: Array, weighed: bool, components: int) -> Array:
+    """Return the regressor (N, components, 10) of mass, mass times arm (3), and bias (6).
 
     The first four columns are 0 if the weight is not separated from the bias.
     """
@@ -153,26 +161,30 @@ def _terms(pull: Array, weighed: bool) -> Array:
     if weighed:  # f = m p, n = m c × p
         terms[:, :3, 0] = pull
         terms[:, 3:, 1:4] = np.cross(np.eye(3), pull[:, None]).mT
-    return terms
+    return terms[:, :components]
 
 
-def _offset(record: Record, parameters: Array, free: Mask) -> dict[str, Any]:
-    """Return the fitted parameters (10,) by name, with their standard errors."""
+def _offset(
+    record: Record, parameters: Array, free: Mask, shares: dict[str, float]
+) -> SensorOffset:
+    """Return the fitted parameters (10,) with their standard errors; shares: of the samples."""
     terms = record.terms[free]
     residual = record.reading[free] - record.terms[free] @ parameters
     noise = residual.std(axis=0)
-    deviation = np.sqrt(np.diag(covariance(terms, residual, noise)))
-    weighed = record.terms[:, :, :4].any()
-    weight, weight_std = (np.where(weighed, x[:4], np.nan) for x in (parameters, deviation))
-    return {
-        "bias": parameters[4:],
-        "bias_std": deviation[4:],
-        "mass": float(weight[0]),
-        "mass_std": float(weight_std[0]),
-        "moment_arm": weight[1:],
-        "moment_arm_std": weight_std[1:],
-        "noise": noise,
-    }
+    deviation = np.sqrt(np.diag(covariance(terms, residual, noise)).clip(0))
+    told = record.terms.any(axis=(0, 1))  # not by a sensor without moments, or an arm that rests
+    value, std = (np.where(told, x, np.nan) for x in (parameters, deviation))
+    return SensorOffset(
+        bias=value[4:],
+        bias_std=std[4:],
+        mass=float(value[0]),
+        mass_std=float(std[0]),
+        moment_arm=value[1:4],
+        moment_arm_std=std[1:4],
+        noise=np.pad(noise, (0, 6 - len(noise)), constant_values=np.nan),
+        free=free,
+        **shares,
+    )
 
 
 def wrench_of_environment(reading: Array, rotation: Array) -> Array:
@@ -193,7 +205,7 @@ def bias(reading: Array, time: Array, window: float) -> Array:
     reading: (N, 6), sensor frame; time: (N,) [s]. Returns (6,) [N, Nm]: the sensor's bias and, at
     this orientation, the weight of its tool.
     """
-    measured = finite_rows(reading)
+    measured = finite_rows(reading[:, sensed(reading)])
     first = time[measured].min()
     return reading[measured & (time <= first + window)].mean(axis=0)
 

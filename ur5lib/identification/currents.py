@@ -297,10 +297,8 @@ def constants_band(fit: CurrentFit) -> Array:
 
     Of few paths, that is more than `constants_doubt`: their standard errors are uncertain, too.
     """
-    errors = [joint.estimate.std_error[0] for joint in fit.joints]
-    shares = [joint.estimate.prior_share[0] for joint in fit.joints]
-    half = half_width(np.array(errors), fit.units, np.array(shares))
-    return np.abs(half / NORMAL95 / torque_constants(fit))
+    shares = np.array([joint.estimate.prior_share[0] for joint in fit.joints])
+    return half_width(constants_doubt(fit), fit.units, shares) / NORMAL95
 
 
 def constants_doubt(fit: CurrentFit) -> Array:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ur5lib.robots.population import Measured, read_measured
+from ur5lib.robots.population import Measured, Trait, read_measured
 from ur5lib.timeseries.arrays import Array, Labels
 
 USUAL_TORQUE = 54.0  # Nm, where a trend has the value of its constant
@@ -44,7 +44,7 @@ class Kind:
         return np.array(columns).reshape(-1, len(power)).T
 
 
-KINDS = {
+KINDS: dict[Trait, Kind] = {
     "torque_constant": Kind(),  # relative to the motor's of that size
     "coulomb": Kind(trend=True),
     "viscous": Kind(trend=True),

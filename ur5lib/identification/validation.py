@@ -147,12 +147,10 @@ class ShareBySpeed:
     share: Array
     samples: Array
 
-    def rows(self) -> Iterator[dict[str, float]]:
-        """Yield each bin with its share and samples."""
-        for (low, high), share, samples in zip(
-            pairwise(SPEEDS), self.share, self.samples, strict=True
-        ):
-            yield {"speed_low": low, "speed_high": high, "share": share, "samples": samples}
+    def rows(self) -> Iterator[tuple[float, float, float, float]]:
+        """Yield the ends of each bin, its share and its samples."""
+        for (low, high), *known in zip(pairwise(SPEEDS), self.share, self.samples, strict=True):
+            yield low, high, *known
 
     def suffices(self) -> tuple[float, float]:
         """Return the speeds [rad/s] from which and up to which every bin holds the wanted share.

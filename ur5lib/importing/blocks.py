@@ -72,7 +72,7 @@ class Block:
 
     def meaning(self) -> str | None:
         """Return the meaning of the name: RTDE channel, kind of joint or spatial quantity."""
-        stem = _stem(self.names[0])[0] if len(self.names) > 1 else self.names[0]
+        stem = place_of(self.names[0])[0] if len(self.names) > 1 else self.names[0]
         last = stem.rstrip("/").rsplit("/", 1)[-1]
         width = self.rows.shape[1]
         if last in SUFFIXES and len(SUFFIXES[last]) == width:
@@ -109,7 +109,7 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """
     stems: dict[str, dict[int, str]] = {}
     for name in names:
-        stem, place = _stem(name)
+        stem, place = place_of(name)
         stems.setdefault(stem, {})[place] = name
     for places in stems.values():
         ordered = tuple(places[place] for place in sorted(places))
@@ -121,7 +121,7 @@ def names_joints(name: str) -> bool:
     return any(joint in name for joint in JOINTS)
 
 
-def _stem(name: str) -> tuple[str, int]:
+def place_of(name: str) -> tuple[str, int]:
     """Return a column's name without unit, joint, number or axis, and its place; -1 for none."""
     name = re.sub(r" *[\[(][^\])]*[A-Za-z]{1,2}[\])]$", "", name)
     for place, joint in enumerate(JOINTS):
@@ -129,6 +129,8 @@ def _stem(name: str) -> tuple[str, int]:
             return name.replace(joint, ""), place
     if numbered := re.fullmatch(r"(.*?)[ _.]*[(\[]?[jJ]?(\d)[)\]]?", name):
         return numbered[1], int(numbered[2])
+    if numbered := re.fullmatch(r"(.*?)[jJ]oint[ _.]?(\d)[ _.](.{2,})", name):  # Joint1_Pos
+        return numbered[1] + numbered[3], int(numbered[2])
     if part := re.fullmatch(r"(?:(.*)[ _./])?([ftmnFTM])([xyz])", name):  # Fx, wrench_tz
         return f"{part[1] or ''}_{part[2]}", "xyz".index(part[3])
     if axis := re.fullmatch(r"(.*?)_?([xyz])", name):

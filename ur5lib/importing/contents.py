@@ -9,6 +9,7 @@ import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import NAMELESS, Block, grouped
+from ur5lib.importing.joints import expect_six_joints
 from ur5lib.recordings.array_files import ENDINGS
 from ur5lib.recordings.arrays import load_arrays, seconds_of
 from ur5lib.recordings.delimited import first_cells, read_numbers
@@ -79,6 +80,7 @@ def contents(path: Path) -> Contents:
         arrays = _table(path, header, findings)
     else:
         arrays = load_arrays(format, path, None, findings)
+    expect_six_joints(path, arrays)
     clocks, units = _clocks(arrays)
     if not clocks:
         raise InputError(

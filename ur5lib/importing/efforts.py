@@ -21,7 +21,7 @@ from ur5lib.timeseries.arrays import Array
 
 FRICTION = 0.3  # least share of a measured effort's residual that friction explains
 FREE = "neither"  # current nor torque: a torque less gravity, as some drivers write
-UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "a torque less gravity, as some drivers write"}
+UNITS = {"A": "A", "mA": "mA", "Nm": "Nm", FREE: "Nm less gravity"}
 NAMED = {  # units by the meaning of a block's name
     "actual_current": "A",
     "target_current": "A",
@@ -158,8 +158,8 @@ def _unit(
         return named
     if best == FREE or not sure:
         evidence.ambiguous.append(
-            f"{block.title}: its unit, {UNITS[best]} or {UNITS[rival]} ({ratio}); left out: record "
-            "currents, or more postures"
+            f"{block.title}: its unit is {UNITS[best]} or {UNITS[rival]} ({ratio}); left out: "
+            "record more postures, or import it with a recording of the same columns that has them"
         )
         return None
     evidence.proven.append(f"{block.title} in {best}: {ratio}")

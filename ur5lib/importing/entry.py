@@ -84,10 +84,11 @@ def _of_arrays(proposal: Proposal) -> Entry:
     joints = [proposal.order.index(column) + 1 for column in range(6)]
     sensor = {}
     if proposal.sensor:
-        force, torque = (_named([block]) for block in proposal.sensor)
-        parts = {"time": proposal.sensor[0].clock, "ft_f": force, "ft_t": torque}
-        sign = {"units": {"ft_f": OPPOSITE, "ft_t": OPPOSITE}} if proposal.opposite else {}
-        sensor = {"force_sensor": {"channels": parts} | sign | _time(proposal)}
+        named = (_named([block]) for block in proposal.sensor)
+        parts = dict(zip(("ft_f", "ft_t"), named, strict=False))
+        sign = {"units": dict.fromkeys(parts, OPPOSITE)} if proposal.opposite else {}
+        clock = {"time": proposal.sensor[0].clock}
+        sensor = {"force_sensor": {"channels": clock | parts} | sign | _time(proposal)}
     order = {"joints": joints} if proposal.order != IN_ORDER else {}
     return {"channels": channels} | order | _units(proposal) | _time(proposal) | sensor
 

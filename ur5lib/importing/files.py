@@ -20,6 +20,15 @@ class Imported:
     entry: Entry
     comments: list[str]
 
+    @property
+    def arm(self) -> str:
+        """Return the arm that it is of."""
+        return str(self.entry["robot"])
+
+    def is_ambiguous(self) -> bool:
+        """Return whether the entry leaves out what the file does not prove."""
+        return any(line.startswith("# ambiguous") for line in self.comments)
+
 
 class ImportedFiles(list[Imported]):
     """The files that were imported; refused: the reasons why the others were not."""
@@ -45,9 +54,12 @@ def import_files(
             proposed[path] = Imported(entry(proposal), proposal.evidence.lines())
         except InputError as error:
             refused[path] = str(error)
-    for file in files:
-        if file.path in refused and (other := _of_same_columns(file, files, proposed)):
-            proposed[file.path] = _like(other, file)
+    whole = {path: one for path, one in proposed.items() if not one.is_ambiguous()}
+    for file in (file for file in files if file.path not in whole):
+        own = proposed.get(file.path)
+        same = {path: one for path, one in whole.items() if own and one.arm == own.arm}
+        if other := _of_same_columns(file, files, same if own else proposed):
+            proposed[file.path] = _like(other, file, own)
     imported = ImportedFiles()
     for path in (path for path in paths if path in proposed):
         recording, contradicted = _checked(proposed[path])
@@ -107,11 +119,13 @@ def _of_same_columns(
     return next((imported[other.path] for other in alike), None)
 
 
-def _like(other: Imported, file: Contents) -> Imported:
-    """Return the entry of a file with the columns, units, robot and role of another."""
+def _like(other: Imported, file: Contents, own: Imported | None) -> Imported:
+    """Return the entry of a file with columns, units and robot of another; own: what is proven."""
     path, source = file.path, Path(other.entry["folder"], other.entry["file"])
     place = {"name": identifier(path.name), "folder": str(path.parent), "file": path.name}
-    assumed = f"columns, units, robot and role as in {source}: too little moves to prove them here"
+    place |= {"role": own.entry["role"]} if own else {}
+    shared = "columns, units and robot" if own else "columns, units, robot and role"
+    assumed = f"{shared} as in {source}: too little moves to prove them here"
     return Imported(other.entry | place, [f"# assumed: {assumed}"])
 
 

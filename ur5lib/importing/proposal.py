@@ -138,13 +138,13 @@ def _of_meaning(file: Contents, meaning: str, clock: str) -> Block | None:
 
 
 def _wrench(file: Contents, clock: str) -> list[Block]:
-    """Return the blocks of force and torque, none without both."""
+    """Return the blocks of force and torque, that of a force alone, or none."""
     whole = _of_meaning(file, "wrench", clock)
     if whole is not None and len(whole.names) == 6:
         parts = [(whole.names[k : k + 3], whole.rows[:, k : k + 3]) for k in (0, 3)]
         return [Block(names, rows, whole.clock) for names, rows in parts]
     both = [_of_meaning(file, meaning, clock) for meaning in ("force", "torque")]
-    return [block for block in both if block is not None] if None not in both else []
+    return [block for block in both if block is not None] if both[0] is not None else []
 
 
 def _means(
@@ -152,8 +152,9 @@ def _means(
 ) -> BlockMeans:
     """Return the means over blocks of time, columns as in the file."""
     values = {name: block.rows for name, block in efforts.items()} | moving.in_si()
-    if wrench:
-        values["wrench"] = np.hstack([block.rows for block in wrench])
+    if wrench:  # a force without moments as if it acted at the flange
+        rows = np.hstack([block.rows for block in wrench])
+        values["wrench"] = np.pad(rows, ((0, 0), (0, 6 - rows.shape[1])))
     columns = {f"{name}_{k}": rows[:, k] for name, rows in values.items() for k in range(6)}
     stamps = file.clocks[moving.position.clock]
     table = pd.DataFrame({"time": stamps - stamps[0], **columns})
@@ -188,6 +189,12 @@ def _frame(
         )
         return None
     evidence.proven.append(f"{title} in the {frame.axes}'s frame: only so it explains the efforts")
+    if len(wrench) == 1 and frame.axes == "base":
+        evidence.ambiguous.append(
+            f"{title}: left out, because a force in the base's frame is read only together with "
+            "its moments: record these, too, or the force in the flange's axes"
+        )
+        return None
     return frame
 
 

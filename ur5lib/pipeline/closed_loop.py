@@ -82,7 +82,7 @@ def simulated_states(tracking: Tracking, gains: Gains) -> Array:
     """
     targets = tracking.target_q, tracking.target_qd, tracking.target_qdd
     states = np.empty((3, *tracking.target_q.shape))
-    for joint in range(6):
+    for joint in range(tracking.target_q.shape[1]):
         own = [gain[joint : joint + 1] for gain in gains]
 
         def simulate(rows: Array, own: list[Array] = own) -> Array:

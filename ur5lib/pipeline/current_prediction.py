@@ -112,7 +112,7 @@ def baselines(
         yield "least_squares", baseline_current(record, least_squares)
     constants, friction = robot.current_to_torque, robot.friction
     if constants is not None and friction is not None:
-        nothing = np.zeros(6)
+        nothing = np.zeros(len(robot.joints))
         coefficients = coefficients_of_constants(
             np.array(constants.torque_constant),
             np.array(constants.offset),
@@ -136,7 +136,9 @@ def scores(
     half = currents.current_band
     figures = {"fitted": score(record, currents.predicted_current, smooth, half)}
     for name, current in others:
-        figures[name] = replace(score(record, current, smooth, half), coverage=np.full(6, np.nan))
+        figures[name] = replace(
+            score(record, current, smooth, half), coverage=np.full(half.shape[1], np.nan)
+        )
     return figures
 
 

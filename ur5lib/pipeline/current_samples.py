@@ -16,7 +16,7 @@ from ur5lib.identification.samples import Record, Smooth
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import Robot, joint_sizes
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment
@@ -60,7 +60,7 @@ def smoother(order: int, cutoff: float) -> Smooth:
 def controllers_ratio(signals: Signals, motion: Motion) -> Array:
     """Return the controller's own torque constants (6,) [Nm/A], NaN where undetermined."""
     if signals.target_moment is None or signals.target_current is None:
-        return np.full(6, np.nan)
+        return np.full(motion.q.shape[1], np.nan)
     return standstill_ratio(signals.target_moment, signals.target_current, motion.motor_qd)
 
 
@@ -76,13 +76,15 @@ def prior_of(robot: Robot, ratios: Sequence[Array], population: Population | Non
     ]
     controller = np.array([np.median(column) if column else np.nan for column in columns])
     torque_max = np.array([robot.motor(joint).torque_max for joint in joints])
-    maker = np.array(robot.maker_torque_constants())
-    covariance = makers_covariance(maker, controller, robot.joints, *MAKERS)
-    typical = {} if population is None else typical_arm(population, torque_max)
+    known = np.array(robot.maker_torque_constants())
+    alike = population is not None and {*robot.joints} <= {*joint_sizes()}
+    typical = typical_arm(population, torque_max) if alike and population is not None else {}
     if (ratio := typical.pop("torque_constant", None)) is not None:
-        family = np.array(robot.family_torque_constants())
-        known = np.isfinite(family)
-        maker = np.where(known, family * ratio.mean, maker)
-        covariance = np.where(np.outer(known, known), ratio.covariance, covariance)
-    constants = torque_constant_prior(maker, covariance, controller, CONTROLLERS)
+        family = np.array(robot.family_torque_constants()) * ratio.mean
+        measured = np.isfinite(family)
+        known = np.where(measured, family, known)
+    covariance = makers_covariance(known, controller, robot.joints, *MAKERS)
+    if ratio is not None:
+        covariance = np.where(np.outer(measured, measured), ratio.covariance, covariance)
+    constants = torque_constant_prior(known, covariance, controller, CONTROLLERS)
     return Prior(constants, torque_max, typical=typical)

@@ -12,7 +12,7 @@ from ur5lib.signals.imu_fusion import LinearImu, Model, linearise_imu
 from ur5lib.signals.smoothing import SmoothedMotion
 from ur5lib.timeseries.arrays import Array
 
-BIASES = {"accelerometer_bias": slice(18, 21), "gyroscope_bias": slice(21, 24)}
+BIASES = {"accelerometer_bias": 3, "gyroscope_bias": 3}  # components
 
 
 def imu_model(
@@ -34,7 +34,7 @@ def imu_model(
 
 def fused_record(signals: Signals, motion: SmoothedMotion) -> FusedMotion:
     """Return the same, and the IMU's biases."""
-    parts = state_parts(motion, STATES | BIASES)
+    parts = state_parts(motion, BIASES)
     return FusedMotion(time=signals.time, segment=signals.segment, **parts)
 
 

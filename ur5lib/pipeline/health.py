@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import UTC, date, datetime
+from functools import partial
 
 import numpy as np
 
@@ -41,7 +42,7 @@ def checkup(
 ) -> Checkup:
     """Return the condition by one recording; fit: of its arm."""
     lost = sum(one.count for one in quality.findings if one.finding == "lost frames")
-    warmth = np.full(6, np.nan)
+    warmth = np.full(record.q.shape[1], np.nan)
     if record.temperature is not None:
         warmth = np.nanmean(record.temperature, axis=0)
     joints, path = joint_conditions(record, smooth, fit), passed(record)
@@ -91,16 +92,16 @@ def _by_date(checkups: Sequence[Checkup]) -> Iterator[Condition]:
 
 def _on_date(checkups: Sequence[Checkup], day: str, group: int) -> Iterator[Condition]:
     """Yield the rows of one date."""
-    yield Condition(day, "lost_frames", max(one.lost for one in checkups))
-    for joint in range(6):
+    yield Condition(date=day, quantity="lost_frames", value=max(one.lost for one in checkups))
+    for joint in range(len(checkups[0].joints)):
         warmth = float(np.mean([one.temperature[joint] for one in checkups]))
-        here = joint + 1, warmth, group
+        here = partial(Condition, date=day, joint=joint + 1, temperature_c=warmth, group=group)
         for quantity in UNITS:
             found = np.array([one.joints[joint][quantity] for one in checkups])
             found = found[np.isfinite(found).all(axis=1)]
             if len(found):
                 value, error = together(*found.T)
-                yield Condition(day, quantity, value, *here, error)
+                yield here(quantity=quantity, value=value, std_error=error)
 
 
 def together(value: Array, std_error: Array) -> tuple[float, float]:
@@ -124,7 +125,9 @@ def _changes(rows: Sequence[Condition]) -> Iterator[JointChange]:
     for (joint, quantity), own in tested.items():
         for change in find_changes(_series(own), FALSE_ALARMS / len(tested)):
             dates = {"first": _day(change.first), "last": _day(change.last)}
-            yield JointChange(**vars(change) | dates, joint=joint, quantity=quantity)
+            found = vars(change) | dates | {"by_temperature": change.explained}
+            del found["explained"]
+            yield JointChange(**found, joint=joint, quantity=quantity)
 
 
 def _series(rows: Sequence[Condition]) -> Series:

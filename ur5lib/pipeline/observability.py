@@ -16,12 +16,12 @@ from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.trial_contacts import Trials, felt_push, try_each_place
 from ur5lib.identification.currents import CurrentFit, torque_constants
 from ur5lib.identification.samples import STEP
-from ur5lib.identification.validation import share_by_speed
+from ur5lib.identification.validation import ShareBySpeed, share_by_speed
 from ur5lib.pipeline.force_estimates import Problem
 from ur5lib.pipeline.records.contacts import SmallestPush
 from ur5lib.pipeline.records.currents import Currents
 from ur5lib.pipeline.records.motion import Motion
-from ur5lib.pipeline.records.observability import Observability, Predicted, Share
+from ur5lib.pipeline.records.observability import Observed
 from ur5lib.timeseries.arrays import Array
 
 FLANGE_SPEEDS = (0.0, 0.01, 0.25, 0.5, 1.0, np.inf)  # m/s; below the first step, the arm rests
@@ -80,21 +80,59 @@ def judged(motion: Motion, currents: Currents, fit: CurrentFit) -> Judged:
     return Judged(np.abs(qd[known]), np.where(np.isnan(half), np.nan, error <= half))
 
 
-def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Observability:
-    """Return smallest pushes by speed, and by joint the shares by speed and where they suffice."""
-    found = Observability()
+def observability(trials: Sequence[Trials], errors: Sequence[Judged]) -> Iterator[Observed]:
+    """Yield smallest pushes by speed, and by joint the shares by speed and where they suffice."""
     if trials:
         together = Trials.joined([*trials])
-        found.pushes.extend(by_flange_speed(together))
-        found.axes.extend(by_axis(together))
+        yield from map(_push, [*by_flange_speed(together), *by_axis(together)])
     if errors:
         speed, inside = (np.concatenate(part) for part in zip(*errors, strict=True))
-        for joint in range(6):
-            known = np.isfinite(inside[:, joint])
-            shares = share_by_speed(speed[known, joint], inside[known, joint] > 0)
-            found.shares.extend(Share(joint + 1, **row) for row in shares.rows())
-            found.predicted.append(Predicted(joint + 1, *shares.suffices()))
-    return found
+        known = np.isfinite(inside).T
+        shares = [share_by_speed(speed[k, j], inside[k, j] > 0) for j, k in enumerate(known)]
+        for joint, share in enumerate(shares, start=1):
+            yield from _shares(joint, share)
+        for joint, share in enumerate(shares, start=1):
+            yield _predicted(joint, *share.suffices())
+
+
+def _push(push: SmallestPush) -> Observed:
+    return Observed(
+        quantity="_".join(filter(None, ["smallest_push_95", push.axis])),
+        speed_low=push.speed_low,
+        speed_high=push.speed_high,
+        speed_unit="m/s",
+        value=push.force,
+        std_error=push.std,
+        unit="N",
+        samples=push.tried,
+    )
+
+
+def _shares(joint: int, shares: ShareBySpeed) -> Iterator[Observed]:
+    for low, high, share, samples in shares.rows():
+        yield Observed(
+            quantity="friction_in_band",
+            joint=joint,
+            speed_low=low,
+            speed_high=high,
+            speed_unit="rad/s",
+            value=share,
+            unit="1",
+            samples=samples,
+        )
+
+
+def _predicted(joint: int, low: float, high: float) -> Observed:
+    """Return the range of speeds in which a joint's friction is predicted within its band."""
+    return Observed(
+        quantity="least_velocity",
+        joint=joint,
+        speed_low=low,
+        speed_high=high,
+        speed_unit="rad/s",
+        value=low,
+        unit="rad/s",
+    )
 
 
 def by_flange_speed(trials: Trials) -> Iterator[SmallestPush]:

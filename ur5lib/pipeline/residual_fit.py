@@ -63,7 +63,7 @@ def residual_models(
     """
     if friction.explained is not None:
         unknown = np.flatnonzero(~(friction.explained > 0)) + 1
-        if 6 - len(unknown) < DIRECTIONS:
+        if len(friction.explained) - len(unknown) < DIRECTIONS:
             return Residuals(refused=remark("unknown torques", joints=unknown.tolist()))
     fit, paths = friction.fit, friction.paths
     models, refused = dict[str, ResidualModel](), None

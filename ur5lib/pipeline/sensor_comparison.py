@@ -13,6 +13,7 @@ from ur5lib.force.sensor import (
     move_to_frame_6,
     offset_doubt,
     opposite_axes,
+    sensed,
     wrench_of_environment,
 )
 from ur5lib.pipeline.records.force_errors import Compared, OffsetAccount
@@ -132,9 +133,11 @@ def against_sensor(
 ) -> Compared:
     """Return a comparison with what the sensor felt, and the errors beside it.
 
-    What is in contact and what is free follows from the sensor less bias and tool weight.
+    What is in contact and what is free follows from the sensor less bias and tool weight. Beside a
+    sensor without moments, forces alone are compared.
     """
     best = sensor.wrench["compensated"]
+    columns = sensed(best)
     force = np.linalg.norm(best[:, :3], axis=1)
     compared = {kind: compared_estimates(kind, published, forces) for kind in sensor.wrench}
     return replace(
@@ -143,9 +146,15 @@ def against_sensor(
         errors={
             kind: {
                 name: by_component(
-                    figures_by_contact(*estimate, sensor.wrench[kind], force, sensor.period)
+                    figures_by_contact(
+                        wrench[:, columns],
+                        None if std is None else std[:, columns],
+                        sensor.wrench[kind][:, columns],
+                        force,
+                        sensor.period,
+                    )
                 )
-                for name, estimate in estimates.items()
+                for name, (wrench, std) in estimates.items()
             }
             for kind, estimates in compared.items()
         },
@@ -157,9 +166,9 @@ def against_sensor(
 
 
 def by_component(figures: dict[str, dict[str, Array]]) -> dict[str, dict[str, dict[str, float]]]:
-    """Return figures (6,) with the names of their components, by period."""
+    """Return figures, (6,) or of the force (3,), with the names of their components, by period."""
     return {
-        during: {name: dict(zip(WRENCH, values, strict=True)) for name, values in part.items()}
+        during: {name: dict(zip(WRENCH, values, strict=False)) for name, values in part.items()}
         for during, part in figures.items()
     }
 

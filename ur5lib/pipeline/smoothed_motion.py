@@ -1,6 +1,8 @@
 """Joint motion by the Kalman smoother, as motion.parquet."""
 
+from collections.abc import Mapping
 from functools import partial
+from itertools import accumulate
 
 import numpy as np
 
@@ -13,7 +15,8 @@ from ur5lib.timeseries.sampling import differentiate
 from ur5lib.timeseries.segments import by_segment
 
 LOCAL_NOISE = ("jerk", "vibration", "position", "velocity")
-STATES = {"q": slice(0, 6), "qd": slice(6, 12), "qdd": slice(12, 18)}
+STATES = ("q", "qd", "qdd")
+NOTHING: Mapping[str, int] = {}
 
 
 def measured(signals: Signals) -> tuple[Array, Array]:
@@ -31,7 +34,7 @@ def measured(signals: Signals) -> tuple[Array, Array]:
 
 def motion_record(signals: Signals, motion: SmoothedMotion) -> Motion:
     """Return positions, velocities and accelerations with their standard deviations."""
-    return Motion(time=signals.time, segment=signals.segment, **state_parts(motion, STATES))
+    return Motion(time=signals.time, segment=signals.segment, **state_parts(motion))
 
 
 def motion_noise(signals: Signals, motion: SmoothedJoints) -> MotionNoise:
@@ -52,8 +55,15 @@ def known_joints(motion: Motion, noise: MotionNoise, account: MotionAccount) -> 
     return KnownJoints(state, std, noise.shared, EncoderNoise(**local, **lasting))
 
 
-def state_parts(motion: SmoothedMotion, parts: dict[str, slice]) -> dict[str, Array]:
-    """Return parts of the state, their standard deviations and the motors' velocities by name."""
+def state_parts(motion: SmoothedMotion, others: Mapping[str, int] = NOTHING) -> dict[str, Array]:
+    """Return parts of the state, their standard deviations and the motors' velocities by name.
+
+    others: sizes of what follows q, q̇ and q̈ of the joints in the state.
+    """
+    joints = motion.motor_qd.shape[1]
+    sizes = {name: joints for name in STATES} | dict(others)  # noqa: C420 - of this type
+    ends = zip(sizes.items(), accumulate(sizes.values()), strict=True)
+    parts = {name: np.s_[end - size : end] for (name, size), end in ends}
     values = {name: motion.state[:, part] for name, part in parts.items()}
     values |= {f"{name}_std": motion.std[:, part] for name, part in parts.items()}
     return values | {"motor_qd": motion.motor_qd}

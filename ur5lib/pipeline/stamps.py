@@ -10,9 +10,9 @@ from ur5lib.timeseries.arrays import Array
 
 
 def by_stamps(device: pd.DataFrame, start: StartOffset, time: Array, sensor: str) -> Array:
-    """Return a sensor's reading (N, 6) at the robot's times (N,) [s].
+    """Return a sensor's reading (N, 6) at the robot's times (N,) [s], NaN where it has no column.
 
     device: on its own clock; start: of its stamp; sensor: "force" or "imu".
     """
     clock = clock_from_stamps(start.seconds, start.std)
-    return resample(device, clock, time)[SENSOR_COLUMNS[sensor]].to_numpy()
+    return resample(device, clock, time).reindex(columns=SENSOR_COLUMNS[sensor]).to_numpy()

@@ -53,7 +53,7 @@ def probabilities(
     """Return the probability of each link at a contact of some rows (n,) of a recording."""
     noise = Noise.of(run.states[rows], model, prior, run.load_std()[rows])
     # joints count as independent: correlations learnt without contact mislead in contact
-    spread = (noise.spread + noise.hidden) * np.eye(6)
+    spread = (noise.spread + noise.hidden) * np.eye(run.q.shape[1])
     frames = link_frames(robot, run.q[rows])
     levers = {
         link: [lever(*frames, link, place) for place in along]

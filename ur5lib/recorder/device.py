@@ -4,7 +4,7 @@ import select
 import socket
 import time
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
@@ -47,6 +47,29 @@ class Packets:
     lost: int
 
 
+@dataclass(kw_only=True)
+class Identity:
+    """A device's entry in the manifest; what is None has no entry.
+
+    rate_hz: nominal, None where the device does not say; clock: the name of its own time; missing:
+    channels that it lacks; the others: how an arm, a force sensor or an IMU is set.
+    """
+
+    model: str
+    address: str
+    units: str | dict[str, str]
+    rate_hz: float | None
+    serial_number: str | None = None
+    firmware: str | None = None
+    clock: str | None = None
+    missing: list[str] | None = None
+    message: str | None = None
+    message_bytes: int | None = None
+    counts_per_unit: dict[str, float] | None = None
+    box_units: dict[str, str] | None = None
+    bias: bool | None = None
+
+
 class Device(Protocol):
     """A device to record: call `open`, then `read` repeatedly, then `close`.
 
@@ -57,10 +80,8 @@ class Device(Protocol):
     name: str
     columns: tuple[str, ...]
 
-    def open(self) -> dict[str, Any]:
+    def open(self) -> Identity:
         """Connect, start the stream, and return the device's entry in the manifest.
-
-        It holds at least model, serial number, units and rate_hz.
 
         Raises InputError, with address and remedy, when the device does not answer.
         """

@@ -1,7 +1,6 @@
 """The display during a recording, and its warnings."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -9,6 +8,7 @@ from rich.table import Table
 from ur5lib.recorder import rdt
 from ur5lib.recorder.arm_state import SAFE
 from ur5lib.recorder.capture import Status
+from ur5lib.recorder.device import Identity
 from ur5lib.robots.rtde_variables import SafetyMode
 
 FEW = 0.001  # share of samples that may be lost
@@ -39,16 +39,14 @@ def reading(latest: Mapping[str, float]) -> str:
     return f"q {joints} rad" + (f", {max(warm):.0f} °C" if warm else "")
 
 
-def warnings(
-    statuses: Mapping[str, Status], identities: Mapping[str, Mapping[str, Any]]
-) -> Iterator[str]:
+def warnings(statuses: Mapping[str, Status], identities: Mapping[str, Identity]) -> Iterator[str]:
     """Yield warnings, one sentence each, which stays the same while its cause lasts."""
     for name, status in statuses.items():
         if status.ended:
             yield f"{name} has ended: {status.ended}; the others go on"
         elif status.lost > FEW * (status.samples + status.lost):
             yield f"{name} loses samples: check the network and what else the computer does"
-        nominal = identities[name].get("rate_hz")
+        nominal = identities[name].rate_hz
         if nominal and status.seconds > SETTLED and status.rate() < SLOW * nominal:
             yield f"{name} sends fewer than its {nominal:g} samples a second: check its cable"
         if int(status.latest.get("status", 0)) & rdt.SATURATED:

@@ -8,7 +8,6 @@ that a whole file is checked like any other trajectory.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -22,7 +21,7 @@ from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import duration, trapezoid
 
 PERIOD = 0.008  # s, between the samples of a plan
-ARGUMENTS: dict[str, dict[str, Any]] = {  # with URScript's defaults
+ARGUMENTS: dict[str, dict[str, float | None]] = {  # with URScript's defaults
     "movej": {"q": None, "a": 1.4, "v": 1.05, "t": 0.0, "r": 0.0},
     "movel": {"pose": None, "a": 1.2, "v": 0.25, "t": 0.0, "r": 0.0},
 }

@@ -4,7 +4,6 @@ import contextlib
 import math
 import socket
 import time
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,7 +11,7 @@ import requests
 
 from ur5lib.errors import InputError
 from ur5lib.recorder import rdt
-from ur5lib.recorder.device import Counter, DeviceLost, NewSamples, Silence
+from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
 
 CHANNELS = tuple(f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz")
 FORCE_UNITS = {  # N; names as in netftapi2.xml, in lower case and without hyphens
@@ -60,7 +59,7 @@ class NetFT:
         self._port, self._http_port = port, http_port
         self._socket: socket.socket | None = None
 
-    def open(self) -> dict[str, Any]:
+    def open(self) -> Identity:
         """Read the box's settings, start the stream, and return the manifest's entry.
 
         Raises InputError when the box does not answer, does not stream, or has unknown units.
@@ -72,17 +71,17 @@ class NetFT:
         self._connect()
         self._records = Counter(rdt.SEQUENCE_BITS, rdt.HIGHEST_RATE)
         self._silence = Silence(f"the Net F/T box at {self._address}")
-        return {
-            "model": settings.get("prodname", "ATI Net F/T"),
-            "address": self._address,
-            "serial_number": settings.get("cfgcalsn", ""),
-            "firmware": settings.get("mfgdigver", ""),
-            "units": dict.fromkeys(CHANNELS[:3], "N") | dict.fromkeys(CHANNELS[3:], "Nm"),
-            "counts_per_unit": {"force": counts[0], "torque": counts[1]},
-            "box_units": {"force": settings["scfgfu"], "torque": settings["scfgtu"]},
-            "rate_hz": _number(settings, "comrdtrate") or _number(settings, "commrdtrate"),
-            "bias": self._bias,
-        }
+        return Identity(
+            model=settings.get("prodname", "ATI Net F/T"),
+            address=self._address,
+            serial_number=settings.get("cfgcalsn", ""),
+            firmware=settings.get("mfgdigver", ""),
+            units=dict.fromkeys(CHANNELS[:3], "N") | dict.fromkeys(CHANNELS[3:], "Nm"),
+            counts_per_unit={"force": counts[0], "torque": counts[1]},
+            box_units={"force": settings["scfgfu"], "torque": settings["scfgtu"]},
+            rate_hz=_number(settings, "comrdtrate") or _number(settings, "commrdtrate"),
+            bias=self._bias,
+        )
 
     def read(self) -> NewSamples:
         """Return the samples that have arrived, after waiting 0.05 s for more.

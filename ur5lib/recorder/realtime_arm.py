@@ -4,13 +4,13 @@ import contextlib
 import socket
 import struct
 import time
-from typing import Any
 
 import numpy as np
 
 from ur5lib.recorder.device import (
     LONGEST_SILENCE,
     DeviceLost,
+    Identity,
     Packets,
     Silence,
     no_controller,
@@ -37,7 +37,7 @@ class RealtimeArm:
         self._address, self._port = address, port
         self._socket: socket.socket | None = None
 
-    def open(self) -> dict[str, Any]:
+    def open(self) -> Identity:
         """Connect and return the manifest's entry.
 
         Raises InputError when no controller answers, or with messages of an unknown layout.
@@ -50,15 +50,15 @@ class RealtimeArm:
         self._size, self._cycle = size, second - first
         self._rest, self._last = b"", first - self._cycle
         self._silence = Silence(self._address)
-        return {
-            "model": "Universal Robots controller, realtime port",
-            "address": self._address,
-            "firmware": SOFTWARE[size],
-            "rate_hz": round(1 / self._cycle),
-            "message_bytes": size,
-            "units": "SI",
-            "clock": "timestamp",
-        }
+        return Identity(
+            model="Universal Robots controller, realtime port",
+            address=self._address,
+            firmware=SOFTWARE[size],
+            rate_hz=round(1 / self._cycle),
+            message_bytes=size,
+            units="SI",
+            clock="timestamp",
+        )
 
     def read(self) -> Packets:
         """Return the bytes since the last call, after waiting at most 0.1 s.

@@ -12,11 +12,17 @@ import contextlib
 import socket
 import struct
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from ur5lib.recorder.device import DeviceLost, NewSamples, Silence, no_controller, receive
+from ur5lib.recorder.device import (
+    DeviceLost,
+    Identity,
+    NewSamples,
+    Silence,
+    no_controller,
+    receive,
+)
 from ur5lib.robots import rtde_variables as rtde
 from ur5lib.robots.rtde_variables import FORMATS, HEADER, all_columns, layout
 
@@ -164,7 +170,7 @@ class RtdeArm:
         self._client: RtdeClient | None = None
         self.columns: tuple[str, ...] = ()
 
-    def open(self) -> dict[str, Any]:
+    def open(self) -> Identity:
         """Connect, start, and return the manifest's entry.
 
         Raises InputError when no controller answers.
@@ -176,15 +182,15 @@ class RtdeArm:
         self.columns = all_columns(tuple(names))
         self._cycle, self._last = 1 / rate, np.nan
         self._silence = Silence(self._address)
-        return {
-            "model": "Universal Robots controller, RTDE",
-            "address": self._address,
-            "firmware": ".".join(map(str, software)),
-            "rate_hz": rate,
-            "units": "SI",
-            "clock": "timestamp",
-            "missing": [name for name in OUTPUTS if name not in names],
-        }
+        return Identity(
+            model="Universal Robots controller, RTDE",
+            address=self._address,
+            firmware=".".join(map(str, software)),
+            rate_hz=rate,
+            units="SI",
+            clock="timestamp",
+            missing=[name for name in OUTPUTS if name not in names],
+        )
 
     def read(self) -> NewSamples:
         """Return the samples since the last call, after waiting at most 0.1 s.

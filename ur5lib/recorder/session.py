@@ -13,6 +13,7 @@ from typing import Any, Self
 
 from ur5lib.errors import InputError
 from ur5lib.recorder.capture import Status, capture
+from ur5lib.recorder.device import Identity
 from ur5lib.recorder.lab import AnyDevice
 from ur5lib.tables import checksum, write_json
 
@@ -27,7 +28,7 @@ POLL = 0.05  # s between queries of their reports meanwhile
 class _Worker:
     process: Any
     connection: Connection
-    identity: dict[str, Any]
+    identity: Identity | None
     status: Status
 
 
@@ -65,9 +66,10 @@ class Session:
         """Return the file of a device."""
         return self._folder / f"{name}.csv"
 
-    def identities(self) -> dict[str, dict[str, Any]]:
+    def identities(self) -> dict[str, Identity]:
         """Return each device's entry in the manifest, by name."""
-        return {name: worker.identity for name, worker in self._workers.items()}
+        found = {name: worker.identity for name, worker in self._workers.items()}
+        return {name: identity for name, identity in found.items() if identity}
 
     def statuses(self) -> dict[str, Status]:
         """Return the progress of each device so far, by name."""
@@ -101,14 +103,14 @@ class Session:
         )
         process.start()
         there.close()
-        return _Worker(process, here, {}, Status())
+        return _Worker(process, here, None, Status())
 
-    def _answer(self, name: str, worker: _Worker) -> dict[str, Any]:
+    def _answer(self, name: str, worker: _Worker) -> Identity:
         try:
             answer = worker.connection.recv() if worker.connection.poll(PATIENCE) else None
         except EOFError:
             answer = None
-        if isinstance(answer, dict):
+        if isinstance(answer, Identity):
             return answer
         raise InputError(answer or f"{name} does not answer; check its cable and its address")
 
@@ -126,12 +128,15 @@ class Session:
 
 def write_manifest(
     folder: Path,
-    identities: Mapping[str, Mapping[str, Any]],
+    identities: Mapping[str, Identity],
     statuses: Mapping[str, Status] | None,
     moved: str | None,
 ) -> None:
     """Write the manifest; statuses: at the end, None before; moved: the commanded motion."""
-    entries = {name: dict(identity) for name, identity in identities.items()}
+    entries = {
+        name: {key: value for key, value in vars(identity).items() if value is not None}
+        for name, identity in identities.items()
+    }
     for name, status in (statuses or {}).items():
         file = folder / f"{name}.csv"
         entries[name] |= {

@@ -5,13 +5,12 @@ Requests and their data: Xsens, MT Low-Level Communication Protocol Documentatio
 
 import struct
 import time
-from typing import Any
 
 import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.recorder import mtdata
-from ur5lib.recorder.device import Counter, DeviceLost, NewSamples, Silence
+from ur5lib.recorder.device import Counter, DeviceLost, Identity, NewSamples, Silence
 from ur5lib.recorder.mtdata import Measurement
 from ur5lib.recorder.xbus import Message, RefusedError, XbusPort
 
@@ -49,7 +48,7 @@ class Xsens:
         self._path, self._rate_hz, self._baudrate = port, rate_hz, baudrate
         self._port: XbusPort | None = None
 
-    def open(self) -> dict[str, Any]:
+    def open(self) -> Identity:
         """Configure the device, start it, and return the manifest's entry.
 
         Raises InputError when the port cannot be opened or the device does not answer.
@@ -58,7 +57,8 @@ class Xsens:
         self._port = port = XbusPort(self._path, self._baudrate)
         try:
             port.ask(GO_TO_CONFIG)
-            entry = self._identity(port) | self._configure(port)
+            message, rate = self._configure(port)
+            identity = self._identity(port, message, rate)
             port.ask(GO_TO_MEASUREMENT)
         except (InputError, RefusedError) as error:
             self.close()
@@ -68,9 +68,9 @@ class Xsens:
                 f"the motion tracker at {self._path} does not accept {self._rate_hz:g} Hz; choose "
                 "a rate that it offers"
             ) from error
-        self._counter = Counter(mtdata.COUNTER_BITS, entry["rate_hz"])
+        self._counter = Counter(mtdata.COUNTER_BITS, rate)
         self._silence = Silence(f"the motion tracker at {self._path}")
-        return entry
+        return identity
 
     def read(self) -> NewSamples:
         """Return the samples that have arrived, after waiting 0.05 s for more.
@@ -102,25 +102,26 @@ class Xsens:
         self._port.close()
         self._port = None
 
-    def _identity(self, port: XbusPort) -> dict[str, Any]:
-        """Return model, serial number, firmware and units of the device."""
+    def _identity(self, port: XbusPort, message: str, rate_hz: float) -> Identity:
         firmware = port.ask(REQUEST_FIRMWARE)[:3]
-        return {
-            "model": port.ask(REQUEST_PRODUCT_CODE).decode("ascii", "replace").strip(" \0"),
-            "address": self._path,
-            "serial_number": port.ask(REQUEST_DEVICE_ID).hex().upper(),
-            "firmware": ".".join(map(str, firmware)),
-            "units": {channel: UNITS[channel[4]] for channel in CHANNELS},
-        }
+        return Identity(
+            model=port.ask(REQUEST_PRODUCT_CODE).decode("ascii", "replace").strip(" \0"),
+            address=self._path,
+            serial_number=port.ask(REQUEST_DEVICE_ID).hex().upper(),
+            firmware=".".join(map(str, firmware)),
+            units={channel: UNITS[channel[4]] for channel in CHANNELS},
+            message=message,
+            rate_hz=rate_hz,
+        )
 
-    def _configure(self, port: XbusPort) -> dict[str, Any]:
+    def _configure(self, port: XbusPort) -> tuple[str, float]:
         """Configure the outputs, and return message and rate [Hz].
 
         The first generation of the MTi, which refuses MTData2, is configured for MTData.
         """
         try:
             self._identifier = mtdata.MTDATA2
-            return {"message": "MTData2", "rate_hz": self._configure_mtdata2(port)}
+            return "MTData2", self._configure_mtdata2(port)
         except RefusedError:
             self._identifier = mtdata.MTDATA
             period = min(round(PERIOD_CLOCK / self._rate_hz), 0xFFFF)
@@ -128,7 +129,7 @@ class Xsens:
             port.ask(SET_SKIP_FACTOR, struct.pack(">H", 0))
             port.ask(SET_OUTPUT_MODE, struct.pack(">H", MODE))
             port.ask(SET_OUTPUT_SETTINGS, struct.pack(">I", SETTINGS))
-            return {"message": "MTData", "rate_hz": PERIOD_CLOCK / period}
+            return "MTData", PERIOD_CLOCK / period
 
     def _configure_mtdata2(self, port: XbusPort) -> float:
         """Configure MTData2; return the rate [Hz] that the device chose, its nearest one."""

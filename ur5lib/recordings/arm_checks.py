@@ -8,14 +8,15 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import columns, joint_count
 from ur5lib.errors import Remark, remark
 from ur5lib.recordings.block_means import BlockMeans, fitted_load, size
 from ur5lib.recordings.innovations import CURRENT
 from ur5lib.recordings.quality import Finding, contradiction
-from ur5lib.recordings.readings import IN_ORDER, Order, readings
+from ur5lib.recordings.readings import Order, in_order, readings
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_names, robot_path
 from ur5lib.robots.statics import link_frames, load_torque
-from ur5lib.tables import channel, columns
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array
 
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
@@ -32,12 +33,14 @@ def tool_off_flange(robot: pd.DataFrame, arm: Robot) -> Iterator[Finding]:
     """Find a tool that does not stay at its place on the flange; robot: a repaired table."""
     if "actual_TCP_pose_0" not in robot:
         return
-    frames = robot.loc[~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q")]
+    frames = robot.loc[
+        ~robot["interpolated"], columns("actual_TCP_pose") + columns("actual_q", joint_count(robot))
+    ]
     frames = frames.dropna(subset=["actual_TCP_pose_0", "actual_q_0"])
     frames = frames.iloc[:: max(1, len(frames) // 1000)]
     rotation, origin = link_frames(arm, channel(frames, "actual_q"))
-    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, 6]
-    place = np.einsum("nij,ni->nj", rotation[:, 6], away)
+    away = channel(frames, "actual_TCP_pose")[:, :3] - origin[:, -1]
+    place = np.einsum("nij,ni->nj", rotation[:, -1], away)
     apart = float(np.median(np.linalg.norm(place - np.median(place, axis=0), axis=1)))
     if apart > TOOL:
         yield contradiction("tool off flange", arm=arm.name, distance_mm=1000 * apart)
@@ -104,7 +107,7 @@ def _fitting_arms(means: BlockMeans, torque: Array, arm: Robot, most: float) -> 
     """Yield the described arms that leave less than `most` of the torque."""
     for name in robot_names():
         other = described(name).mounted(arm.gravity)
-        if size(_residual(means, torque, other)) < most:
+        if len(other.joints) == len(arm.joints) and size(_residual(means, torque, other)) < most:
             yield remark("robot as cause", value=name)
 
 
@@ -118,27 +121,27 @@ def exchanged_joints(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
     """Find two of joints 1 to 3, all channels of which are exchanged: by gravity."""
     if CURRENT not in means.currents:
         return
-    orders = {_exchanged(*pair): pair for pair in combinations(range(3), 2)}
-    scores = {
-        one.order: one.score for one in readings(means, [CURRENT], [arm], [IN_ORDER, *orders])
-    }
+    own = in_order(arm)
+    orders = {_exchanged(own, *pair): pair for pair in combinations(own[:3], 2)}
+    scores = {one.order: one.score for one in readings(means, [CURRENT], [arm], [own, *orders])}
     for order, (j, k) in orders.items():
-        if scores[order] - scores[IN_ORDER] > SURE_JOINTS:
+        if scores[order] - scores[own] > SURE_JOINTS:
             yield contradiction("exchanged joints", joint=j + 1, other=k + 1)
 
 
-def _exchanged(j: int, k: int) -> Order:
-    return tuple({j: k, k: j}.get(joint, joint) for joint in IN_ORDER)
+def _exchanged(order: Order, j: int, k: int) -> Order:
+    return tuple({j: k, k: j}.get(joint, joint) for joint in order)
 
 
 def foreign_arm(means: BlockMeans, arm: Robot, others: Sequence[Robot]) -> Iterator[Finding]:
     """Find another arm whose gravity explains the currents better by far; all under their load."""
     if CURRENT not in means.currents:
         return
-    (own,) = readings(means, [CURRENT], [arm], [IN_ORDER])
-    best = readings(means, [CURRENT], others, [IN_ORDER])[0]
-    if best.score - own.score > SURE:
-        yield contradiction("other arm's currents", arm=arm.name, other=best.arm)
+    order, alike = in_order(arm), [one for one in others if len(one.joints) == len(arm.joints)]
+    (own,) = readings(means, [CURRENT], [arm], [order])
+    best = readings(means, [CURRENT], alike, [order])[:1]
+    if best and best[0].score - own.score > SURE:
+        yield contradiction("other arm's currents", arm=arm.name, other=best[0].arm)
 
 
 def _fitting_load(means: BlockMeans, residual: Array, arm: Robot, most: float) -> Iterator[Remark]:

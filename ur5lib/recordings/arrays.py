@@ -1,13 +1,15 @@
 """Reader of files that hold arrays: the study names the array of each channel."""
 
 from collections.abc import Collection, Iterable
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 import ur5lib.recordings.rosbag  # noqa: F401 - registers its format
-from ur5lib.channels import JOINT_CHANNELS, SUFFIXES
+from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS
+from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.array_files import LOADERS, Arrays
 from ur5lib.recordings.delimited import drop_untimed
@@ -27,7 +29,7 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
     path, findings, sensors = recording.path, list[Finding](), recording.sensors()
     wanted = _wanted([recording, *sensors.values()])
     arrays = load_arrays(recording.format, path, wanted, findings)
-    table = _in_arm_order(_table(recording, arrays, path), recording.joints or [*range(1, 7)])
+    table = _in_arm_order(_table(recording, arrays, path), recording.joints or [])
     table = drop_untimed(drop_zeroed(table, findings), Log(path, "robot", findings))
     if table.empty:
         raise InputError(f"{path}: no row has a time; record it again, or correct `channels`")
@@ -60,7 +62,9 @@ def _wanted(tables: Iterable[StoredTable]) -> set[str]:
         for channel, given in table.channels.items()
         for name in ([given] if isinstance(given, str) else given)
     }
-    single = {name + suffix for channel, name in named for suffix in SUFFIXES.get(channel, [])}
+    single = {
+        name + suffix for channel, name in named for suffix in suffixes_of(channel, MOST_JOINTS)
+    }
     return {name for _, name in named} | single
 
 
@@ -78,9 +82,11 @@ def _columns(
     channel: str, given: str | list[str], arrays: Arrays, rows: int, path: Path
 ) -> dict[str, np.ndarray]:
     """Return a channel's columns, turned where the file has one row for each of them."""
-    suffixes = SUFFIXES.get(channel, [""])
     values = np.atleast_2d(_array(arrays, channel, given, path)).astype(float)
     shapes = [values.shape, values.shape[::-1]]
+    # as many joints as there are, if the channel can have them
+    width = next((k for count, k in shapes if count == rows and 1 < k <= MOST_JOINTS), 6)
+    suffixes = suffixes_of(channel, width) or ("",)
     if (rows, len(suffixes)) not in shapes or rows == len(suffixes) > 1:
         raise InputError(
             f"{path}: {given} ({channel}) has shape {shapes[0]}, but its clock has {rows} stamps "
@@ -98,7 +104,7 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     """
     if isinstance(given, str) and given in arrays:
         return arrays[given]
-    single = [given + s for s in SUFFIXES.get(channel, [])] if isinstance(given, str) else given
+    single = _single(arrays, channel, given) if isinstance(given, str) else given
     missing = [name for name in single if name not in arrays]
     if missing or not single:
         named = given if isinstance(given, str) else missing[0]
@@ -117,6 +123,14 @@ def _array(arrays: Arrays, channel: str, given: str | list[str], path: Path) -> 
     return np.concatenate(turned)
 
 
+def _single(arrays: Arrays, channel: str, given: str) -> list[str]:
+    """Return the names `<name>_0` ... of a channel's columns, for as many joints as there are."""
+    every = [given + suffix for suffix in suffixes_of(channel, MOST_JOINTS)]
+    if channel not in JOINT_CHANNELS:
+        return every
+    return [*takewhile(arrays.__contains__, every)] or every[:6]
+
+
 def seconds_of(stamps: np.ndarray) -> np.ndarray:
     """Return stamps (n,); pairs (n, 2) or (2, n) are seconds and nanoseconds."""
     pairs = stamps.T if stamps.ndim == 2 and stamps.shape[0] == 2 else stamps
@@ -128,7 +142,7 @@ def seconds_of(stamps: np.ndarray) -> np.ndarray:
 def _in_arm_order(table: pd.DataFrame, joints: list[int]) -> pd.DataFrame:
     """Return the table with each joint's columns under its own number.
 
-    joints: of each column, 1 to 6.
+    joints: of each column, from 1; none where they are in order.
     """
     names = {
         f"{channel}_{place}": f"{channel}_{joint - 1}"

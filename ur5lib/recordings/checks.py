@@ -7,6 +7,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import joint_count
 from ur5lib.errors import remark
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import FullScale
@@ -168,7 +169,9 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
     if not whole.any():
         return {}
     found = {}
-    for joint in range(6):  # one after the other, for the memory of long recordings
+    for joint in range(
+        joint_count(robot)
+    ):  # one after the other, for the memory of long recordings
         value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
         slope = np.diff(value)[whole[1:]] / period
         mean = (rate[1:] + rate[:-1])[whole[1:]] / 2
@@ -196,7 +199,7 @@ def _ratios(robot: pd.DataFrame) -> Iterator[Finding]:
             level, its = _level(robot, one), _level(robot, other)
             if max(level, its) > LEVEL and not least * its <= level <= most * its:
                 values = {"one": one, "level": level, "other": other, "its": its}
-                yield _inconsistent(6, values, "levels")
+                yield _inconsistent(joint_count(robot), values, "levels")
 
 
 def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
@@ -207,7 +210,7 @@ def _swapped(robot: pd.DataFrame, one: str, other: str) -> Iterator[Finding]:
     apart = np.array(
         [np.nanmedian(np.abs(column[:, None] - targets), axis=0) for column in values.T]
     )
-    for j, k in combinations(range(6), 2):
+    for j, k in combinations(range(values.shape[1]), 2):
         own, crossed = apart[j, j] + apart[k, k], apart[j, k] + apart[k, j]
         if own > LEVEL and crossed < SWAPPED * own:
             joints = {"one": one, "other": other, "joint": j + 1, "its": k + 1}

@@ -90,7 +90,7 @@ def exchanged_currents(means: BlockMeans, arm: Robot, answers: Array) -> Iterato
     answers: log-likelihoods (6, 6) of each current as an answer to each joint's motion.
     """
     score = answers + means.log_likelihood(_left(means, arm) + NOISE**2)
-    ahead = [[own[k] - np.delete(own, k).max() for k in range(6)] for own in score]
+    ahead = [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in score]
     gains = np.triu(np.add(ahead, np.transpose(ahead)), 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > SURE_PAIR:
@@ -182,8 +182,9 @@ def _left(means: BlockMeans, arm: Robot) -> Array:
     targets = means.currents.get("target_current")
     expected = means.gravity(arm) if targets is None else targets
     current = means.currents[CURRENT]
-    columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in range(6)]
-    return np.array([[_rest(own, current[:, j]) for own in columns] for j in range(6)])
+    joints = range(current.shape[1])
+    columns = [_columns(means, expected[:, k], k, inertia=targets is None) for k in joints]
+    return np.array([[_rest(own, current[:, j]) for own in columns] for j in joints])
 
 
 def _columns(means: BlockMeans, expected: Array, joint: int, inertia: bool) -> Array:
@@ -216,6 +217,8 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
 
     arm: with what it carries.
     """
+    if arm.senses_torque():
+        return
     gravity = means.gravity(arm)
     joint = int(np.argmax((gravity**2).mean(axis=0)))
     if np.sqrt((gravity[:, joint] ** 2).mean()) < BEARING:
@@ -266,7 +269,7 @@ def _unexpected(means: BlockMeans, known: Robot, declared: Array) -> tuple[Array
     gravity, loads = means.gravity(known), load_torque(known, means.q)
     measured, target = means.currents["actual_current"], means.currents["target_current"]
     rows = [np.empty((0, 5))]
-    for joint in range(6):
+    for joint in range(gravity.shape[1]):
         held = _held(means, gravity, target, joint)
         if held.left < UNEXPLAINED and 1 / CONSTANTS[1] < held.slope < 1 / CONSTANTS[0]:
             torque = (measured - target)[:, joint] / held.slope - declared[:, joint]

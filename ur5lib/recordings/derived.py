@@ -12,6 +12,7 @@ from ur5lib.timeseries.arrays import Array
 
 RAW, FREED = "ft_raw_wrench", "actual_TCP_force"
 TORQUE, CURRENT = "actual_current_as_torque", "actual_current"
+SENSED = "actual_torque"
 FREE = "actual_torque_less_gravity"
 
 
@@ -44,7 +45,7 @@ def _reading(robot: pd.DataFrame, arm: Robot) -> tuple[str, Array] | None:
         return RAW, channel(robot, RAW)
     if not _varies(robot, FREED):
         return None
-    rotation = link_frames(arm, channel(robot, "actual_q"))[0][:, 6]
+    rotation = link_frames(arm, channel(robot, "actual_q"))[0][:, -1]
     halves = channel(robot, FREED).reshape(-1, 2, 3)
     return FREED, (halves @ rotation).reshape(-1, 6)
 
@@ -62,19 +63,21 @@ def with_currents(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> p
 
     They are divided by the torque constants of the arm's joints. A fit of friction finds the
     constants anew, so that errors of these cancel where currents become torques again. To torques
-    less gravity, that of the arm is added before.
+    less gravity, that of the arm is added before. Of joints that sense their torque,
+    the constants are 1: for A, read Nm.
     """
-    if f"{FREE}_5" in table and f"{TORQUE}_0" not in table:
+    if f"{FREE}_0" in table and f"{TORQUE}_0" not in table:
         gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
         table = table.assign(**named(channel(table, FREE) + gravity, TORQUE))
         findings.append(Finding("robot", "gravity added", "note", len(table), {"arm": arm.name}))
-    if f"{TORQUE}_5" not in table or f"{CURRENT}_0" in table:
+    name = next((name for name in (TORQUE, SENSED) if f"{name}_0" in table), None)
+    if name is None or f"{CURRENT}_0" in table:
         return table
     constants = np.array(arm.maker_torque_constants())
     if np.isnan(constants).any():
         unknown = {"arm": arm.name}
         findings.append(Finding("robot", "no currents", "warning", len(table), unknown))
         return table
-    known = {"constants": constants.tolist(), "arm": arm.name}
+    known = {"name": name, "constants": constants.tolist(), "arm": arm.name}
     findings.append(Finding("robot", "currents from torques", "note", len(table), known))
-    return table.assign(**named(channel(table, TORQUE) / constants, CURRENT))
+    return table.assign(**named(channel(table, name) / constants, CURRENT))

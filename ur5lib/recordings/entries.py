@@ -35,6 +35,15 @@ FACTORS = {  # from these units to SI
 }
 
 
+RunFile = Annotated[
+    str,
+    Field(
+        description="path within the recording's folder; a pattern, as `2026-*/*.csv`, stands for "
+        "an entry of each file that it matches, named after it and dated by its path"
+    ),
+]
+
+
 class Clocked(Strict):
     """Channels with one clock, and their units."""
 
@@ -180,7 +189,7 @@ class WithSensors(Files):
 class RecordedFiles(WithSensors):
     """A file of the robot and files of its sensors, as `ur5 record` leaves them."""
 
-    file: str = Field(description="path within the recording's folder")
+    file: RunFile
 
 
 class ThesisFiles(Files):
@@ -226,7 +235,7 @@ class StoredFiles(ArrayFiles):
     format: Literal["hdf5", "mat", "rosbag", "parquet", "feather"] = Field(
         description="format of the files"
     )
-    file: str = Field(description="path within the recording's folder")
+    file: RunFile
 
 
 class ChannelFiles(ArrayFiles):

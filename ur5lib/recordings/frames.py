@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import PchipInterpolator
 
-from ur5lib.channels import SUFFIXES
+from ur5lib.channels import joint_count, suffixes
 from ur5lib.errors import InputError, remark
 from ur5lib.recordings.ordering import in_order
 from ur5lib.recordings.plausibility import SHORTEST_STEP, drop_implausible
@@ -105,7 +105,7 @@ def _whole_channels(frames: pd.DataFrame, findings: list[Finding], source: str) 
     absent = [
         name
         for name, columns in _vectors(frames).items()
-        if len(columns) < len(SUFFIXES.get(name, columns))
+        if len(columns) < (len(suffixes(name, joint_count(frames))) or len(columns))
         or not np.isfinite(frames[columns].to_numpy(float)).all(axis=1).any()
     ]
     if "actual_q" in absent or "actual_q_0" not in frames:

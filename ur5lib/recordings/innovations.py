@@ -35,14 +35,15 @@ def innovation_likelihoods(robot: pd.DataFrame, step: float, shifts: Labels) -> 
     rows = np.flatnonzero(_received(robot)[most : len(robot) - most]) + most
     rows = rows[:: 1 + len(rows) // MOST]
     changes = _changes(channel(robot, CURRENT))
+    count = changes.shape[1]
     innovations = _innovations(changes)
     if len(rows) < FEWEST or step > SLOWEST or not _as_sampled(changes[rows], innovations[rows]):
-        return np.zeros((len(shifts), 6, 6))
+        return np.zeros((len(shifts), count, count))
     q = channel(robot, "actual_q")
     qd = channel(robot, "actual_qd") if "actual_qd_0" in robot else np.gradient(q, axis=0)
     near = _near(np.stack([_changes(q), _changes(qd)], axis=2), rows)
     late = np.concatenate([innovations[rows + shift] for shift in shifts], axis=1)  # (n, 6 S)
-    gains = _gains(near, late).reshape(6, len(shifts), 6).transpose(1, 2, 0)
+    gains = _gains(near, late, count).reshape(count, len(shifts), count).transpose(1, 2, 0)
     return len(rows) / INDEPENDENT / 2 * gains
 
 
@@ -71,7 +72,9 @@ def _changes(values: Array) -> Array:
 def _innovations(changes: Array) -> Array:
     """Return the part of each column (N, 6) that its own past does not predict."""
     past = np.stack([np.roll(changes, k, axis=0) for k in range(1, PAST + 1)], axis=2)
-    own = [np.linalg.lstsq(past[:, j], changes[:, j], rcond=None)[0] for j in range(6)]
+    own = [
+        np.linalg.lstsq(past[:, j], changes[:, j], rcond=None)[0] for j in range(changes.shape[1])
+    ]
     return np.asarray(changes - np.einsum("njk,jk->nj", past, own))
 
 
@@ -83,11 +86,12 @@ def _near(motion: Array, rows: Labels) -> Array:
     return np.asarray(near / (np.linalg.norm(near, axis=0) + TINY))
 
 
-def _gains(near: Array, innovations: Array) -> Array:
-    """Return ln(1 + F) (6, c) of what each joint explains of c currents (n, c) beyond the others.
+def _gains(near: Array, innovations: Array, joints: int) -> Array:
+    """Return ln(1 + F) (k, c) of what each of k joints explains of c currents beyond the others.
 
-    near: motions (n, m), joint after joint. F: by how much the sum of squares that all joints leave
-    grows without this one, of itself; a Wald test by the inverse of the Gram matrix.
+    near: motions (n, m), joint after joint; innovations: (n, c) of the currents. F: by how much the
+    sum of squares that all joints leave grows without this one, of itself; a Wald test by the
+    inverse of the Gram matrix.
     """
     inverse = np.linalg.inv(near.T @ near + RIDGE * np.eye(near.shape[1]))
     products = near.T @ innovations
@@ -97,7 +101,8 @@ def _gains(near: Array, innovations: Array) -> Array:
         - np.einsum("mc,mc->c", products, solution)
         + TINY
     )
-    own, size = solution.reshape(6, -1, innovations.shape[1]), len(inverse) // 6
-    blocks = inverse.reshape(6, size, 6, size)[range(6), :, range(6)]  # of each joint's own
+    own, size = solution.reshape(joints, -1, innovations.shape[1]), len(inverse) // joints
+    every = range(joints)
+    blocks = inverse.reshape(joints, size, joints, size)[every, :, every]  # of each joint's own
     beyond = np.linalg.solve(blocks, own)
     return np.asarray(np.log1p((own * beyond).sum(axis=1) / left))

@@ -6,14 +6,16 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from ur5lib.channels import is_unused, meant
+from ur5lib.channels import is_unused, joint_count, meant
+from ur5lib.errors import InputError
 from ur5lib.recordings.checks import check_force_sensor, check_imu, check_robot
 from ur5lib.recordings.derived import with_currents, with_wrist_sensor
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.quality import Device, Finding, Quality
-from ur5lib.recordings.sensors import FORCE_CHANNELS
+from ur5lib.recordings.recording import DeviceRecord
+from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES
 from ur5lib.recordings.starts import place_sensors
 from ur5lib.robots.description import Robot
 from ur5lib.tables import checksum, has_unit
@@ -42,6 +44,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     Raises InputError when it cannot be used.
     """
     raw = read_recording(recording)
+    _expect_joints(raw.robot, arm)
     frames, findings = _known_channels(raw.robot.table, "force" in raw.sensors)
     frames = with_currents(frames, arm, findings)
     if "actual_q_0" in frames and "actual_qd_0" not in frames:  # they are found from the positions
@@ -56,7 +59,10 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     findings += repairs + remarks
     robot, wrist = with_wrist_sensor(robot, arm, other="force" in placed)
     findings += wrist
-    motors = [arm.motor(joint) for joint in range(1, 7)]
+    sensed = placed["force"][0].table if "force" in placed else robot
+    if "ft_fx" in sensed and "ft_tx" not in sensed:
+        findings.append(Finding("force", "no moments", "note", len(sensed)))
+    motors = [arm.motor(joint) for joint in arm.joint_numbers]
     limits = arm.position_limits(), [m.velocity_max for m in motors]
     findings += check_robot(robot, timing.period, *limits)
     for device, (record, _) in placed.items():
@@ -77,6 +83,22 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)
 
 
+def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
+    """Raise InputError where a recording has not the positions of an arm's joints."""
+    positions = [name for name in robot.table if name.startswith("actual_q_")]
+    count, joints = joint_count(positions), len(arm.joints)
+    if count < joints:
+        raise InputError(
+            f"{robot.source}: has no actual_q_0 to actual_q_{joints - 1}; record the joint "
+            "positions, or name their columns in the study"
+        )
+    if count > joints:
+        raise InputError(
+            f"{robot.source}: has actual_q_0 to actual_q_{count - 1}, but {arm.name} has {joints} "
+            "joints; name its arm in the study"
+        )
+
+
 def _check_sensor(device: Device, table: pd.DataFrame, arm: Robot) -> list[Finding]:
     if device == "force":
         return check_force_sensor(table)
@@ -95,8 +117,9 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     other: whether a force sensor has a file of its own, which is used instead.
     """
     wrench = [name for name in table if re.match(r"ft_(?!raw)", name)]
-    sensor = not other and {*FORCE_CHANNELS} <= {*wrench}
-    unread = [name for name in wrench if not sensor or name not in FORCE_CHANNELS]
+    whole = FORCE_CHANNELS if {*FORCE_CHANNELS} <= {*wrench} else FORCES
+    sensor = not other and {*whole} <= {*wrench}
+    unread = [name for name in wrench if not sensor or name not in whole]
     others = [name for name in table if not has_unit(name) and name not in unread]
     unused = list(filter(is_unused, others))
     nearest = {name: meant(name) for name in others if name not in unused}

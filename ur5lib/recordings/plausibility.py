@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ur5lib.channels import CHANNELS, columns
+from ur5lib.channels import CHANNELS, MOST_JOINTS, columns
 from ur5lib.errors import InputError
 from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.quality import Device, Finding
@@ -44,7 +44,7 @@ def drop_implausible(
     """
     wrong = np.zeros(len(frames), dtype=bool)
     for name, spec in CHANNELS.items():
-        bounded = [n for n in columns(name) if n in frames and n not in unbounded]
+        bounded = [n for n in columns(name, MOST_JOINTS) if n in frames and n not in unbounded]
         if bounded and math.isfinite(spec.bound):
             wrong |= _beyond(frames[bounded], spec.bound, source)
     time = frames["time"].to_numpy(float)

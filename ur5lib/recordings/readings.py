@@ -39,6 +39,11 @@ UNABLE = 100.0  # by which the log-likelihood of an arm falls that cannot move s
 HEAVIER = 2.5  # the base's rotor, seen through an effort, is at least this many times a wrist's
 
 
+def in_order(arm: Robot) -> Order:
+    """Return the columns of an arm's joints in their order."""
+    return tuple(range(len(arm.joints)))
+
+
 class Reading(NamedTuple):
     """An arm, an order of the joints and a unit of each effort, and their log-likelihood."""
 
@@ -95,7 +100,7 @@ def readings(
     found = []
     for arm in arms:
         postures = means.q[:, columns].swapaxes(0, 1)  # (orders, M, 6)
-        torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, 6))
+        torque = gravity_torque(arm, arm.chosen_model, postures.reshape(-1, len(arm.joints)))
         torque = torque.reshape(postures.shape)
         constants = arm.maker_torque_constants()
         scores = [_scores(means, free[name], torque, columns, constants, units) for name in efforts]
@@ -128,7 +133,7 @@ def slopes(means: BlockMeans, effort: str, arm: Robot, order: Order) -> Array:
     """Return effort per torque of gravity (6,) of each joint [1/unit]; NaN where gravity is nil."""
     torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])
     free = _without_motion(means, means.currents[effort])
-    found = np.full(6, np.nan)
+    found = np.full(len(order), np.nan)
     for joint, column in enumerate(order):
         own = _project(_motion(means, column), torque[:, joint])
         if np.linalg.norm(own) > 1e-3 * len(own):
@@ -140,7 +145,7 @@ def unit_scores(means: BlockMeans, effort: str, arm: Robot, order: Order) -> dic
     """Return the log-likelihood of each unit of an effort, and that it holds no gravity."""
     torque = gravity_torque(arm, arm.chosen_model, means.q[:, order])[None]
     free, columns = _without_motion(means, means.currents[effort]), np.array([order])
-    unknown = [math.nan] * 6
+    unknown = [math.nan] * len(order)
     scores = _scores(means, free, torque, columns, unknown, OR_FREE)
     return {unit: float(score[0]) for unit, score in scores.items()}
 
@@ -211,7 +216,7 @@ def _project(basis: Array, values: Array) -> Array:
 
 def _without_motion(means: BlockMeans, effort: Array) -> Array:
     """Return efforts (M, 6) without friction and inertia."""
-    columns = [_project(_motion(means, k), effort[:, k]) for k in range(6)]
+    columns = [_project(_motion(means, k), effort[:, k]) for k in range(effort.shape[1])]
     return np.stack(columns, axis=1)
 
 
@@ -228,9 +233,9 @@ def _scores(
     torque: (K, M, 6) of gravity; constants: Nm/A that the joints should have, NaN where unknown.
     """
     total = {unit: np.zeros(len(columns)) for unit in units}
-    for column in range(6):
+    for column in range(effort.shape[1]):
         basis = _motion(means, column)
-        for joint in range(6):
+        for joint in range(columns.shape[1]):
             rows = columns[:, joint] == column
             own = _project(basis, torque[rows, :, joint])
             slope = own @ effort[:, column] / ((own**2).sum(axis=1) + 1e-12)

@@ -12,6 +12,7 @@ from ur5lib.recordings.quality import Finding
 
 JOINTS = ["shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"]
 ON_PANEL = ["base", "shoulder", *JOINTS[2:]]  # as the arm's teach panel names them
+FRANKA = ("q", "dq", "tau_J", "tau_ext_hat_filtered", "O_F_ext_hat_K", "O_T_EE")
 XYZ = ("x", "y", "z")
 
 
@@ -26,7 +27,8 @@ class Message(NamedTuple):
 
 @array_format("rosbag", "a ROS bag", ".bag", ".db3", ".mcap")
 def rosbag_arrays(path: Path, wanted: Collection[str] | None, findings: list[Finding]) -> Arrays:
-    """Return the fields of JointState, WrenchStamped and Imu messages by `<topic>/<field>`.
+    """Return the fields of JointState, WrenchStamped, Imu and FrankaState messages by
+    `<topic>/<field>`.
 
     `<topic>/stamp` is the time in the messages' headers, `<topic>/bag_stamp` that of their receipt
     [s]. Joints come in the arm's order where the messages name them. Messages that cannot be read
@@ -96,6 +98,10 @@ def _joint_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]
     return fields, tuple(message.name)
 
 
+def _franka_state(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
+    return {name: getattr(message, name).tolist() for name in FRANKA}, ()
+
+
 def _vectors(*names: str, part: str = "") -> Callable[[Any], tuple[dict[str, list[float]], Any]]:
     def fields(message: Any) -> tuple[dict[str, list[float]], tuple[str, ...]]:
         body = getattr(message, part) if part else message
@@ -108,6 +114,7 @@ def _vectors(*names: str, part: str = "") -> Callable[[Any], tuple[dict[str, lis
 FIELDS = {
     "sensor_msgs/msg/JointState": _joint_state,
     "geometry_msgs/msg/WrenchStamped": _vectors("force", "torque", part="wrench"),
+    "franka_msgs/msg/FrankaState": _franka_state,
     "sensor_msgs/msg/Imu": _vectors("linear_acceleration", "angular_velocity"),
 }
 
@@ -144,7 +151,7 @@ def _rows(messages: list[Message], field: str, names: tuple[str, ...]) -> Iterat
 
     Nothing where no message has it; NaN in those without it.
     """
-    width = len(names) or 3
+    width = len(names) or len(messages[0].fields[field])
     if not any(len(message.fields[field]) == width for message in messages):
         return
     order = [names[k] for k in joint_order(names) or range(len(names))]

@@ -19,6 +19,7 @@ from ur5lib.strict import expect_file
 from ur5lib.timeseries.arrays import Array
 
 FORCE_CHANNELS = [f"ft_{quantity}{axis}" for quantity in "ft" for axis in "xyz"]
+FORCES = FORCE_CHANNELS[:3]  # all that some sensors have
 IMU_CHANNELS = [f"imu_{quantity}{axis}" for quantity in "amg" for axis in "xyz"]
 NOTHING = 1e-6  # N, Nm; largest value that an unconnected force sensor writes
 GAP, LONG_GAP = 2.5, 4.0  # in usual steps: counted as lost samples; reported even if single

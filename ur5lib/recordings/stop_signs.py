@@ -6,6 +6,7 @@ from itertools import islice
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import MOST_JOINTS, columns
 from ur5lib.recordings.arm_checks import (
     described,
     exchanged_joints,
@@ -24,13 +25,14 @@ from ur5lib.recordings.current_checks import (
 )
 from ur5lib.recordings.quality import Finding, contradiction
 from ur5lib.robots.description import Payload, Robot, robot_names
-from ur5lib.tables import channel, columns
+from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import period
 
 CHECKED = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
-    *map(columns, ("actual_q", "actual_qd", "actual_current", "actual_TCP_pose")),
-    *map(columns, ("target_q", "target_qd", "target_current", "target_moment")),
+    columns("actual_TCP_pose"),
+    *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current")),
+    *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
 )
 LED = 3  # joints that move at least where a hand leads an arm; a strong push turns one
 FEWEST = 30  # blocks of a recording that can contradict an arm
@@ -85,7 +87,8 @@ def _contradictions(
         if means.torque is None:
             others = (described(name).mounted(arm.gravity) for name in robot_names())
             yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
-    if moves >= (1 if driven else LED):
+    # a torque sensor beyond the gear shows no friction, by which these know a current
+    if moves >= (1 if driven else LED) and not arm.senses_torque():
         yield from strange_currents(robot, means, loaded, step, driven)
     if fitted:  # elsewhere, the fit finds an undeclared load
         yield from undeclared_load(means, arm.carrying(configured), loaded)

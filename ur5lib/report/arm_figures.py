@@ -16,7 +16,7 @@ from ur5lib.robots.description import Cylinder, DenavitHartenberg, Robot
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.timeseries.arrays import Array
 
-UPRIGHT = [0.0, -np.pi / 2, 0.0, -np.pi / 2, 0.0, 0.0]  # rad, position 2 of Figure 4.1
+UPRIGHT = [0.0, -np.pi / 2, 0.0, -np.pi / 2, 0.0, 0.0]  # rad, position 2 of Figure 4.1 of a UR
 MARGIN = 0.03  # m, around the drawing
 FARTHEST = 0.3  # m, largest distance from the joints that is drawn
 IN_A_ROW = 4  # panels
@@ -86,7 +86,7 @@ def ellipsoid_outline(mass: float, inertia: Array, center: Array) -> Array:
 def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
     """Draw the links' masses of each model, seen along x, one panel per model.
 
-    joints: (7, 3) [m], origins of the frames.
+    joints: (n + 1, 3) [m], origins of the frames.
     """
     line = joints @ SIDE.T
     bodies = [body for model in models.values() for link in model.outlines for body in link]
@@ -106,7 +106,10 @@ def mass_panels(joints: Array, models: Mapping[str, MassModel]) -> Drawing:
             axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         for axis in axes[:, 0]:
             axis.set_ylabel("z [m]")
-        links = [Patch(color=colour, label=f"link {k}") for k, colour in enumerate(JOINTS, 1)]
+        links = [
+            Patch(color=colour, label=f"link {k}")
+            for k, colour in enumerate(JOINTS[: len(joints) - 1], 1)
+        ]
         figure.legend(handles=links, loc="outside lower center", frameon=False, ncols=6)
     return Drawing(figure, pd.concat([_masses(name, model) for name, model in models.items()]))
 
@@ -121,17 +124,18 @@ def _limits(line: Array, outlines: Sequence[Array]) -> tuple[Array, Array]:
 
 
 def _draw_masses(axis: Axes, model: MassModel) -> None:
-    for bodies, colour in zip(model.outlines, JOINTS, strict=True):
+    colours = JOINTS[: len(model.masses)]
+    for bodies, colour in zip(model.outlines, colours, strict=True):
         for body in bodies:
             axis.fill(*body.T, facecolor=f"{colour}40", edgecolor=colour, linewidth=0.8)
     y, z = SIDE @ model.centers.T
-    axis.scatter(y, z, 12 * model.masses, JOINTS, zorder=3)
+    axis.scatter(y, z, 12 * model.masses, colours, zorder=3)
 
 
 def _masses(name: str, model: MassModel) -> pd.DataFrame:
     numbers = np.column_stack([model.masses, model.centers.round(9)])
     values = pd.DataFrame(numbers, columns=["mass [kg]", *PLACE])
-    return values.assign(model=name, link=range(1, 7))
+    return values.assign(model=name, link=range(1, len(model.masses) + 1))
 
 
 def frame_panels(
@@ -140,12 +144,18 @@ def frame_panels(
     """Draw the frames of an arm and the Denavit-Hartenberg parameters between them: the whole arm,
     and its wrist enlarged.
 
-    rotation: (7, 3, 3), origin: (7, 3) [m], of frames 0 to 6 in the base frame.
+    rotation: (n + 1, 3, 3), origin: (n + 1, 3) [m], of frames 0 to n in the base frame;
+    parameters: none of an arm that is described otherwise.
     """
     with matplotlib.rc_context(HOUSE_STYLE):
         figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
         whole, wrist = figure.subplots(1, 2, width_ratios=[1, 1.6])
-        parts = (whole, "frames 0 to 3", range(4)), (wrist, "frames 3 to 6", range(3, 7))
+        last = len(origin) - 1
+        half = last // 2
+        parts = (
+            (whole, f"frames 0 to {half}", range(half + 1)),
+            (wrist, f"frames {half} to {last}", range(half, last + 1)),
+        )
         for axis, title, frames in parts:
             _draw_links(axis, origin, parameters, frames)
             _draw_frames(axis, rotation, origin, frames)
@@ -154,7 +164,9 @@ def frame_panels(
     axes = [f"{axis} axis, {part}" for axis in "xyz" for part in "xyz"]
     turned = rotation.transpose(0, 2, 1).reshape(-1, 9)
     values = pd.DataFrame(np.column_stack([origin, turned]).round(9), columns=[*PLACE, *axes])
-    links = pd.DataFrame([[p.a, p.d, p.alpha] for p in parameters], range(1, 7), PARAMETERS)
+    links = pd.DataFrame(
+        [[p.a, p.d, p.alpha] for p in parameters], range(1, len(parameters) + 1), PARAMETERS
+    )
     return Drawing(figure, values.rename_axis("frame").join(links).reset_index())
 
 
@@ -179,7 +191,7 @@ def _draw_links(
 ) -> None:
     """Draw the links between some frames, each with its parameters other than zero beside it."""
     axis.plot(*(OBLIQUE @ origin[[*frames]].T), "o-", color="#999999", markersize=4, linewidth=3)
-    for k in frames[1:]:
+    for k in frames[1:] if parameters else ():
         link = parameters[k - 1]
         lengths = {f"d_{k}": link.d, f"a_{k}": link.a}
         parts = [f"${name}$ = {1000 * value:g} mm" for name, value in lengths.items() if value]

@@ -1,6 +1,5 @@
 """Figures of an arm's state: its health by date, and what can be observed on it by speed."""
 
-from collections.abc import Sequence
 from datetime import date
 from typing import Any
 
@@ -12,9 +11,6 @@ from matplotlib.dates import AutoDateLocator, ConciseDateFormatter, date2num
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from ur5lib.pipeline.records.contacts import SmallestPush
-from ur5lib.pipeline.records.health import Condition, JointChange
-from ur5lib.pipeline.records.observability import Share
 from ur5lib.report.cells import flange_speeds
 from ur5lib.report.house_style import HOUSE_STYLE, JOINTS, SHADE, WIDTH, Drawing, nothing_to_draw
 from ur5lib.timeseries.metrics import NORMAL95
@@ -28,25 +24,29 @@ PANELS = {
     "temperature": "temperature [°C]",
 }
 HEIGHT = 7.4  # inches, of six rows of panels
-MARKS = ("o", "s", "^", "v", "D", "P")
+MARKS = ("o", "s", "^", "v", "D", "P", "X", "*")
 SLOWEST = 0.003  # rad/s, where the axis of speeds begins
 PALE: Any = SHADE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
-def health_figure(dates: Sequence[Condition], changes: Sequence[JointChange]) -> Drawing:
-    """Draw a row of panels per quantity, a column per joint."""
-    rows = _with_temperatures(pd.DataFrame(dates))
+def health_figure(dates: pd.DataFrame, changes: pd.DataFrame) -> Drawing:
+    """Draw a row of panels per quantity, a column per joint.
+
+    dates, changes: health.csv, health_changes.csv.
+    """
+    rows = _with_temperatures(dates)
     if rows.empty:
         return nothing_to_draw()
     shown = [name for name in PANELS if name in {*rows["quantity"]}]
     with matplotlib.rc_context({**HOUSE_STYLE, "axes.titlesize": 7.5, "xtick.labelsize": 6.5}):
         figure = Figure(figsize=(WIDTH, HEIGHT / 6 * len(shown)), layout="constrained")
-        for row, quantity in zip(figure.subplots(len(shown), 6, sharex=True), shown, strict=True):
+        panels = figure.subplots(len(shown), int(rows["joint"].max()), sharex=True, squeeze=False)
+        for row, quantity in zip(panels, shown, strict=True):
             for joint, axis in enumerate(row, start=1):
                 _panel(axis, rows[(rows["quantity"] == quantity) & (rows["joint"] == joint)])
-                for change in changes:
-                    if (change.quantity, change.joint) == (quantity, joint):
-                        _mark(axis, change)
+                here = (changes["quantity"] == quantity) & (changes["joint"] == joint)
+                for change in changes[here].itertuples():
+                    _mark(axis, change)
             row[0].set_ylabel(PANELS[quantity].replace(" [", "\n["), fontsize=6.5)
         _label(figure, len(shown))
     return Drawing(figure, rows)
@@ -80,7 +80,7 @@ def _place(day: str) -> float:
     return float(date2num(date.fromisoformat(day)))
 
 
-def _mark(axis: Axes, change: JointChange) -> None:
+def _mark(axis: Axes, change: Any) -> None:
     """Draw a change: the time of a jump shaded, its size in words."""
     style = SHADE if change.kind == "jump" else PALE
     axis.axvspan(_place(change.first), _place(change.last), **style)
@@ -102,14 +102,14 @@ def _label(figure: Figure, count: int) -> None:
             axis.xaxis.set_major_formatter(ConciseDateFormatter(locator))
 
 
-def observability_figure(
-    pushes: Sequence[SmallestPush], shares: Sequence[Share], wanted: float, most: float
-) -> Drawing:
+def observability_figure(rows: pd.DataFrame, wanted: float, most: float) -> Drawing:
     """Draw smallest pushes with their 95 % intervals, and shares within the band.
 
-    wanted: share that suffices; most: largest push that was tried [N].
+    rows: observability.csv; wanted: share that suffices; most: largest push that was tried [N].
     """
-    felt, held = pd.DataFrame(pushes).drop(columns="axis", errors="ignore"), pd.DataFrame(shares)
+    felt, held = (
+        rows[rows["quantity"] == name] for name in ("smallest_push_95", "friction_in_band")
+    )
     if felt.empty and held.empty:
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):
@@ -117,21 +117,20 @@ def observability_figure(
         left, right = figure.subplots(1, 2)
         _pushes(left, felt, most)
         _shares(right, held, wanted)
-    parts = [felt.assign(quantity="smallest_push_95"), held.assign(quantity="friction_in_band")]
-    return Drawing(figure, pd.concat([part for part in parts if len(part)], ignore_index=True))
+    return Drawing(figure, pd.concat([felt, held], ignore_index=True))
 
 
 def _pushes(axis: Axes, rows: pd.DataFrame, most: float) -> None:
     """Draw the push that is detected in each range of speeds; an arrow where it is beyond."""
     for place, row in enumerate(rows.itertuples()):
-        if row.force > most:
+        if row.value > most:
             axis.annotate(
                 "", (place, 1.1 * most), (place, 0.95 * most), arrowprops={"arrowstyle": "->"}
             )
             axis.text(place, 0.94 * most, f"> {most:.0f}", ha="center", va="top")
         else:
-            half = NORMAL95 * row.std
-            axis.errorbar(place, row.force, half, fmt="o", markersize=4, color=JOINTS[0])
+            half = NORMAL95 * row.std_error
+            axis.errorbar(place, row.value, half, fmt="o", markersize=4, color=JOINTS[0])
     speeds = [flange_speeds(row.speed_low, row.speed_high) for row in rows.itertuples()]
     axis.set_xticks(range(len(rows)), speeds)
     axis.set(xlabel="speed of the flange [m/s]", ylabel="smallest push [N]")
@@ -142,11 +141,11 @@ def _shares(axis: Axes, rows: pd.DataFrame, wanted: float) -> None:
     """Draw each joint's share within the band over its speed, and the share that suffices."""
     axis.axhline(100 * wanted, color="black", linewidth=0.8)
     for joint, part in rows.groupby("joint"):
-        estimated = part.dropna(subset="share")
+        estimated = part.dropna(subset="value")
         middle = (estimated["speed_low"].clip(lower=SLOWEST) * _end(estimated)) ** 0.5
         colour, mark = JOINTS[int(joint) - 1], MARKS[int(joint) - 1]
         style: Any = {"color": colour, "marker": mark, "markersize": 3, "linewidth": 0.9}
-        axis.plot(middle, 100 * estimated["share"], label=f"joint {joint}", **style)
+        axis.plot(middle, 100 * estimated["value"], label=f"joint {joint}", **style)
     axis.set(xscale="log", xlabel="speed of the joint [rad/s]", ylim=(0, 102))
     axis.set_ylabel("within the 95 % band [%]")
     axis.xaxis.set_major_formatter(FuncFormatter(lambda speed, _: f"{speed:g}"))

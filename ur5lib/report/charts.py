@@ -30,7 +30,7 @@ def scatter_panels(
     lines: Sequence[tuple[Array, Array]] = (),
     fitted: Array | None = None,
 ) -> Drawing:
-    """Draw six panels, joints 1 to 6, of samples (N, 6) over (N, 6).
+    """Draw a panel for each joint of samples (N, n) over (N, n).
 
     axes: labels of x and y with units; {} stands for the joint.
     lines: (M, 6) over (M, 6), the first solid, the second dashed; fitted: (N, 6) over the same x,
@@ -39,8 +39,12 @@ def scatter_panels(
     if np.isnan(x).all():
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 4.4), layout="constrained")
-        for joint, axis in enumerate(figure.subplots(2, 3).flat):
+        rows = -(-x.shape[1] // 3)
+        figure = Figure(figsize=(WIDTH, 2.2 * rows), layout="constrained")
+        axes_of = figure.subplots(rows, 3).flat
+        for empty in axes_of[x.shape[1] :]:
+            empty.set_visible(False)
+        for joint, axis in enumerate(axes_of[: x.shape[1]]):
             axis.plot(x[:, joint], y[:, joint], ".", color=JOINTS[joint], **DOTS)
             for (along, values), dashes in zip(lines, LINES, strict=False):
                 axis.plot(along[:, joint], values[:, joint], dashes, color="black", linewidth=0.9)
@@ -49,7 +53,11 @@ def scatter_panels(
             xlabel, ylabel = (_in_math(label.format(joint + 1)) for label in axes)
             axis.set(xlabel=xlabel, ylabel=ylabel)
     columns = {axes[0]: x, axes[1]: y} | ({} if fitted is None else {f"fitted {axes[1]}": fitted})
-    data = {name.format(j + 1): column[:, j] for j in range(6) for name, column in columns.items()}
+    data = {
+        name.format(j + 1): column[:, j]
+        for j in range(x.shape[1])
+        for name, column in columns.items()
+    }
     return Drawing(figure, pd.DataFrame(data))
 
 
@@ -59,20 +67,21 @@ def _in_math(label: str) -> str:
 
 
 def residual_panels(residual: Array, against: Mapping[str, Array], unit: str) -> Drawing:
-    """Draw residuals (N, 6), a row of panels per joint, a column per explanatory variable."""
+    """Draw residuals (N, n), a row of panels per joint, a column per explanatory variable."""
     if np.isnan(residual).all():
         return nothing_to_draw()
     with matplotlib.rc_context(HOUSE_STYLE):
-        figure = Figure(figsize=(WIDTH, 7.0), layout="constrained")
-        rows = figure.subplots(6, len(against), sharey="row")
+        joints = residual.shape[1]
+        figure = Figure(figsize=(WIDTH, 7.0 * joints / 6), layout="constrained")
+        rows = figure.subplots(joints, len(against), sharey="row", squeeze=False)
         for joint, row in enumerate(rows):
             for axis, (name, values) in zip(row, against.items(), strict=True):
                 axis.plot(values[:, joint], residual[:, joint], ".", color=JOINTS[joint], **DOTS)
-                if joint == 5:
+                if joint == joints - 1:
                     axis.set_xlabel(name)
             row[0].set_ylabel(f"joint {joint + 1} [{unit}]")
     columns = {f"residual [{unit}]": residual, **against}
-    data = {f"joint {j + 1}, {name}": columns[name][:, j] for j in range(6) for name in columns}
+    data = {f"joint {j + 1}, {n}": columns[n][:, j] for j in range(joints) for n in columns}
     return Drawing(figure, pd.DataFrame(data))
 
 

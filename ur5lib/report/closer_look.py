@@ -4,13 +4,12 @@ import json
 import re
 import zlib
 from base64 import b64encode
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from ur5lib.report.house_style import JOINTS, STYLES
+from ur5lib.report.house_style import STYLES
 from ur5lib.report.traces import BAND_EDGES, column_name
 from ur5lib.tables import read_csv
 from ur5lib.timeseries.arrays import Array
@@ -42,7 +41,7 @@ def packed_lines(path: str | Path) -> str:
     values = data[columns].to_numpy(float).T
     head = {
         "panels": panels,
-        "lines": [_line(*line) for line in zip(labels, styles, strict=True)],
+        "lines": [_line(*line, len(panels)) for line in zip(labels, styles, strict=True)],
         "band": len(edges) > 0,
         "ranges": [[float(f"{end:.6g}") for end in _range(column)] for column in values],
         "levels": LEVELS,
@@ -59,12 +58,10 @@ def _panels_and_labels(columns: pd.Index, lines: int) -> tuple[list[tuple[str, s
     return panels, [*dict.fromkeys(label for label, *_ in parts)][:lines]
 
 
-def _line(label: str, style: str) -> dict[str, object]:
+def _line(label: str, style: str, panels: int) -> dict[str, object]:
     """Return a line's label, its colour in each panel, and its dashes."""
     drawn = STYLES[style]
-    colours: Sequence[str] = JOINTS if drawn["color"] is JOINTS else [drawn["color"]]
-    _, dashes = drawn.get("linestyle", (0, ()))
-    return {"label": label, "colours": [*colours], "dashes": [*dashes]}
+    return {"label": label, "colours": [*drawn.colours[:panels]], "dashes": [*drawn.dashes]}
 
 
 def _range(column: Array) -> tuple[float, float]:

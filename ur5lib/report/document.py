@@ -271,7 +271,7 @@ class Document:
 
     def as_data(self) -> dict[str, Any]:
         """Return the document as plain data, for templates; paths become text."""
-        data: dict[str, Any] = asdict(self)
+        data = asdict(self)
         plain = (block for section in data["sections"] for block in section["blocks"])
         for block, fields in zip(self.blocks(), plain, strict=True):
             if isinstance(block, Table):

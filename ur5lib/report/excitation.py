@@ -60,8 +60,8 @@ def excitation_figure(
 
 
 def _draw_path(panel: Axes, time: Array, q: Array) -> None:
-    for joint, color in enumerate(JOINTS):
-        panel.plot(time, q[:, joint], color=color, label=f"joint {joint + 1}")
+    for joint, (angle, color) in enumerate(zip(q.T, JOINTS, strict=False), 1):
+        panel.plot(time, angle, color=color, label=f"joint {joint}")
     panel.set(xlabel="time [s]", ylabel="angle [rad]")
     panel.legend(ncols=6, fontsize=6, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 
@@ -70,16 +70,15 @@ def _draw_spectrum(panel: Axes, path: Path) -> None:
     """Draw the amplitude of each harmonic of each joint."""
     sines, cosines = np.split(path.coefficients, 2)
     frequency = np.arange(1, len(sines) + 1) / path.seconds
-    for joint, color in enumerate(JOINTS):
-        amplitude = np.hypot(sines[:, joint], cosines[:, joint])
+    for amplitude, color in zip(np.hypot(sines, cosines).T, JOINTS, strict=False):
         panel.plot(frequency, amplitude, ".-", color=color, linewidth=0.8, markersize=3)
     panel.set(xlabel="frequency [Hz]", ylabel="amplitude [rad]")
 
 
 def _draw_margins(panel: Axes, margins: Margins) -> None:
     """Draw the largest share of each limit, a bar for each joint."""
-    for joint, color in enumerate(JOINTS):
-        shares = [100 * share[joint] for share in margins.used.values()]
+    used = 100 * np.array([*margins.used.values()])
+    for joint, (shares, color) in enumerate(zip(used.T, JOINTS, strict=False)):
         panel.bar(np.arange(len(shares)) + (joint - 2.5) / 8, shares, 1 / 8, color=color)
     panel.axhline(100, color="black", linewidth=0.8)
     panel.set_xticks(range(len(margins.used)), list(margins.used))

@@ -95,7 +95,7 @@ def in_words(remark: Remark) -> str:
     return sentence(**asdict(remark))
 
 
-def worded(finding: Finding) -> dict[str, Any]:
+def worded(finding: Finding) -> dict[str, str | int]:
     """Return a finding as a row whose code and values are replaced by the sentence `detail`."""
     row = asdict(finding)
     code, values = row.pop("code"), row.pop("values")

@@ -38,7 +38,7 @@ class MovingSamples:
         def thinned(values: Array) -> Array:
             return np.where(moving, smooth(values, record)[::every], np.nan)
 
-        time = np.arange(len(record.q))[::every, None] * record.period * np.ones(6)
+        time = np.arange(len(record.q))[::every, None] * record.period * np.ones(record.q.shape[1])
         return cls(
             time=np.where(moving, time, np.nan),
             q=thinned(record.q),
@@ -49,9 +49,9 @@ class MovingSamples:
         )
 
     @classmethod
-    def joined(cls, parts: Sequence[Self]) -> Self:
+    def joined(cls, parts: Sequence[Self], joints: int) -> Self:
         """Return the samples of all parts, after a row of NaN: panels may be empty."""
-        nothing, names = np.full((1, 6), np.nan), [field.name for field in fields(cls)]
+        nothing, names = np.full((1, joints), np.nan), [field.name for field in fields(cls)]
         arrays = ([nothing, *(getattr(part, name) for part in parts)] for name in names)
         return cls(*map(np.concatenate, arrays))
 

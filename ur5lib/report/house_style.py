@@ -4,6 +4,8 @@ a paper's column.
 
 import re
 from base64 import b64decode, b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -20,17 +22,40 @@ from matplotlib.transforms import ScaledTranslation
 from PIL import Image
 
 from ur5lib.tables import write_bytes, write_csv
+from ur5lib.timeseries.arrays import Array
 
 # Okabe and Ito's palette, which colour-blind readers can distinguish; dashes help in print.
-JOINTS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
-STYLES: dict[str, Any] = {
-    "measured": {"color": "#000000", "linewidth": 1.1},
-    "first": {"color": "#0072B2", "linewidth": 1.0, "linestyle": (0, (5, 1.2))},
-    "second": {"color": "#D55E00", "linewidth": 1.0, "linestyle": (0, (1.2, 1))},
-    "third": {"color": "#009E73", "linewidth": 1.0, "linestyle": (0, (4, 1, 1, 1))},
-    "fourth": {"color": "#CC79A7", "linewidth": 1.0, "linestyle": (0, (3, 1, 1, 1, 1, 1))},
-    "fifth": {"color": "#56B4E9", "linewidth": 1.0, "linestyle": (0, (2, 1, 2, 3))},
-    "joint": {"color": JOINTS, "linewidth": 1.0},  # each joint in its own colour
+JOINTS = (
+    *("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"),
+    *("#8C6D31", "#999999"),  # of arms with seven or eight joints
+)
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a line is drawn: its colour, or that of each joint; its dashes, solid without; width."""
+
+    colours: tuple[str, ...]
+    dashes: tuple[float, ...] = ()
+    width: float = 1.0
+
+    def line(
+        self, i: int, x: Sequence[float] | Array = (), y: Sequence[float] | Array = ()
+    ) -> Line2D:
+        """Return the line of a panel, from 0, through points x, y (N,)."""
+        shape: Any = (0, self.dashes) if self.dashes else "-"
+        colour = self.colours[i % len(self.colours)]
+        return Line2D(x, y, color=colour, linewidth=self.width, linestyle=shape)
+
+
+STYLES = {
+    "measured": Style(("#000000",), width=1.1),
+    "first": Style(("#0072B2",), (5, 1.2)),
+    "second": Style(("#D55E00",), (1.2, 1)),
+    "third": Style(("#009E73",), (4, 1, 1, 1)),
+    "fourth": Style(("#CC79A7",), (3, 1, 1, 1, 1, 1)),
+    "fifth": Style(("#56B4E9",), (2, 1, 2, 3)),
+    "joint": Style(JOINTS),  # each joint in its own colour
 }
 HOUSE_STYLE: Any = {
     "axes.formatter.limits": (-3, 4),
@@ -113,8 +138,8 @@ def save(drawing: Drawing, path: str | Path) -> None:
     if sum(np.size(line.get_xdata()) for axis in axes for line in axis.lines) > MOST_VERTICES:
         for artist in (artist for axis in axes for artist in [*axis.lines, *axis.collections]):
             artist.set_rasterized(True)
-    keywords = {"Keywords": [*drawing.styles]} if drawing.styles else {}
-    write_bytes(_rendered(drawing, "svg", {"Date": None} | keywords), path)
+    keywords = [*drawing.styles] or None
+    write_bytes(_rendered(drawing, "svg", {"Date": None, "Keywords": keywords}), path)
     write_csv(drawing.data, path.with_suffix(".csv"), digits=6)
 
 
@@ -128,7 +153,7 @@ def _place_labels(figure: Figure) -> None:
         axes.yaxis.set_label_coords(0, 0.5, transform=axes.transAxes + left)
 
 
-def _rendered(drawing: Drawing, kind: str, metadata: dict[str, Any]) -> bytes:
+def _rendered(drawing: Drawing, kind: str, metadata: dict[str, list[str] | None]) -> bytes:
     """Return a figure as a file of some kind."""
     buffer = BytesIO()
     with matplotlib.rc_context(HOUSE_STYLE):

@@ -9,6 +9,7 @@ from typing import Any
 
 import jinja2
 
+from ur5lib import __version__
 from ur5lib.report.document import UNDETERMINED, Cell, Document, Picture, Table
 from ur5lib.report.render import TEMPLATES
 from ur5lib.report.results import Results
@@ -100,7 +101,8 @@ def methods(results: Results) -> str:
 
 def references() -> str:
     """Return the publications that the methods cite, as BibTeX."""
-    return (TEMPLATES / "references.bib").read_text(encoding="utf-8")
+    text = (TEMPLATES / "references.bib").read_text(encoding="utf-8")
+    return text.replace("VERSION", __version__)
 
 
 def paper(document: Document, results: Results) -> str:

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from ur5lib.lab.places import IN_CLONE, WORKFLOW
 from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.printed_numbers import COLUMNS as PRINTED
 from ur5lib.report.reference import Erratum, read_reference
@@ -149,10 +150,23 @@ def versions() -> dict[str, str]:
 
 
 def commit() -> str:
-    """Return the commit of the code, with "+ changes" when the files differ from it."""
+    """Return the commit of the code, with "+ changes" when the files differ from it.
+
+    Of an installed package, which has none, its version is returned.
+    """
+    if not IN_CLONE:
+        return f"ur5lib {metadata.version('ur5lib')}"
     try:
         name = subprocess.check_output(
-            ["git", "describe", "--always", "--abbrev=12", "--dirty= + changes"],
+            [
+                "git",
+                "-C",
+                str(WORKFLOW),
+                "describe",
+                "--always",
+                "--abbrev=12",
+                "--dirty= + changes",
+            ],
             text=True,
             stderr=subprocess.DEVNULL,
         )

@@ -89,7 +89,7 @@ def name(value: str, topic: str) -> str:
 @cache
 def names(topic: str) -> dict[str, str]:
     """Return the names of the values of a topic, in the report's order; empty if it has none."""
-    return {"estimate": ESTIMATES, **_written()["names"]}.get(topic, {})
+    return {"estimate": ESTIMATES, **_written()[0]}.get(topic, {})
 
 
 @jinja2.pass_context
@@ -188,9 +188,10 @@ FILTERS = {
 
 
 @cache
-def _written() -> dict[str, dict[str, Any]]:
-    """Return the templates and names in `sentences.yaml`, by topic."""
-    return dict(read_yaml(Path(__file__).with_name("sentences.yaml")))
+def _written() -> tuple[dict[str, dict[str, str]], dict[str, dict[str, str]]]:
+    """Return the names and the templates in `sentences.yaml`, by topic."""
+    templates = dict(read_yaml(Path(__file__).with_name("sentences.yaml")))
+    return templates.pop("names"), templates
 
 
 @cache
@@ -215,7 +216,6 @@ def _expression(text: str) -> TemplateExpression:
 def _templates() -> dict[str, jinja2.Template]:
     return {
         f"{topic}.{name}": _template(text)
-        for topic, texts in _written().items()
-        if topic != "names"
+        for topic, texts in _written()[1].items()
         for name, text in texts.items()
     }

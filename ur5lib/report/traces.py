@@ -1,4 +1,6 @@
-"""Figures over time: six panels, errors under values, gaps and singular stretches shaded."""
+"""Figures over time: a panel for each joint, or six of a wrench; errors under values, gaps and
+singular stretches shaded.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,14 +13,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.report.house_style import (
     BAND,
     GAP,
     HOUSE_STYLE,
-    JOINTS,
     SHADE,
     STYLES,
     WIDTH,
@@ -44,8 +45,9 @@ class Panel(NamedTuple):
 
 
 def joint_quantity(symbol: str, unit: str) -> list[Panel]:
-    """Return the panels of a quantity of each joint."""
-    return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in range(1, 7)]
+    """Return the panels of a quantity of each joint, of as many as an arm may have."""
+    joints = range(1, MOST_JOINTS + 1)
+    return [Panel(f"joint {joint}", f"{symbol}_{joint}", unit) for joint in joints]
 
 
 def cartesian_quantity(linear: tuple[str, str, str], angular: tuple[str, str, str]) -> list[Panel]:
@@ -67,7 +69,8 @@ ACCELERATION = cartesian_quantity(("a", r"\ddot{p}", "m/s²"), ("α", r"\dot{\om
 class Traces:
     """Series drawn over time (N,) [s]; NaN in time is a gap.
 
-    series, errors: by label, values (N, 6) and a style; errors get panels under the values'.
+    series, errors: by label, values (N, k) of k panels and a style; errors get panels under the
+    values'.
     band: lower and upper edge of a 95 % band, (N, 6) each; hidden: (N,), where a force is
     undetermined.
     """
@@ -83,7 +86,8 @@ def draw_traces(traces: Traces, panels: Sequence[Panel]) -> Drawing:
     """Draw columns of panels: joints 1, 3, 5 and 2, 4, 6, or linear and angular quantities."""
     if not traces.series:
         return nothing_to_draw()
-    thin = _decimated(traces)
+    width = next(iter(traces.series.values()))[0].shape[1]
+    thin, panels = _decimated(traces), panels[:width]
     spans = [(*_gaps(traces.time), GAP, "gap")]
     if traces.hidden is not None:
         spans.append((*_stretches(traces.time, traces.hidden), SHADE, "near a singularity"))
@@ -121,19 +125,22 @@ def _decimated(traces: Traces) -> Traces:
 def _grid(traces: Traces, panels: Sequence[Panel]) -> tuple[Figure, list[Axes], list[Axes]]:
     """Return a figure with axes of the values and of the errors, in the order of the panels."""
     pairs = 2 if traces.errors else 1
-    height = 4.7 if traces.errors else 3.8
+    rows = -(-len(panels) // 2)
+    height = (4.7 if traces.errors else 3.8) * (rows / 3)
     figure = Figure(figsize=(WIDTH, height))
     # Margins of its own: a layout that looks for room takes a third of the drawing time.
     figure.subplots_adjust(0.105, 0.42 / height, 0.99, 1 - 0.42 / height, wspace=0.27, hspace=0.3)
-    ratios = [2, 1] * 3 if traces.errors else [1] * 3
-    axes = figure.subplots(3 * pairs, 2, sharex=True, height_ratios=ratios)
+    ratios = [2, 1] * rows if traces.errors else [1] * rows
+    axes = figure.subplots(pairs * rows, 2, sharex=True, height_ratios=ratios)
     figure.align_ylabels(axes)
     for axis in axes[-1]:
         axis.set_xlabel("time [s]")
     by_rows = panels[0].name.startswith("joint")  # 1 2, 3 4, 5 6; else linear left
-    places = [(i // 2, i % 2) if by_rows else (i % 3, i // 3) for i in range(6)]
+    places = [(i // 2, i % 2) if by_rows else (i % 3, i // 3) for i in range(len(panels))]
     above = [axes[pairs * row, column] for row, column in places]
     below = [axes[pairs * row + 1, column] for row, column in places] if traces.errors else []
+    for axis in {*axes.flat} - {*above, *below}:
+        axis.set_visible(False)
     return figure, above, below
 
 
@@ -143,20 +150,17 @@ def _draw_panel(
     if band:
         axis.fill_between(traces.time, band[0][:, i], band[1][:, i], **BAND)
     for values, style in series.values():
-        axis.plot(traces.time, values[:, i], **_style(style, i))
+        axis.add_line(STYLES[style].line(i, traces.time, values[:, i]))
+    axis.autoscale_view()
     _widen(axis)
-
-
-def _style(name: str, i: int) -> dict[str, Any]:
-    style = STYLES[name]
-    return style | {"color": style["color"][i]} if style["color"] is JOINTS else style
 
 
 def _legend(figure: Figure, traces: Traces, spans: list[tuple[Any, str]]) -> None:
     """Draw one legend for all panels; a style with a colour per joint shows them all."""
-    handles: dict[str, Any] = {}
+    handles: Any = {}  # lines, or several of one label, which the stubs do not know
     for label, (_, style) in {**traces.series, **_unlike(traces)}.items():
-        lines = tuple(Line2D([], [], **_style(style, i)) for i in range(6))
+        count = next(iter(traces.series.values()))[0].shape[1]
+        lines = tuple(STYLES[style].line(i) for i in range(count))
         handles[label] = lines if style.startswith("joint") else lines[0]
     if traces.band:
         handles["95 % band"] = Patch(**BAND)

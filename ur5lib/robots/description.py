@@ -27,7 +27,6 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}  # by their kinematics, masses and inertias
-JOINTS = 6  # of the arms whose recordings are read; an arm itself may have any number
 ON_EARTH = (9.0, 10.5)  # m/s²
 
 
@@ -203,12 +202,13 @@ class Robot(Strict):
 
     joints: the size of each joint, a key of `motors`; endless_joints: those that turn without
     limit, 1 to n; wrist_sensor: whether a force sensor is built into its flange; calibration: of
-    one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`.
+    one individual arm, frame k as the turned joint k carries it, in place of `denavit_hartenberg`,
+    which an arm described from its URDF has not.
     """
 
     name: str
     gravity: Gravity
-    denavit_hartenberg: PerLink[DenavitHartenberg]
+    denavit_hartenberg: PerLink[DenavitHartenberg] = ()
     calibration: PerLink[Pose] | None = None
     joints: PerLink[str]
     motors: dict[str, Motor]
@@ -229,6 +229,8 @@ class Robot(Strict):
             raise ValueError(f"`joints` names motors missing from `motors`: {', '.join(unknown)}")
         if self.chosen_model not in self.models:
             raise ValueError(f"`chosen_model` must be one of {', '.join(self.models)}")
+        if not (self.denavit_hartenberg or self.calibration):
+            raise ValueError("an arm needs `denavit_hartenberg`")
         return self
 
     @model_validator(mode="after")
@@ -260,6 +262,10 @@ class Robot(Strict):
         """Return the manufacturer's Nm/A of each joint, after the gears; NaN where unknown."""
         motors = map(self.motor, self.joint_numbers)
         return [(m.torque_constant or math.nan) * (m.gear_ratio or math.nan) for m in motors]
+
+    def senses_torque(self) -> bool:
+        """Return whether its joints' torques [Nm] are measured, in place of motor currents."""
+        return all(constant == 1.0 for constant in self.maker_torque_constants())
 
     def family_torque_constants(self) -> list[float]:
         """Return Nm/A after the gears as by the e-Series motors of these sizes; NaN if unknown."""
@@ -355,18 +361,12 @@ def robot_path(name: str) -> Path:
 def load_robot(path: str | Path) -> Robot:
     """Read one arm's description, e.g. from `robot_path("ur5")`.
 
-    Raises InputError when the file is invalid, or the arm has not six joints.
+    Raises InputError when the file is invalid.
     """
     try:
-        robot = robot_of(read_description(path))
+        return robot_of(read_description(path))
     except ValidationError as error:
         raise InputError(f"{path} {INVALID}: {error}") from error
-    if len(robot.joints) != JOINTS:
-        raise InputError(
-            f"{path} describes {len(robot.joints)} joints; recordings of arms with {JOINTS} joints "
-            "are read, others are not"
-        )
-    return robot
 
 
 def read_description(path: str | Path) -> Any:

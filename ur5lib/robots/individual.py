@@ -109,7 +109,7 @@ def _from_ros(text: str, path: str | Path) -> list[Array]:
     return [*frames, frames[-1]]
 
 
-def _ros_matrix(link: Mapping[str, Any]) -> Array:
+def _ros_matrix(link: Mapping[str, float]) -> Array:
     x, y, z, roll, pitch, yaw = (
         float(link[key]) for key in ("x", "y", "z", "roll", "pitch", "yaw")
     )

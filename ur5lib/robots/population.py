@@ -1,6 +1,5 @@
 """What is known of measured arms: torque constants and friction of their joints, as data."""
 
-import os
 from pathlib import Path
 from typing import Literal
 
@@ -48,7 +47,7 @@ class Measured(Strict):
 
 def population_files(name: str) -> list[str]:
     """Return the file that a study names as population: shipped, none, or a path."""
-    return {"shipped": [os.path.relpath(POPULATION)], "none": []}.get(name, [name])
+    return {"shipped": [str(POPULATION)], "none": []}.get(name, [name])
 
 
 def read_measured(path: Path) -> Measured:

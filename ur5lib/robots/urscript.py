@@ -25,13 +25,16 @@ class ToolPose:
     values: tuple[float, ...]
 
 
+Value = float | Sequence[float] | ToolPose
+
+
 @dataclass(frozen=True)
 class Command:
     """A call of URScript: its name, its arguments in order and by name."""
 
     name: str
-    values: tuple[Any, ...]
-    named: dict[str, Any]
+    values: tuple[Value, ...]
+    named: dict[str, Value]
 
     def arguments(self, **defaults: Any) -> list[Any]:
         """Return the arguments in the order of `defaults`, which replace missing ones.

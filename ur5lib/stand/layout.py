@@ -1,7 +1,6 @@
 """Names of the files that the test stand writes, and the keys of a study for them."""
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Collection
 
 THESIS_FILES = {  # name after log_, as in the thesis, and RTDE name
     "q_actual": "actual_q",
@@ -23,9 +22,8 @@ FORMATS = ["thesis-csv", *ROBOT_FILES]
 FORMATS_WITH_PAYLOAD = ["rtde-csv"]  # formats that record the payload declared to the controller
 
 
-def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:
-    """Return the files of a simulated recording, within its folder. plan: as plain data."""
-    sensors = [name for name in COLUMNS if plan.get(name) is not None]
+def file_names(format: str, sensors: Collection[str]) -> list[str]:
+    """Return the files of a simulated recording, within its folder; sensors: those of COLUMNS."""
     if format != "thesis-csv":
         return [ROBOT_FILES[format], *(f"{name}.csv" for name in sensors)]
     names = [*(f"log_{file}.csv" for file in THESIS_FILES), "start_time.csv"]
@@ -34,13 +32,13 @@ def file_names(format: str, plan: Mapping[str, Any]) -> list[str]:
     return [f"csv_files/{name}" for name in names]
 
 
-def device_keys(format: str, plan: Mapping[str, Any]) -> dict[str, Any]:
+def device_keys(
+    format: str, sensors: Collection[str]
+) -> dict[str, str | dict[str, str | list[str]]]:
     """Return the keys of a study's entry for these files: `file`, `force_sensor`, `imu`."""
     if format == "thesis-csv":
         return {}
-    sensors = {
-        name: {"file": f"{name}.csv", "columns": columns, "time": COUNTS[format]}
-        for name, columns in COLUMNS.items()
-        if plan.get(name) is not None
+    return {"file": ROBOT_FILES[format]} | {
+        name: {"file": f"{name}.csv", "columns": COLUMNS[name], "time": COUNTS[format]}
+        for name in sensors
     }
-    return {"file": ROBOT_FILES[format], **sensors}

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from ur5lib.robots.description import Payload, Positive, Six, Vector3
+from ur5lib.stand.layout import COLUMNS
 from ur5lib.strict import Strict, existing_file
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.profiles import rest_conditions
@@ -288,6 +289,10 @@ class SimulatedRecording(Planned):
     )
     imu: Imu | None = Field(None, description="IMU, if any")
     faults: Faults = Field(Faults(), description="faults of the recording")
+
+    def sensors(self) -> list[str]:
+        """Return the sensors with files of their own."""
+        return [name for name in COLUMNS if getattr(self, name) is not None]
 
     def temperature(self, time: Array | float) -> Array:
         """Return the motors' temperature [°C] at times [s] since the start."""

@@ -44,8 +44,8 @@ def simulate(
     files = WRITERS[format](sent, _sensors(plan, experiment.motion, random), plan)
     write_files(files, folder, plan.faults.torn_files)
     numbers = {name: np.flatnonzero(flags) for name, flags in asdict(faulty).items()}
-    devices = {"clocks": planned_clocks(plan), "frames": numbers}
-    write_truth(experiment.rig, plan, experiment.motion, cycle, devices, truth)
+    clocks = planned_clocks(plan)
+    write_truth(experiment.rig, plan, experiment.motion, cycle, clocks, truth, numbers)
 
 
 def _sensors(

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,6 +12,7 @@ from ur5lib.stand import drive as drives
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.rig import STEP, Rig, States, step_times
 from ur5lib.tables import named, write_json, write_table
+from ur5lib.timeseries.arrays import Array, Labels
 
 COLUMNS = {  # of the table: quantities of `rig.STATE`, their names and units there
     "q": ("q", "rad"),
@@ -34,13 +34,14 @@ def write_truth(
     plan: SimulatedRecording,
     motion: States,
     cycle: float,
-    devices: Mapping[str, Any],
+    clocks: Clocks,
     truth: Path,
+    frames: Mapping[str, Labels] | None = None,
 ) -> None:
     """Write truth.parquet, at the controller's frames, and truth.json, the true parameters.
 
-    rig: simulated arm; motion: its states; cycle: of the controller [s]; devices: `clocks`, and
-    `frames`, the numbers of faulty frames; truth: path of both files without their suffixes.
+    rig: simulated arm; motion: its states; cycle: of the controller [s]; clocks: of the devices;
+    truth: path of both files without their suffixes; frames: numbers of the faulty ones by fault.
     """
     table, units = truth_table(motion, cycle)
     write_table(table, f"{truth}.parquet", units)
@@ -54,8 +55,8 @@ def write_truth(
         "friction": asdict(rig.friction),
         "noise": _noise() if plan.noise else None,
         "contacts": _intervals(motion),
-        **devices,
-    }
+        "clocks": clocks,
+    } | ({} if frames is None else {"frames": frames})
     write_json(summary, f"{truth}.json")
 
 
@@ -83,7 +84,7 @@ def truth_table(motion: States, cycle: float) -> tuple[pd.DataFrame, dict[str, s
     return pd.DataFrame(columns), units
 
 
-def _noise() -> dict[str, Any]:
+def _noise() -> dict[str, float | Array]:
     return {
         "current_ripple_a": drives.RIPPLE,
         "current_a": drives.NOISE,

@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from ur5lib.errors import InputError, printable
+from ur5lib.lab.places import SCRIPTS
 
-SCRIPTS = Path("workflow/scripts")
 BENCHMARK = "s\tmax_rss\tstart_up_time\tcpu_time\n{:.4f}\t{:.1f}\t{:.2f}\t{:.2f}\n"
 
+Setting = str | float | bool | list["Setting"] | dict[str, "Setting"] | None  # or files
 Step = Callable[["Names", "Names", "Names"], None]
 
 

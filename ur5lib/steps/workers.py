@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from multiprocessing import Pipe
 from typing import Any
 
-from ur5lib.steps.job import Job, Names
+from ur5lib.steps.job import Job, Names, Setting
 
 
 class StepError(Exception):
@@ -38,14 +38,15 @@ class Worker:
 
 
 FOR_PAPER = "_for_paper"  # suffix of a rule that runs another rule's script, with other outputs
+FAILED: list[str] = []  # the errors of this run's steps, a sentence each
 IDLE: queue.LifoQueue[Worker] = queue.LifoQueue()
 
 
 def run_step(
     step: str,
-    input: Mapping[str, Any],
-    output: Mapping[str, Any],
-    params: Mapping[str, Any],
+    input: Mapping[str, Setting],
+    output: Mapping[str, Setting],
+    params: Mapping[str, Setting],
     log: Mapping[str, str],
 ) -> None:
     """Run a step's script in a warm process; `<step>_for_paper` runs that of `<step>`.
@@ -60,10 +61,11 @@ def run_step(
         worker = Worker()
     try:
         error = worker.run(job)
+        IDLE.put(worker)
     except (EOFError, OSError):
-        raise StepError(f"{step}: its process was killed; see {job.log}") from None
-    IDLE.put(worker)
+        error = f"{step}: its process was killed; see {job.log}"
     if error:
+        FAILED.append(error)
         raise StepError(error)
 
 
@@ -76,7 +78,7 @@ def end_idle() -> None:
         worker.process.wait()
 
 
-def names(values: Mapping[str, Any]) -> Names:
+def names(values: Mapping[str, Setting]) -> Names:
     """Return Snakemake's files or settings by name, as plain strings, numbers and lists."""
     return Names({name: plain(value) for name, value in values.items()})
 

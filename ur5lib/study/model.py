@@ -142,7 +142,7 @@ class Simulable(Files, Part):
         """Return the files in its folder, or those that the test stand writes there."""
         if self.simulate is None:
             return super().file_names()
-        return layout.file_names(self.format, self.simulate.model_dump())
+        return layout.file_names(self.format, self.simulate.sensors())
 
 
 class Recorded(Simulable):

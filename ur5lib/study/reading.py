@@ -8,11 +8,13 @@ from typing import Any
 
 import yaml
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from ur5lib.errors import InputError
 from ur5lib.stand import layout
 from ur5lib.strict import expect_few_values, read_yaml
 from ur5lib.study.model import Study
+from ur5lib.study.patterns import is_pattern, of_each_file
 from ur5lib.study.schema import explain, shown
 
 Raw = Mapping[str, Any]  # a configuration, or a part of it, before it is validated
@@ -73,8 +75,10 @@ def parse_study(raw: Raw, source: str) -> Study:
     Raises InputError with one line for each error found.
     """
     expect_few_values(raw, source)
+    raw, stated = _with_each_file(raw)
     problems = [
-        *(fault for place, entry in _entries(raw) for fault in _faults(place, entry, raw)),
+        *_without_files(raw),
+        *(fault for k, entry in _entries(raw) for fault in _faults(stated[k], entry, raw)),
         *_repeated_names(raw),
         *_repeated_files(raw),
         *_devices_on_two_hosts(raw),
@@ -92,21 +96,57 @@ def parse_study(raw: Raw, source: str) -> Study:
             for detail in error.errors()
             if not (_is_renamed(raw, detail["loc"]) or _is_inherited_arm(raw, detail["loc"]))
         )
-        problems = [*(explain(detail, schema) for detail in unknown), *problems]
+        found = (explain(_as_stated(detail, stated), schema) for detail in unknown)
+        problems = [*found, *problems]
     if problems:
-        raise InputError("\n".join(f"{source}: {problem}" for problem in problems))
+        raise InputError("\n".join(f"{source}: {problem}" for problem in dict.fromkeys(problems)))
     return study
 
 
-def _entries(raw: Raw) -> list[tuple[str, Raw]]:
-    """Return the entries of the recordings that are mappings, each with its place."""
+def _with_each_file(raw: Raw) -> tuple[Raw, list[int]]:
+    """Return the configuration with an entry of each file, and the index of each as stated."""
+    recordings = raw.get("recordings")
+    if not isinstance(recordings, list):
+        return raw, []
+    found = [(entry, k) for k, stated in enumerate(recordings) for entry in _of_files(stated)]
+    return {**raw, "recordings": [entry for entry, _ in found]}, [k for _, k in found]
+
+
+def _of_files(entry: Any) -> list[Any]:
+    return ([*of_each_file(entry)] if is_pattern(entry) else []) or [entry]
+
+
+def _as_stated(error: ErrorDetails, stated: list[int]) -> ErrorDetails:
+    """Return an error of an entry at the index that the entry has in the file."""
+    first, *rest = error["loc"]
+    if first == "recordings" and rest and isinstance(rest[0], int):
+        error["loc"] = (first, stated[rest[0]], *rest[1:])
+    return error
+
+
+def _without_files(raw: Raw) -> Iterator[str]:
+    """Yield errors for patterns that no file matches."""
+    for _, entry in _entries(raw):
+        if is_pattern(entry) and Path(entry["folder"]).is_dir():
+            yield (
+                f"recordings: no file in {entry['folder']} matches `file` {shown(entry['file'])} "
+                f"of {entry.get('name')}; correct the pattern, or add the recordings"
+            )
+
+
+def _entries(raw: Raw) -> list[tuple[int, Raw]]:
+    """Return the entries of the recordings that are mappings, each with its index."""
     recordings = raw.get("recordings")
     entries = recordings if isinstance(recordings, list) else []
-    return [(f"recordings[{k}]", e) for k, e in enumerate(entries) if isinstance(e, dict)]
+    return [(k, entry) for k, entry in enumerate(entries) if isinstance(entry, dict)]
 
 
-def _faults(place: str, entry: Raw, raw: Raw) -> Iterator[str]:
-    """Yield the errors of a recording's entry that its schema does not show."""
+def _faults(stated: int, entry: Raw, raw: Raw) -> Iterator[str]:
+    """Yield the errors of a recording's entry that its schema does not show.
+
+    stated: its index in the file.
+    """
+    place = f"recordings[{stated}]"
     folder = entry.get("folder")
     if "simulate" in entry:
         for key in sorted(entry.keys() & FILE_KEYS):
@@ -114,7 +154,7 @@ def _faults(place: str, entry: Raw, raw: Raw) -> Iterator[str]:
     elif isinstance(folder, str) and not Path(folder).is_dir():
         yield (
             f"`{place}.folder` is {shown(folder)}, which does not exist in {Path.cwd()}; run in "
-            "the project's folder, correct the path, or fetch the data (`ur5 fetch`)"
+            "the study's folder, correct the path, or fetch the data (`ur5 fetch`)"
         )
     if entry.get("robot") is None and raw.get("robot") is None:
         yield (
@@ -158,10 +198,11 @@ def _completed_entry(entry: Any, raw: Raw) -> Any:
     arm = {"robot": raw["robot"]} if inherits else {}
     if not isinstance(plan := entry.get("simulate"), dict):
         return entry | arm
-    files = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
-    if entry.get("format") in layout.FORMATS:
-        files |= layout.device_keys(entry["format"], plan)
-    return entry | files | arm
+    folder = {"folder": f"raw/{raw.get('study')}/{entry.get('name')}"}
+    if entry.get("format") not in layout.FORMATS:
+        return entry | folder | arm
+    sensors = [name for name in layout.COLUMNS if plan.get(name) is not None]
+    return entry | folder | layout.device_keys(entry["format"], sensors) | arm
 
 
 def study_text(study: Study) -> str:

@@ -9,14 +9,18 @@ from hashlib import sha256
 from snakemake.exceptions import WorkflowError
 
 from ur5lib.errors import InputError
+from ur5lib.lab.places import CITATION, PACKAGE, SCRIPTS, SNAKEFILE
 from ur5lib.report.document import MOST_SHOWN
 from ur5lib.report.reference import read_reference
-from ur5lib.robots.description import robot_path
+from ur5lib.robots.description import JOINT_SIZES, robot_path
 from ur5lib.robots.population import population_files
-from ur5lib.steps.workers import run_step
+from ur5lib.steps.progress import show_progress
+from ur5lib.steps.workers import FAILED, run_step
 from ur5lib.strict import read_yaml
 from ur5lib.study.reading import parse_study, study_text
+from ur5lib.study.turn import take_turn
 
+waits = config.pop("wait", False)
 try:
     STUDY = parse_study(config, str((workflow.overwrite_configfiles or workflow.configfiles)[-1]))
     PUBLISHED = read_reference(STUDY.reference)
@@ -56,11 +60,23 @@ WRIST_SENSORS = {name for name, arm in ARMS.items() if arm.description().wrist_s
 WITH_WRIST_SENSOR = [name for name, one in RECORDINGS.items() if one.arm.known_as in WRIST_SENSORS]
 
 
+# A second run of a study would delete what the first has made. Who waits plans afterwards.
+turn = []
+if waits and workflow.is_main_process:
+    turn.append(take_turn(Path(RESULTS), wait=True))
+
+
 # Snakemake's limit of jobs a second adds a timer with each job that ends, and each timer weighs all
 # jobs anew every second, to the end of the run: more than the work of the jobs. No option ends it.
 onstart:
+    if workflow.is_main_process and not turn:
+        try:
+            turn.append(take_turn(Path(RESULTS)))
+        except InputError as error:
+            raise WorkflowError(str(error))
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
+    show_progress(logger, os.environ)
 
 
 wildcard_constraints:
@@ -264,19 +280,41 @@ def traces(step, of=None):
     }
 
 
-def code(step):
-    """Return a checksum of a step's script and of all library modules that it uses."""
-    script = f"workflow/scripts/{step}.py"
+def in_cluster(group):
+    """Return a function of the group of steps that are one job of a cluster; elsewhere, none are.
+
+    Snakemake checks groups in a time that grows with the cube of the number of recordings.
+    """
+    return lambda wildcards: group if workflow.group_settings.group_components else None
+
+
+def code(step, *files):
+    """Return a checksum of a step's script, of all library modules that it uses, and of files.
+
+    files: of the library, too. It is the same wherever the library is installed.
+    """
+    script = SCRIPTS / f"{step}.py"
     modules, unseen = set(), {script}
     while unseen:
         modules |= unseen
         unseen = {used for module in unseen for used in imported_modules(module)} - modules
-    return sha256(b"".join(map(content, sorted(modules)))).hexdigest()[:16]
+    library = sorted(modules - {script} | {*files})
+    return sha256(b"".join(map(content, [script, *library]))).hexdigest()[:16]
 
 
 @cache
 def content(path):
-    return Path(path).read_bytes()
+    return path.read_bytes()
+
+
+def shipped(*paths):
+    """Return those files that belong to the library: they count as code of a step, see `code`."""
+    return [Path(path) for path in paths if Path(path).is_relative_to(PACKAGE)]
+
+
+def own(*paths):
+    """Return those files that belong to the study: inputs of a step."""
+    return [str(path) for path in paths if not Path(path).is_relative_to(PACKAGE)]
 
 
 TYPES = re.compile(r"^if TYPE_CHECKING:.*\n(?: .*\n)+", re.MULTILINE)  # types change no result
@@ -289,14 +327,27 @@ def imported_modules(path):
     found = IMPORT.findall(TYPES.sub("", content(path).decode()))
     names = {module for module, _ in found}
     names |= {f"{module}.{name}" for module, of in found for name in re.findall(r"\w+", of)}
-    stems = [Path(*name.split(".")) for name in names]
+    stems = [PACKAGE.parent.joinpath(*name.split(".")) for name in names]
     files = [file for stem in stems for file in (stem.with_suffix(".py"), stem / "__init__.py")]
-    return {str(file) for file in files if file.is_file()}
+    return {file for file in files if file.is_file()}
 
 
 def outputs_in(folder):
     """Outputs of every job of the rules so far that lie in a folder of the results."""
     return [path for path in of_every_job("output") if path.startswith(f"{RESULTS}/{folder}/")]
+
+
+def parts_of_tables():
+    """Return the CSV files that steps so far write for each recording or arm, by their name.
+
+    Together they are the table of this name.
+    """
+    parts = {}
+    for path in of_every_job("output"):
+        if path.startswith((f"{RESULTS}/recordings/", f"{RESULTS}/parameters/")):
+            if path.endswith(".csv"):
+                parts.setdefault(Path(path).stem, []).append(path)
+    return parts
 
 
 def drawings(folder, names):
@@ -314,9 +365,13 @@ def drawings(folder, names):
     return figures | {f"{name}_data": f"{folder}/{name}.csv" for name in names}
 
 
-def columns(folder, names):
-    """Return the figures of a folder as wide as a column of a paper."""
-    return {name: f"{folder}/{name}.pdf" for name in names}
+def as_wide_as_a_column(figures):
+    """Return the figures of a paper, as wide as its columns, by those of the report."""
+    return {
+        name: path.replace(f"{RESULTS}/figures", f"{RESULTS}/paper/figures").replace(".svg", ".pdf")
+        for name, path in figures.items()
+        if path.endswith(".svg")
+    }
 
 
 def tables_of(studies, names):

@@ -6,6 +6,8 @@ rule compute_kinematics:
         kinematics=result("kinematics.parquet"),
     log:
         **traces("compute_kinematics", "{recording}"),
+    group:
+        in_cluster("read")
     params:
         code=code("compute_kinematics"),
     run:
@@ -22,6 +24,8 @@ rule compute_torques:
         summary=result("torques.json"),
     log:
         **traces("compute_torques", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("compute_torques"),
         gravity=gravity_of,
@@ -38,6 +42,8 @@ rule find_contradictions:
         contradictions=result("contradictions.json"),
     log:
         **traces("find_contradictions", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("find_contradictions"),
         gravity=gravity_of,

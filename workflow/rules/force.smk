@@ -12,6 +12,8 @@ rule rebuild_forces:
         constants=result("published_constants.json"),
     log:
         **traces("rebuild_forces", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         **SETTINGS.lowpass.published_forces.model_dump(),
         code=code("rebuild_forces"),
@@ -30,6 +32,8 @@ rule fit_residuals:
         residuals=parameter("residuals.json"),
     log:
         **traces("fit_residuals", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("fit_residuals"),
         contact_force_n=SETTINGS.contact.force_n,
@@ -46,6 +50,8 @@ rule index_free_runs:
         index=parameter("free_runs.json"),
     log:
         **traces("index_free_runs", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("index_free_runs"),
         recordings=contact_free,
@@ -70,6 +76,8 @@ rule estimate_forces:
         forces=result("forces.parquet"),
     log:
         **traces("estimate_forces", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("estimate_forces"),
@@ -96,6 +104,8 @@ rule compare_forces:
         summary=result("forces.json"),
     log:
         **traces("compare_forces", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("compare_forces"),
         gravity=gravity_of,
@@ -120,6 +130,8 @@ rule audit_sensor:
         audit=result("audit.json"),
     log:
         **traces("audit_sensor", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("audit_sensor"),
         gravity=gravity_of,
@@ -135,6 +147,8 @@ rule set_threshold:
         threshold=parameter("threshold.json"),
     log:
         **traces("set_threshold", "{robot}"),
+    group:
+        in_cluster("document")
     params:
         code=code("set_threshold"),
         false_alarms_per_min=SETTINGS.alarms.false_per_min,
@@ -157,6 +171,8 @@ rule detect_contacts:
         detection=result("detection.json"),
     log:
         **traces("detect_contacts", "{recording}"),
+    group:
+        in_cluster("document")
     params:
         code=code("detect_contacts"),
         role=lambda wildcards: recording_of(wildcards).role,
@@ -176,6 +192,8 @@ rule locate_contacts:
         links=result("links.json"),
     log:
         **traces("locate_contacts", "{recording}"),
+    group:
+        in_cluster("document")
     params:
         code=code("locate_contacts"),
     run:
@@ -193,13 +211,30 @@ rule measure_observability:
         residuals=parameter("residuals.json"),
         threshold=parameter("threshold.json"),
     output:
-        observability=parameter("observability.json"),
+        observability=parameter("observability.csv"),
     log:
         **traces("measure_observability", "{robot}"),
+    group:
+        in_cluster("document")
     params:
         code=code("measure_observability"),
         recordings=contact_free,
         contact_force_n=SETTINGS.contact.force_n,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_observability:
+    input:
+        observability=parameter("observability.csv"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["observability"]),
+    log:
+        **traces("draw_observability", "{robot}"),
+    group:
+        in_cluster("document")
+    params:
+        code=code("draw_observability"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -216,6 +251,8 @@ rule ablate_forces:
         ablation=result("ablation.json"),
     log:
         **traces("ablate_forces", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("ablate_forces"),
         contact_force_n=SETTINGS.contact.force_n,

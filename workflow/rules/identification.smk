@@ -7,6 +7,8 @@ rule estimate_gains:
         gains=result("gains.json"),
     log:
         **traces("estimate_gains", "{recording}"),
+    group:
+        in_cluster("motion")
     params:
         code=code("estimate_gains"),
         gravity=gravity_of,
@@ -23,6 +25,8 @@ rule fit_rotor_inertia:
         rotors=parameter("rotor_inertia.json"),
     log:
         **traces("fit_rotor_inertia", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.motion.model_dump(),
         code=code("fit_rotor_inertia"),
@@ -44,6 +48,8 @@ rule identify_model:
         summary=parameter("identification.json"),
     log:
         **traces("identify_model", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.motion.model_dump(),
         code=code("identify_model"),
@@ -60,14 +66,17 @@ rule fit_friction:
         torques=fitted_results("torques.parquet"),
         contradictions=fitted_results("contradictions.json"),
         arm=parameter("arm.yaml"),
-        population=population_files(SETTINGS.friction.population),
+        population=own(*population_files(SETTINGS.friction.population)),
     output:
         friction=parameter("friction.json"),
     log:
         **traces("fit_friction", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
-        code=code("fit_friction"),
+        code=code("fit_friction", *shipped(*population_files(SETTINGS.friction.population))),
+        population=SETTINGS.friction.population,
         recordings=fitted_on,
         dates=fitted_dates,
         terms=SETTINGS.friction.terms,
@@ -88,6 +97,8 @@ rule estimate_payload:
         regressor=result("load_regressor.parquet"),
     log:
         **traces("estimate_payload", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("estimate_payload"),
@@ -114,6 +125,8 @@ rule predict_currents:
         summary=result("currents.json"),
     log:
         **traces("predict_currents", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("predict_currents"),
@@ -133,13 +146,32 @@ rule track_health:
         friction=parameter("friction.json"),
         arm=parameter("arm.yaml"),
     output:
-        health=parameter("health.json"),
+        health=parameter("health.csv"),
+        changes=parameter("health_changes.csv"),
     log:
         **traces("track_health", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("track_health"),
         recordings=contact_free,
         dates=contact_free_dates,
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule draw_health:
+    input:
+        health=parameter("health.csv"),
+        changes=parameter("health_changes.csv"),
+    output:
+        **drawings(f"{RESULTS}/figures/{{robot}}", ["health"]),
+    log:
+        **traces("draw_health", "{robot}"),
+    group:
+        in_cluster("fits")
+    params:
+        code=code("draw_health"),
     run:
         run_step(rule, input, output, params, log)

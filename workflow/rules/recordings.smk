@@ -9,6 +9,8 @@ rule repair_frames:
         quality=result("quality.json"),
     log:
         **traces("repair_frames", "{recording}"),
+    group:
+        in_cluster("read")
     params:
         code=code("repair_frames"),
         recording=what_was_recorded,

@@ -26,8 +26,12 @@ COMPARED = [
     "current_rmse",
     "force_mae",
 ]
-COLUMNS = "ur5lib/report/tables/columns.yaml"
-TABLES = [name for tables in read_yaml(Path(COLUMNS)).values() for name in tables]
+REPORT = PACKAGE / "report"
+COLUMNS = REPORT / "tables" / "columns.yaml"
+TABLES = [name for tables in read_yaml(COLUMNS).values() for name in tables]
+PARTS = parts_of_tables()  # of the steps above
+CONTENTS = REPORT / "contents.yaml", REPORT / "sentences.yaml"
+TEMPLATES = REPORT / "templates"
 
 
 rule draw_figures:
@@ -44,6 +48,8 @@ rule draw_figures:
         **drawings(f"{RESULTS}/figures/{{recording}}", FIGURES),
     log:
         **traces("draw_figures", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("draw_figures"),
         min_singular_value=SETTINGS.singularities.min_singular_value,
@@ -60,6 +66,8 @@ rule draw_tracking:
         **drawings(f"{RESULTS}/figures/{{recording}}", TRACKING_FIGURES),
     log:
         **traces("draw_tracking", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("draw_tracking"),
     run:
@@ -78,6 +86,8 @@ rule draw_filtered_first:
         **drawings(f"{RESULTS}/figures/{{recording}}", ["accelerations_filtered_first"]),
     log:
         **traces("draw_filtered_first", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("draw_filtered_first"),
         gravity=gravity_of,
@@ -96,6 +106,8 @@ rule draw_older_model:
         **drawings(f"{RESULTS}/figures/{{recording}}", OLDER_FIGURES),
     log:
         **traces("draw_older_model", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("draw_older_model"),
         recording="{recording}",
@@ -111,6 +123,8 @@ rule draw_published_forces:
         **drawings(f"{RESULTS}/figures/{{recording}}", PUBLISHED_FIGURES),
     log:
         **traces("draw_published_forces", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("draw_published_forces"),
     run:
@@ -126,6 +140,8 @@ rule draw_current_torque:
         **drawings(f"{RESULTS}/figures/{{recording}}", CURRENT_FIGURES),
     log:
         **traces("draw_current_torque", "{recording}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("draw_current_torque"),
     run:
@@ -135,6 +151,7 @@ rule draw_current_torque:
 rule make_tables:
     input:
         **REFERENCE,
+        **PARTS,
         quality=results("quality.json"),
         clocks=results("clocks.json"),
         signals=results("signals.parquet"),
@@ -151,23 +168,21 @@ rule make_tables:
         identification=parameters("identification.json"),
         calibration=parameters("imu.json"),
         friction=parameters("friction.json"),
-        health=parameters("health.json"),
         residuals=parameters("residuals.json"),
         arm=parameters("arm.yaml"),
         currents=results("currents.json"),
         detection=results("detection.json"),
         links=results("links.json"),
         ablation=results("ablation.json", TOUCHED),
-        observability=parameters("observability.json"),
         audit=results("audit.json", WITH_WRIST_SENSOR),
-        columns=COLUMNS,
-        sentences="ur5lib/report/templates/findings.yaml",
     output:
-        **tables(TABLES),
+        **tables([*TABLES, *PARTS]),
     log:
         **traces("make_tables"),
+    group:
+        in_cluster("document")
     params:
-        code=code("make_tables"),
+        code=code("make_tables", COLUMNS, TEMPLATES / "findings.yaml"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -183,36 +198,12 @@ rule draw_friction:
         **drawings(f"{RESULTS}/figures/{{robot}}", FRICTION_FIGURES),
     log:
         **traces("draw_friction", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.currents.model_dump(),
         code=code("draw_friction"),
         recordings=fitted_on,
-    run:
-        run_step(rule, input, output, params, log)
-
-
-rule draw_health:
-    input:
-        health=parameter("health.json"),
-    output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", ["health"]),
-    log:
-        **traces("draw_health", "{robot}"),
-    params:
-        code=code("draw_health"),
-    run:
-        run_step(rule, input, output, params, log)
-
-
-rule draw_observability:
-    input:
-        observability=parameter("observability.json"),
-    output:
-        **drawings(f"{RESULTS}/figures/{{robot}}", ["observability"]),
-    log:
-        **traces("draw_observability", "{robot}"),
-    params:
-        code=code("draw_observability"),
     run:
         run_step(rule, input, output, params, log)
 
@@ -224,6 +215,8 @@ rule draw_filters:
         **drawings(f"{RESULTS}/figures", ["filters"]),
     log:
         **traces("draw_filters"),
+    group:
+        in_cluster("document")
     params:
         code=code("draw_filters"),
         lowpass=SETTINGS.lowpass.model_dump(),
@@ -238,6 +231,8 @@ rule draw_models:
         **drawings(f"{RESULTS}/figures/{{robot}}", MODEL_FIGURES),
     log:
         **traces("draw_models", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         code=code("draw_models"),
     run:
@@ -251,6 +246,8 @@ rule draw_calibration:
         **drawings(f"{RESULTS}/figures", ["calibration"]),
     log:
         **traces("draw_calibration"),
+    group:
+        in_cluster("document")
     params:
         code=code("draw_calibration"),
     run:
@@ -272,6 +269,8 @@ if REFERENCE:
             **tables(["printed"]),
         log:
             **traces("compare_with_print"),
+        group:
+            in_cluster("document")
         params:
             code=code("compare_with_print"),
             recordings=EXPLAINED,
@@ -288,6 +287,8 @@ rule compare_studies:
         **tables(["changes"]),
     log:
         **traces("compare_studies"),
+    group:
+        in_cluster("document")
     params:
         code=code("compare_studies"),
     run:
@@ -301,6 +302,8 @@ rule time_steps:
         **tables(["run_times"]),
     log:
         **traces("time_steps"),
+    group:
+        in_cluster("document")
     params:
         code=code("time_steps"),
     run:
@@ -312,13 +315,6 @@ rule write_report:
         **REFERENCE,
         tables=outputs_in("tables"),
         figures=outputs_in("figures"),
-        contents=["ur5lib/report/contents.yaml", "ur5lib/report/sentences.yaml"],
-        templates=[
-            "ur5lib/report/templates/report.html.jinja",
-            "ur5lib/report/templates/report.typ",
-            "ur5lib/report/templates/lines.js",
-            "ur5lib/report/templates/zoom.js",
-        ],
     output:
         html=report(f"{RESULTS}/report.html", caption="../captions/report.rst", category="Report"),
         pdf=report(f"{RESULTS}/report.pdf", caption="../captions/report.rst", category="Report"),
@@ -327,8 +323,37 @@ rule write_report:
         schema=f"{RESULTS}/results.schema.json",
     log:
         **traces("write_report"),
+    group:
+        in_cluster("document")
     params:
-        code=code("write_report"),
+        code=code(
+            "write_report",
+            *CONTENTS,
+            TEMPLATES / "report.html.jinja",
+            TEMPLATES / "report.typ",
+            TEMPLATES / "lines.js",
+            TEMPLATES / "zoom.js",
+        ),
         study=study_text(STUDY),
+    run:
+        run_step(rule, input, output, params, log)
+
+
+rule describe_run:
+    input:
+        report=rules.write_report.output[:4],
+        raw=[path for name in RECORDINGS for path in raw_files(name)],
+        tables=rules.write_report.input.tables,
+        figures=rules.write_report.input.figures,
+    output:
+        crate=f"{RESULTS}/ro-crate-metadata.json",
+        workflow=f"{RESULTS}/Snakefile",
+    log:
+        **traces("describe_run"),
+    group:
+        in_cluster("document")
+    params:
+        code=code("describe_run", SNAKEFILE, CITATION),
+        title=STUDY.title,
     run:
         run_step(rule, input, output, params, log)

@@ -5,15 +5,17 @@ localrules:
 
 rule describe_arm:
     input:
-        description=lambda wildcards: os.path.relpath(robot_path(ARMS[wildcards.robot].arm)),
-        sizes="ur5lib/robots/joint_sizes.yaml",
+        description=lambda wildcards: own(robot_path(ARMS[wildcards.robot].arm)),
         calibration=lambda wildcards: ARMS[wildcards.robot].calibration or [],
     output:
         arm=parameter("described.yaml"),
     log:
         **traces("describe_arm", "{robot}"),
     params:
-        code=code("describe_arm"),
+        code=lambda wildcards: code(
+            "describe_arm", JOINT_SIZES, *shipped(robot_path(ARMS[wildcards.robot].arm))
+        ),
+        arm=lambda wildcards: ARMS[wildcards.robot].arm,
         robot="{robot}",
         override=lambda wildcards: json.dumps(ARMS[wildcards.robot].override or {}),
     run:

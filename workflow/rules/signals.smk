@@ -9,6 +9,8 @@ rule estimate_clocks:
         clocks=result("own_clocks.json"),
     log:
         **traces("estimate_clocks", "{recording}"),
+    group:
+        in_cluster("read")
     params:
         code=code("estimate_clocks"),
     run:
@@ -47,6 +49,8 @@ rule align_signals:
         clocks=result("clocks.json"),
     log:
         **traces("align_signals", "{recording}"),
+    group:
+        in_cluster("motion")
     params:
         code=code("align_signals"),
     run:
@@ -63,6 +67,8 @@ rule calibrate_imu:
         calibration=parameter("imu.json"),
     log:
         **traces("calibrate_imu", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("calibrate_imu"),
@@ -83,6 +89,8 @@ rule calibrate_imu_without_each:
         calibration=parameter("imu_without_each.json"),
     log:
         **traces("calibrate_imu_without_each", "{robot}"),
+    group:
+        in_cluster("fits")
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("calibrate_imu"),
@@ -101,6 +109,8 @@ rule smooth_motion:
         summary=result("motion.json"),
     log:
         **traces("smooth_motion", "{recording}"),
+    group:
+        in_cluster("motion")
     params:
         code=code("smooth_motion"),
     run:
@@ -122,6 +132,8 @@ rule fuse_imu:
         summary=result("fused_motion.json"),
     log:
         **traces("fuse_imu", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         code=code("fuse_imu"),
         recording="{recording}",
@@ -146,6 +158,8 @@ rule compare_accelerations:
         summary=result("accelerations.json"),
     log:
         **traces("compare_accelerations", "{recording}"),
+    group:
+        in_cluster("forces")
     params:
         **SETTINGS.lowpass.accelerations.model_dump(),
         code=code("compare_accelerations"),

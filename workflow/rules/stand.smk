@@ -43,6 +43,8 @@ if TRUTHS:
             truth=f"{RESULTS}/tables/truth.csv",
         log:
             **traces("compare_with_truth"),
+        group:
+            in_cluster("document")
         params:
             **SETTINGS.lowpass.accelerations.model_dump(),
             code=code("compare_with_truth"),

@@ -29,5 +29,6 @@ def draw_friction(input: Any, output: Any, params: Any) -> None:
             record = current_record(name, *tables, model)
             if record is not None:
                 parts.append(MovingSamples.from_record(record, fit, smooth))
-    for name, figure in friction_figures(MovingSamples.joined(parts), constant, known).items():
+    samples = MovingSamples.joined(parts, len(constant))
+    for name, figure in friction_figures(samples, constant, known).items():
         save(figure, output[name])

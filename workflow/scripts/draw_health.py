@@ -2,12 +2,10 @@
 
 from typing import Any
 
-from ur5lib.pipeline.records.health import Health
 from ur5lib.report.arm_state_figures import health_figure
 from ur5lib.report.house_style import save
-from ur5lib.tables import read_record
+from ur5lib.tables import read_csv
 
 
 def draw_health(input: Any, output: Any, params: Any) -> None:
-    health = read_record(Health, input.health)
-    save(health_figure(health.dates, health.changes), output.health)
+    save(health_figure(read_csv(input.health), read_csv(input.changes)), output.health)

@@ -12,7 +12,8 @@ from ur5lib.robots.description import Robot, load_robot
 
 def draw_models(input: Any, output: Any, params: Any) -> None:
     robot = load_robot(input.arm)
-    rotation, origin = (part[0] for part in link_frames(robot, np.array([UPRIGHT])))
+    posture = UPRIGHT if robot.denavit_hartenberg else [0.0] * len(robot.joints)
+    rotation, origin = (part[0] for part in link_frames(robot, np.array([posture])))
     models = {", ".join(names): placed(robot, names[0], rotation, origin) for names in alike(robot)}
     save(mass_panels(origin, models), output.models)
     save(frame_panels(rotation, origin, robot.denavit_hartenberg), output.frames)

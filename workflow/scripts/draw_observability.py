@@ -4,13 +4,11 @@ from typing import Any
 
 from ur5lib.force.trial_contacts import MOST
 from ur5lib.identification.validation import WANTED
-from ur5lib.pipeline.records.observability import Observability
 from ur5lib.report.arm_state_figures import observability_figure
 from ur5lib.report.house_style import save
-from ur5lib.tables import read_record
+from ur5lib.tables import read_csv
 
 
 def draw_observability(input: Any, output: Any, params: Any) -> None:
-    known = read_record(Observability, input.observability)
-    figure = observability_figure(known.pushes, known.shares, WANTED, MOST)
+    figure = observability_figure(read_csv(input.observability), WANTED, MOST)
     save(figure, output.observability)

@@ -13,6 +13,7 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions
 from ur5lib.robots.description import load_robot
+from ur5lib.robots.population import population_files
 from ur5lib.tables import read_record, write_json
 
 
@@ -29,9 +30,10 @@ def fit_friction(input: Any, output: Any, params: Any) -> None:
             records.append(replace(record, day=day))
             ratios.append(controllers_ratio(signals, motion))
     found = [read_record(Contradictions, path) for path in input.contradictions]
+    population = input.population or population_files(params.population)
     try:
         require_no_stop_sign(dict(zip(params.recordings, found, strict=True)))
-        prior = prior_of(robot, ratios, population_of(input.population, params.study))
+        prior = prior_of(robot, ratios, population_of(population, params.study))
         friction = fitted_friction(records, prior, smooth, params.terms, model)
     except ContradictionError as sign:
         friction = Friction(stopped=sign.remark)

@@ -3,14 +3,19 @@
 from typing import Any
 
 from ur5lib.report.reference import read_reference
-from ur5lib.report.tables.making import LazyResults, make_table
+from ur5lib.report.tables.making import LazyResults, declarations, joined, make_table
 from ur5lib.tables import write_csv
-
-ONCE = ("reference", "columns", "sentences")  # inputs that are not results
 
 
 def make_tables(input: Any, output: Any, params: Any) -> None:
-    kinds = {kind: LazyResults(kind, paths) for kind, paths in input.items() if kind not in ONCE}
+    declared = declarations().tables()
+    parts = output.keys() - declared.keys()  # tables that a step writes for each recording or arm
+    kinds = {
+        kind: LazyResults(kind, paths)
+        for kind, paths in input.items()
+        if kind != "reference" and kind not in parts
+    }
     printed = read_reference(input.get("reference")).printed
     for name, path in output.items():
-        write_csv(make_table(name, kinds, printed), path)
+        whole = joined(input[name]) if name in parts else make_table(name, kinds, printed)
+        write_csv(whole, path)

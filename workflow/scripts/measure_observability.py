@@ -11,8 +11,9 @@ from ur5lib.pipeline.records.forces import Forces
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.kinematics import Kinematics
 from ur5lib.pipeline.records.motion import Motion
+from ur5lib.pipeline.records.observability import Observed
 from ur5lib.pipeline.records.prediction import Prediction
-from ur5lib.tables import read_record, write_json
+from ur5lib.tables import read_record, write_rows
 
 
 def measure_observability(input: Any, output: Any, params: Any) -> None:
@@ -31,4 +32,4 @@ def measure_observability(input: Any, output: Any, params: Any) -> None:
             jacobian = Kinematics.read(paths[2]).jacobian
             odds = Forces.read(paths[3]).log_odds["Fmap"]
             trials.append(pushed(found["Fmap"], jacobian, prior, thresholds["Fmap"], odds))
-    write_json(observability(trials, errors), output.observability)
+    write_rows(Observed, [*observability(trials, errors)], output.observability)

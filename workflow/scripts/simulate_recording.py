@@ -11,7 +11,7 @@ from ur5lib.stand.simulate import simulate
 
 def simulate_recording(input: Any, output: Any, params: Any) -> None:
     plan = SimulatedRecording.model_validate_json(params.plan)
-    first = file_names(params.format, plan.model_dump())[0]
+    first = file_names(params.format, plan.sensors())[0]
     folder = Path(output.raw[0].removesuffix(first))
     truth = Path(output.truth).with_suffix("")
     robot = load_robot(input.arm).mounted(params.gravity)

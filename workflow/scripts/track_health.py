@@ -5,13 +5,14 @@ from typing import Any
 from ur5lib.pipeline.current_samples import current_record, smoother
 from ur5lib.pipeline.health import checkup, dated, enough, health_of
 from ur5lib.pipeline.records.friction import Friction
+from ur5lib.pipeline.records.health import Condition, JointChange
 from ur5lib.pipeline.records.motion import Motion
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Quality
 from ur5lib.robots.description import load_robot
-from ur5lib.tables import read_record, write_json
+from ur5lib.tables import read_record, write_rows
 
 
 def track_health(input: Any, output: Any, params: Any) -> None:
@@ -29,4 +30,6 @@ def track_health(input: Any, output: Any, params: Any) -> None:
             record = current_record(name, *tables, model)
             if day is not None and record is not None:
                 checkups.append(checkup(record, smooth, fit, day, qualities[place]))
-    write_json(health_of(checkups), output.health)
+    found = health_of(checkups)
+    write_rows(Condition, found.dates, output.health)
+    write_rows(JointChange, found.changes, output.changes)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel, channels
+from ur5lib.pipeline.records.table import SIX, SegmentedTable, channel, channels
 from ur5lib.timeseries.arrays import Array
 
 ESTIMATES = ("encoders", "encoders+imu", "filterpy")
@@ -18,10 +18,10 @@ class Accelerations(SegmentedTable):
     the thesis did it. None and empty where no IMU's clock could be estimated from its motion.
     """
 
-    felt: Array | None = channel("felt", MOTION, JOINTS, optional=True)
-    acceleration: dict[str, Array] = channels("acceleration_{}", MOTION, JOINTS, ESTIMATES)
-    published_felt: Array | None = channel("published_felt", MOTION, JOINTS, optional=True)
-    published: dict[str, Array] = channels("published_{}", MOTION, JOINTS, PUBLISHED)
+    felt: Array | None = channel("felt", MOTION, SIX, optional=True)
+    acceleration: dict[str, Array] = channels("acceleration_{}", MOTION, SIX, ESTIMATES)
+    published_felt: Array | None = channel("published_felt", MOTION, SIX, optional=True)
+    published: dict[str, Array] = channels("published_{}", MOTION, SIX, PUBLISHED)
 
 
 @dataclass(frozen=True)

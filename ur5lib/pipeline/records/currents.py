@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array
 
-PER_LOAD = tuple(map(str, range(24)))
-
 
 @dataclass(frozen=True, kw_only=True)
 class Currents(SegmentedTable):
@@ -40,7 +38,7 @@ class LoadRegressor(SegmentedTable):
     """
 
     load_regressor: Array | None = channel(
-        "load_regressor", "Nm/kg, Nm/(kg m)", PER_LOAD, shape=(6, 4), optional=True
+        "load_regressor", "Nm/kg, Nm/(kg m)", JOINTS, shape=(-1, 4), optional=True
     )
 
     def torque(self, parameters: Array) -> Array:

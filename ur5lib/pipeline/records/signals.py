@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ur5lib.channels import CHANNELS, columns
-from ur5lib.pipeline.records.table import SegmentedTable, channel
+from ur5lib.pipeline.records.table import JOINTS, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
 SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and rate [rad/s]
@@ -18,6 +18,8 @@ SENSOR_COLUMNS = {  # of force [N] and torque [Nm], of acceleration [m/s²] and 
 def recorded(name: str, optional: bool = True) -> Any:
     """Declare a field of a channel of recordings, which by default may be absent."""
     unit, named = CHANNELS[name].unit, columns(name)
+    if CHANNELS[name].of_joints:
+        return channel(name, unit, JOINTS, optional=optional)
     if named == [name]:
         return channel(name, unit, optional=optional)
     stem, labels = named[0].rpartition("_")[0], (own.rpartition("_")[2] for own in named)

@@ -6,9 +6,10 @@ from and written to a table by these declarations alone.
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
+from itertools import count, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -19,7 +20,8 @@ from ur5lib.tables import column_names, read_columns, write_table
 from ur5lib.timeseries.arrays import Array, Labels
 from ur5lib.timeseries.segments import period
 
-JOINTS = tuple("012345")
+JOINTS = ("0", "1", "...")  # as many as the arm has
+SIX = tuple("012345")
 WRENCH = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
 XYZ = tuple("012")
 
@@ -28,9 +30,9 @@ XYZ = tuple("012")
 class Channel:
     """The columns of one quantity, <name>_<label> for each label, or <name> where it has none.
 
-    shape: of one sample, whose flat elements the labels name in order; optional: whether it may be
-    absent; several: whether `{}` in the name stands for a key, which is one of `keys` where these
-    are given.
+    shape: of one sample, whose flat elements the labels name in order; -1 in it is the number of
+    joints, where the labels are JOINTS; optional: whether it may be absent; several: whether `{}`
+    in the name stands for a key, which is one of `keys` where these are given.
     """
 
     name: str
@@ -42,37 +44,54 @@ class Channel:
     several: bool = False
     keys: tuple[str, ...] = ()
 
-    def columns(self, name: str) -> list[str]:
-        """Return the columns' names; name: the channel's, its key filled in."""
-        return [f"{name}_{label}" for label in self.labels] or [name]
+    def columns(self, name: str, joints: int = 6) -> list[str]:
+        """Return the columns' names of an arm's table; name: the channel's, its key filled in."""
+        whole = math.prod(self.sized(joints))
+        labels = map(str, range(whole)) if self.labels == JOINTS else self.labels
+        return [f"{name}_{label}" for label in labels] or [name]
+
+    def sized(self, joints: int) -> tuple[int, ...]:
+        """Return the shape of a sample."""
+        return tuple(joints if size < 0 else size for size in self.shape)
+
+    def joints_in(self, names: Collection[str]) -> int:
+        """Return the number of joints of which a table has this channel, 0 without it."""
+        if self.labels != JOINTS:
+            return 0
+        stems = (
+            [self.name.format(key) for key in self._found(names)] if self.several else [self.name]
+        )
+        whole = [sum(1 for _ in takewhile(names.__contains__, _numbered(stem))) for stem in stems]
+        return -(max(whole, default=0) // math.prod(self.shape))  # of -1, rounded up
 
     def read(self, source: "Source") -> Any:
         """Return the samples (N, *shape), None where absent; by key where there are several."""
         if not self.several:
             return self._array(source, self.name) if self.is_in(source, self.name) else None
-        names = {key: self.name.format(key) for key in self._found(source)}
+        names = {key: self.name.format(key) for key in self._found(source.names)}
         whole = {key: name for key, name in names.items() if self.is_in(source, name)}
         return ByKey({key: partial(self._array, source, name) for key, name in whole.items()})
 
     def is_in(self, source: "Source", name: str) -> bool:
         """Return whether a table has all columns; name: the channel's, its key filled in."""
-        return {*self.columns(name)} <= {*source.names}
+        return {*self.columns(name, source.joints)} <= {*source.names}
 
     def named_arrays(self, value: Any) -> Iterator[tuple[str, Array]]:
         """Yield each column's name and samples (N,) of a field's value."""
         arrays = value if self.several else {"": value}
         for key, array in arrays.items():
-            flat = np.reshape(array, (len(array), math.prod(self.shape))).T
-            yield from zip(self.columns(self.name.format(key)), flat, strict=True)
+            flat = np.reshape(array, (len(array), math.prod(np.shape(array)[1:]))).T
+            joints = len(flat) // abs(math.prod(self.shape))
+            yield from zip(self.columns(self.name.format(key), joints), flat, strict=True)
 
     def _array(self, source: "Source", name: str) -> Array:
-        flat = source.load(self.columns(name), self.dtype)
-        return flat.reshape(len(flat), *self.shape)
+        flat = source.load(self.columns(name, source.joints), self.dtype)
+        return flat.reshape(len(flat), *self.sized(source.joints))
 
-    def _found(self, source: "Source") -> list[str]:
+    def _found(self, names: Collection[str]) -> list[str]:
         """Return the keys of which the table has columns, in their declared order."""
         pattern = re.compile(re.escape(self.columns(self.name)[0]).replace(r"\{\}", "(.+)"))
-        found = [match[1] for name in source.names if (match := pattern.fullmatch(name))]
+        found = [match[1] for name in names if (match := pattern.fullmatch(name))]
         return [key for key in self.keys if key in found] if self.keys else found
 
 
@@ -101,10 +120,14 @@ class ByKey(Mapping[str, Array]):
 
 
 class Source(NamedTuple):
-    """A table's columns: their names, and a function that loads some of them, (N, len(names))."""
+    """A table's columns: their names, and a function that loads some of them, (N, len(names)).
+
+    joints: of its arm, as many as its widest channel of joints has.
+    """
 
     names: list[str]
     load: Callable[[list[str], type], Array]
+    joints: int = 6
 
 
 def channel(
@@ -116,7 +139,7 @@ def channel(
     optional: bool = False,
 ) -> Any:
     """Declare a field of samples (N, *shape); an optional one is None where it is absent."""
-    own = (len(labels),) if labels else ()
+    own = _own_shape(labels)
     declared = Channel(name, unit, labels, own if shape is None else shape, dtype, optional)
     metadata = {"channel": declared}
     # a factory, not a default: it leaves no attribute of the class that would hide the file's
@@ -127,9 +150,14 @@ def channel(
     )
 
 
+def _own_shape(labels: tuple[str, ...]) -> tuple[int, ...]:
+    """Return the shape of a sample with one element for each label."""
+    return (-1,) if labels == JOINTS else (len(labels),) if labels else ()
+
+
 def channels(name: str, unit: str, labels: tuple[str, ...], keys: tuple[str, ...] = ()) -> Any:
     """Declare a field of samples (N, len(labels)) by the key that stands for `{}` in the name."""
-    shape = (len(labels),) if labels else ()
+    shape = _own_shape(labels)
     declared = Channel(name, unit, labels, shape, np.float64, several=True, keys=keys)
     return field(default_factory=dict, metadata={"channel": declared})
 
@@ -165,6 +193,9 @@ class Table:
 
     @classmethod
     def _of(cls, source: Source) -> Self:
+        have = {*source.names}
+        joints = max((declared.joints_in(have) for declared in _channels(cls).values()), default=0)
+        source = source._replace(joints=joints or 6)
         for declared in _channels(cls).values():
             needed = not (declared.optional or declared.several)
             if needed and not declared.is_in(source, declared.name):
@@ -194,6 +225,10 @@ class Table:
                 columns |= named
                 units |= dict.fromkeys(named, declared.unit)
         write_table(columns, path, units)
+
+
+def _numbered(stem: str) -> Iterator[str]:
+    return (f"{stem}_{k}" for k in count())
 
 
 def _channels(record: type[Table]) -> dict[str, Channel]:

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from ur5lib.pipeline.records.table import JOINTS, Table, channel
+from ur5lib.pipeline.records.table import JOINTS, SIX, Table, channel
 from ur5lib.robots.description import Payload, Vector3
 from ur5lib.stand.plan import Imu
 from ur5lib.timeseries.arrays import Array
@@ -24,7 +24,7 @@ class Truth(Table):
     motor_torque: Array = channel("tau_motor", "Nm", JOINTS)
     friction_torque: Array = channel("tau_friction", "Nm", JOINTS)
     contact_torque: Array = channel("tau_contact", "Nm", JOINTS)
-    wrench: Array = channel("wrench", "N, Nm", JOINTS)
+    wrench: Array = channel("wrench", "N, Nm", SIX)
 
     def at(self, time: Array) -> Self:
         """Return the truth at times (N,) [s], linearly interpolated; NaN outside."""

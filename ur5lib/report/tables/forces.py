@@ -1,15 +1,14 @@
 """Rows of tables about forces: errors beside a sensor, alarms, contacts, the wrist sensor."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
+from ur5lib.channels import MOST_JOINTS
 from ur5lib.force.contact_link import touched_link
 from ur5lib.pipeline.records.contacts import Detected
-from ur5lib.pipeline.records.force_errors import Audit
-from ur5lib.pipeline.records.observability import Observability
+from ur5lib.pipeline.records.force_errors import Audit, Figures
 from ur5lib.report.tables.source import Row, Source, transposed
 
-LINKS = [f"on_link_{link}" for link in range(1, 7)]
+LINKS = [f"on_link_{link}" for link in range(1, MOST_JOINTS + 1)]
 FORCES = ("Fx", "Fy", "Fz")
 STDS = ("Fx_std", "Fy_std", "Fz_std")
 
@@ -36,7 +35,7 @@ def force_mae(source: Source) -> Iterator[Row]:
                     }
 
 
-def _determined(in_contact: Mapping[str, Any] | None) -> dict[str, bool]:
+def _determined(in_contact: Figures | None) -> dict[str, bool]:
     """Return which components are determined: the skill in contact is significantly above zero."""
     if not in_contact:
         return {}
@@ -138,28 +137,7 @@ def _place(probabilities: Sequence[float] | None) -> Row:
     if probabilities is None:
         return {}
     link = touched_link(dict(enumerate(probabilities, start=1)))
-    return {"link": link, **dict(zip(LINKS, probabilities, strict=True))}
-
-
-def observability(source: Source) -> Iterator[Row]:
-    """Yield what can be observed on an arm, by range of speed; no speed_high: no upper end.
-
-    smallest_push_95: by speed of the flange, and by axis; friction_in_band: share of the samples
-    within the band, by speed of the joint; least_velocity: lower end of the speeds at which this
-    share suffices.
-    """
-    known: Observability = source["observability"]
-    for push in [*known.pushes, *known.axes]:
-        along = f"_{push.axis}" if push.axis else ""
-        about = {"quantity": f"smallest_push_95{along}", "speed_unit": "m/s", "unit": "N"}
-        numbers = {"value": push.force, "std_error": push.std, "samples": push.tried}
-        yield vars(push) | about | numbers
-    for share in known.shares:
-        about = {"quantity": "friction_in_band", "speed_unit": "rad/s", "unit": "1"}
-        yield vars(share) | about | {"value": share.share}
-    for least in known.predicted:
-        about = {"quantity": "least_velocity", "speed_unit": "rad/s", "unit": "rad/s"}
-        yield vars(least) | about | {"value": least.speed_low}
+    return {"link": link, **dict(zip(LINKS, probabilities, strict=False))}
 
 
 def audit(source: Source) -> Iterator[Row]:

@@ -116,14 +116,3 @@ def torque_constants(source: Source) -> Iterator[Row]:
         for row in by_joint(columns):
             if np.isfinite(row["torque_constant"]):
                 yield {"regression": regression} | row
-
-
-def health(source: Source) -> Iterator[Row]:
-    """Yield each joint's condition on each date; `lost_frames` is of all joints."""
-    yield from map(vars, source["health"].dates)
-
-
-def health_changes(source: Source) -> Iterator[Row]:
-    """Yield drifts and jumps of each joint's condition between dates."""
-    for change in source["health"].changes:
-        yield vars(change) | {"by_temperature": change.explained}

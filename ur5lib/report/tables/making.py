@@ -20,22 +20,21 @@ from ur5lib.pipeline.records.contacts import Detected, TouchedLinks
 from ur5lib.pipeline.records.force_errors import Ablated, Audit, Compared
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.gains import GainSummary
-from ur5lib.pipeline.records.health import Health
 from ur5lib.pipeline.records.models import Identification, Rotors
 from ur5lib.pipeline.records.motion import MotionAccount
-from ur5lib.pipeline.records.observability import Observability
 from ur5lib.pipeline.records.prediction import Prediction
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.pipeline.records.torques import Torques
 from ur5lib.recordings.quality import Contradictions, Quality
 from ur5lib.report.reference import Printed
 from ur5lib.report.tables import files, forces, friction, models, motion
+from ur5lib.report.tables.forces import LINKS
 from ur5lib.report.tables.source import Source
 from ur5lib.robots.description import load_robot
 from ur5lib.signals.clock import SettledClock
 from ur5lib.signals.imu_calibration import ImuCalibration
 from ur5lib.strict import Strict, read_yaml
-from ur5lib.tables import read_record
+from ur5lib.tables import read_cells, read_record
 
 GROUPS: dict[str, ModuleType] = {
     "files": files,
@@ -50,7 +49,7 @@ READERS: dict[str, Callable[[str], Any]] = {
     "closed_loop": ClosedLoop.read,
     "arm": load_robot,
 }
-RECORDS: dict[str, Any] = {
+RECORDS: dict[str, type] = {
     "quality": Quality,
     "clocks": dict[str, SettledClock],
     "contradictions": Contradictions,
@@ -64,13 +63,11 @@ RECORDS: dict[str, Any] = {
     "identification": Identification,
     "calibration": dict[str, ImuCalibration],
     "friction": Friction,
-    "health": Health,
     "residuals": Residuals,
     "currents": Prediction,
     "detection": dict[str, Detected],
     "links": dict[str, list[TouchedLinks]],
     "ablation": dict[str, Ablated],
-    "observability": Observability,
     "audit": Audit,
 }
 WORDS = {True: "yes", False: "no"}
@@ -142,7 +139,18 @@ def make_table(
         for owner in kinds[declared.kind]
         for row in getattr(module, name)(Source(owner, kinds, printed or Printed()))
     ]
-    return pd.DataFrame(rows, columns=declared.columns)
+    more = sorted({name for row in rows for name in row if name in LINKS} - {*declared.columns})
+    return pd.DataFrame(rows, columns=[*declared.columns, *more])
+
+
+def joined(parts: Sequence[str]) -> pd.DataFrame:
+    """Return a table that a step has written for each recording or arm, in the folder of its name.
+
+    parts: paths; their cells are taken over as text.
+    """
+    first = "recording" if Path(parts[0]).parts[-3] == "recordings" else "robot"
+    tables = {Path(part).parent.name: read_cells(part) for part in parts}
+    return pd.concat(tables, names=[first, None]).reset_index(first)
 
 
 def _in_words(value: Any) -> Any:

@@ -9,7 +9,7 @@ from ur5lib.identification.excitation import Excitation
 from ur5lib.pipeline.records.friction import Friction
 from ur5lib.pipeline.records.models import Rotors
 from ur5lib.report.findings import in_words
-from ur5lib.report.tables.source import Row, Source, by_joint
+from ur5lib.report.tables.source import Column, Row, Source, by_joint
 from ur5lib.timeseries.metrics import mean_absolute_error
 
 COMPARED = ("closed_loop", "target")  # motions to which a published torque error is compared
@@ -26,7 +26,7 @@ def torque_mae(source: Source) -> Iterator[Row]:
         return
     received = ~signals.interpolated
     moment = signals.target_moment[received]
-    zero = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
+    zero: dict[str, Column] = {"zero_mae": mean_absolute_error(np.zeros_like(moment), moment)}
     printed = source.published("torque_mae")
     motions = {"target": torques.target, "measured": torques.measured}
     motions |= {"closed_loop": source["closed_loop"].torque}

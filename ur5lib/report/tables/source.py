@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ur5lib.report.reference import Printed, published
+from ur5lib.timeseries.arrays import Array
 
 Row = dict[str, Any]
+Column = Array | Sequence[float | None]
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,12 @@ class Source:
         """Return the results of a kind of all other recordings, by name."""
         return {name: result for name, result in self.kinds[kind].items() if name != self.name}
 
-    def published(self, table: str) -> dict[str, Any]:
+    def published(self, table: str) -> dict[str, tuple[float, ...]]:
         """Return a table's printed values of this recording; empty for any other recording."""
         return published(getattr(self.printed, table), self.name)
 
 
-def transposed(columns: Mapping[str, Any], index: str, names: Sequence[Any]) -> list[Row]:
+def transposed(columns: Mapping[str, Column], index: str, names: Sequence[Any]) -> list[Row]:
     """Return rows from columns that hold one value for each name of an index."""
     return [
         {index: name} | {column: values[i] for column, values in columns.items()}
@@ -42,7 +44,7 @@ def transposed(columns: Mapping[str, Any], index: str, names: Sequence[Any]) -> 
     ]
 
 
-def by_joint(columns: Mapping[str, Any]) -> Iterator[Row]:
+def by_joint(columns: Mapping[str, Column]) -> Iterator[Row]:
     """Yield a row for each joint, from 1, of columns that hold one value for each."""
     count = max(map(len, columns.values()), default=0)
     yield from transposed(columns, "joint", range(1, count + 1))

@@ -83,6 +83,7 @@ def judge_drift(results: Results) -> Verdict | None:
         return None
     changes = arm_state.ranked(results)
     worst = changes.groupby("joint")["share"].max()
+    joints = range(1, int(dates["joint"].max()) + 1)
     sentence = say("health.unchanged")
     if len(changes):
         sentence = capital(arm_state.change(next(changes.itertuples())))
@@ -91,7 +92,7 @@ def judge_drift(results: Results) -> Verdict | None:
         state="usable" if len(changes) else "good",
         sentence=sentence,
         evidence=_evidence(results, len(changes)),
-        drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in range(1, 7)}),
+        drawing=bars({str(joint): float(worst.get(joint, 0.0)) for joint in joints}),
         caption=say("health.caption"),
     )
 

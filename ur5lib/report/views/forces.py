@@ -95,8 +95,9 @@ def contacts(results: Results, recording: str) -> pd.DataFrame:
 
 def likely(row: "pd.Series[float]") -> list[int]:
     """Return the links that a contact may touch; empty where that was not estimated."""
-    probabilities = {link: row[name] for link, name in enumerate(LINKS, start=1)}
-    return [] if math.isnan(probabilities[6]) else likely_links(probabilities)
+    probabilities = {link: row[name] for link, name in enumerate(LINKS, start=1) if name in row}
+    known = {link: value for link, value in probabilities.items() if not math.isnan(value)}
+    return likely_links(known) if known else []
 
 
 def smallest_pushes(results: Results) -> pd.DataFrame:

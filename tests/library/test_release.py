@@ -1,0 +1,45 @@
+"""What a release says about itself, in one version and to several readers."""
+
+import json
+import re
+
+import yaml
+
+import ur5lib
+from tests.conftest import PROJECT
+
+CITATION = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
+ARCHIVE = json.loads((PROJECT / ".zenodo.json").read_text())
+PAPER = (PROJECT / "paper" / "paper.md").read_text()
+
+
+def test_the_version_is_that_of_the_newest_changes() -> None:
+    newest = re.search(r"^## (\S+)$", (PROJECT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest
+    assert newest[1] == ur5lib.__version__
+    assert "version" not in CITATION
+
+
+def test_archive_and_paper_name_title_authors_and_licence_of_the_citation() -> None:
+    assert ARCHIVE["title"] == CITATION["title"]
+    assert ARCHIVE["license"] == CITATION["license"]
+    assert [one["name"] for one in ARCHIVE["creators"]] == [a["name"] for a in CITATION["authors"]]
+    head = yaml.safe_load(PAPER.split("---")[1])
+    assert head["title"] == CITATION["title"]
+    assert [one["name"] for one in head["authors"]] == [one["name"] for one in CITATION["authors"]]
+
+
+def test_the_paper_cites_what_its_bibliography_has_and_states_no_number() -> None:
+    head, text = yaml.safe_load(PAPER.split("---")[1]), PAPER.split("---")[2]
+    references = (PROJECT / "paper" / head["bibliography"]).read_text()
+    cited = re.findall(r"@(\w+)", text)
+    assert cited
+    assert all(f"{{{name}," in references for name in cited)
+    assert not re.findall(r"\d", re.sub(r"@\w+|ur5\w*|UR5", "", text))
+
+
+def test_the_catalogue_finds_workflow_and_configuration() -> None:
+    usage = yaml.safe_load((PROJECT / ".snakemake-workflow-catalog.yml").read_text())["usage"]
+    assert usage["report"] is True
+    assert (PROJECT / "workflow" / "Snakefile").is_file()
+    assert (PROJECT / "config" / "README.md").is_file()

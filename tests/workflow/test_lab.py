@@ -1,0 +1,181 @@
+"""A folder of one's own: the package, installed without the clone, builds a study there."""
+
+import shutil
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import PROJECT
+from tests.workflow.test_simulated import POINTS, STUDY
+
+TREES = {"ur5lib": "ur5lib", "workflow": "ur5lib/workflow/workflow"}
+TREES |= {"profiles": "ur5lib/workflow/profiles"}
+SINGLE = {name: f"ur5lib/workflow/{name}" for name in ("Snakefile", "CITATION.cff", "config.yaml")}
+
+
+@dataclass
+class Installed:
+    """An environment into which the wheel was installed, beside a folder for labs."""
+
+    environment: Path
+    labs: Path
+
+    @property
+    def library(self) -> Path:
+        [packages] = self.environment.glob("lib/python*/site-packages/ur5lib")
+        return packages
+
+    def run(self, *command: str, folder: Path) -> str:
+        """What a program of the environment prints, without the clone on any path."""
+        program = self.environment / "bin" / command[0]
+        variables = {"PATH": "/usr/bin:/bin", "HOME": str(self.labs), "LC_ALL": "C.UTF-8"}
+        done = subprocess.run(
+            [program, *command[1:]],
+            cwd=folder,
+            env=variables,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout
+        return done.stdout
+
+    def snakemake(self, folder: Path, *arguments: str) -> str:
+        return self.run("python", "-m", "snakemake", *arguments, folder=folder)
+
+    def lab(self, name: str) -> Path:
+        self.run("ur5", "new", name, folder=self.labs)
+        return self.labs / name
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    build = ["wheel", "--quiet", "--no-build-isolation", "--no-deps", "--no-index"]
+    subprocess.run([sys.executable, "-m", "pip", *build, "-w", folder, PROJECT], check=True)
+    [built] = folder.glob("*.whl")
+    return built
+
+
+@pytest.fixture(scope="module")
+def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installed]:
+    """The wheel in an environment that borrows all other packages; nobody may write there."""
+    labs = tmp_path_factory.mktemp("Prüfstand für Kräfte")
+    environment = labs / "mit Paket"
+    venv.create(environment, with_pip=False)
+    [packages] = environment.glob("lib/python*/site-packages")
+    (packages / "borrowed.pth").write_text(sysconfig.get_path("purelib"))
+    pip = [sys.executable, "-m", "pip", "--python", environment / "bin" / "python"]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", wheel], check=True)
+    set_mode(packages, writable=False)
+    yield Installed(environment, labs)
+    set_mode(packages, writable=True)
+
+
+def set_mode(folder: Path, writable: bool) -> None:
+    for path in [folder, *folder.rglob("*")]:
+        path.chmod(path.stat().st_mode | 0o200 if writable else path.stat().st_mode & ~0o222)
+
+
+def small_study(lab: Path) -> None:
+    (lab / "config.yaml").write_text(STUDY)
+    (lab / "points.txt").write_text(POINTS)
+
+
+def test_the_wheel_holds_every_file_of_the_library_and_the_workflow(wheel: Path) -> None:
+    expected = {*SINGLE.values()}
+    for tree, place in TREES.items():
+        files = (PROJECT / tree).rglob("*")
+        expected |= {
+            f"{place}/{path.relative_to(PROJECT / tree)}"
+            for path in files
+            if path.is_file() and "__pycache__" not in path.parts
+        }
+    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    assert names == expected
+
+
+def test_a_clone_is_installed_as_make_does(tmp_path: Path) -> None:
+    """Editable, by the packages of requirements.lock; the workflow is that of the clone."""
+    venv.create(tmp_path, with_pip=False)
+    python = tmp_path / "bin" / "python"
+    pip = [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-index"]
+    [packages] = tmp_path.glob("lib/python*/site-packages")
+    (packages / "borrowed.pth").write_text(sysconfig.get_path("purelib"))
+    editable = ["--no-build-isolation", "--no-deps", "--editable", PROJECT]
+    subprocess.run([*pip, *editable], check=True)
+    (packages / "borrowed.pth").unlink()
+    program = "from ur5lib.lab.places import SNAKEFILE; print(SNAKEFILE)"
+    printed = subprocess.check_output([python, "-I", "-c", program], cwd=tmp_path, text=True)
+    assert Path(printed.strip()) == PROJECT / "Snakefile"
+
+
+def test_a_new_lab_simulates_and_computes_on_its_own(installed: Installed) -> None:
+    """Its first study is the demonstration; nothing of the clone is needed to plan it."""
+    lab = installed.lab("erstes Labor")
+    planned = installed.snakemake(lab, "--dry-run")
+    assert "simulate_recording_way_points_pushed" in planned
+    assert "write_report" in planned
+    assert str(PROJECT) not in planned
+    assert "Usage" in installed.run("ur5", "--help", folder=lab)
+
+
+@pytest.mark.parametrize("name", ["Snakefile", "workflow/Snakefile"])
+def test_the_installed_workflow_runs_where_one_stands(installed: Installed, name: str) -> None:
+    """Also without a Snakefile of one's own, and from where Snakemake's catalogue expects it."""
+    folder = installed.labs / f"ohne {name.replace('/', ' ')}"
+    folder.mkdir()
+    small_study(folder)
+    snakefile = str(installed.library / "workflow" / name)
+    assert "write_report" in installed.snakemake(folder, "--snakefile", snakefile, "--dry-run")
+
+
+def test_the_workflow_is_a_module_of_another(installed: Installed) -> None:
+    folder = installed.labs / "Modul"
+    folder.mkdir()
+    small_study(folder)
+    snakefile = installed.library / "workflow" / "Snakefile"
+    (folder / "Snakefile").write_text(
+        f"""configfile: "config.yaml"
+module ur5:
+    snakefile: "{snakefile}"
+    config: config
+use rule * from ur5
+"""
+    )
+    assert "write_report" in installed.snakemake(folder, "--cores", "1", "--dry-run")
+
+
+@pytest.mark.slow  # two whole studies
+def test_labs_are_built_and_never_mix(installed: Installed) -> None:
+    """A change of the package then repeats what depends on it, in the lab that has the change."""
+    lab, other = installed.lab("zweites Labor"), installed.lab("drittes Labor")
+    small_study(lab)
+    before = {path: path.stat().st_mtime_ns for path in installed.library.rglob("*")}
+    said = installed.snakemake(lab)
+    assert "report: results/made/report.html" in said
+    assert (lab / "results" / "made" / "report.pdf").stat().st_size > 10_000
+    assert "Nothing to be done" in installed.snakemake(lab, "--dry-run")
+    assert {path: path.stat().st_mtime_ns for path in installed.library.rglob("*")} == before
+    assert not (other / "results").exists()
+    moved = lab.rename(installed.labs / "umgezogen")
+    assert "Nothing to be done" in installed.snakemake(moved, "--dry-run")
+
+    updated = Installed(installed.labs / "neues Paket", installed.labs)
+    shutil.copytree(installed.environment, updated.environment, symlinks=True)
+    set_mode(updated.environment, writable=True)
+    contents = updated.library / "report" / "contents.yaml"
+    contents.write_text(contents.read_text() + "\n# A sentence is added.\n")
+    planned = updated.snakemake(moved, "--dry-run", "--quiet", "host")
+    assert "write_report" in planned
+    assert "Params have changed" in planned
+    assert "repair_frames" not in planned
+    assert "Nothing to be done" in installed.snakemake(moved, "--dry-run")

@@ -1,0 +1,82 @@
+"""A sensor of three forces: imported, compared and reported without moments."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from tests.conftest import Workflow, copy_project
+from ur5lib.tables import read_csv, read_json
+
+PUSHES = [
+    {"kind": "push", "start_s": start, "seconds": 2.0, "force": force}
+    for start, force in ((2.0, [30, 0, 0]), (5.0, [0, -30, 0]), (8.0, [0, 0, 30]))
+]
+MOVED = {"trajectory": {"kind": "fourier", "period_s": 20}, "seconds": 20}
+
+
+def entry(name: str, role: str, **plan: Any) -> dict[str, Any]:
+    made = {"name": name, "robot": "ur5", "format": "rtde-csv", "role": role}
+    return made | {"simulate": MOVED | plan}
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
+    """A study of one pushed run: imported with its forces in the same file, and with these apart.
+
+    The moments of the simulated sensor are dropped.
+    """
+    workflow = Workflow(copy_project(tmp_path_factory.mktemp("forces") / "project"))
+    pushed = entry("pushed", "contact", seed=1, contacts=PUSHES, force_sensor={})
+    made = {"study": "made", "title": "Made", "recordings": [entry("moved", "fit"), pushed]}
+    config = workflow.folder / "config.yaml"
+    config.write_text(yaml.safe_dump(made))
+    workflow.build("--until", "repair_frames")
+    apart = without_moments(workflow.folder / "raw/made/pushed")
+    (imported,) = yaml.safe_load(workflow.ur5("import", "raw/made/pushed/log.csv"))
+    study = {"study": "forces", "title": "Three forces"}
+    moved = made["recordings"][0] | {"name": "moved"}
+    config.write_text(yaml.safe_dump(study | {"recordings": [moved, imported, apart]}))
+    workflow.build()
+    return workflow
+
+
+def without_moments(folder: Path) -> dict[str, Any]:
+    """Write the robot's file with forces, and one of forces alone; return the entry of this one."""
+    sensor = np.loadtxt(folder / "force_sensor.csv", delimiter=",")[:, :4]
+    np.savetxt(folder / "forces.csv", sensor, delimiter=",", fmt="%.6f")
+    robot = pd.read_csv(folder / "robot.csv")
+    since = robot["timestamp"] - robot["timestamp"][0]
+    forces = {f"F{axis}": np.interp(since, *sensor[:, [0, k]].T) for k, axis in enumerate("xyz", 1)}
+    robot.assign(**forces).to_csv(folder / "log.csv", index=False)
+    files = {"file": "robot.csv", "folder": str(folder)}
+    files |= {"force_sensor": {"file": "forces.csv", "columns": ["time", "ft_f"]}}
+    return {"name": "apart", "robot": "ur5", "format": "rtde-csv", "role": "contact"} | files
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["log", "apart"])
+def test_forces_are_compared_and_moments_are_not_invented(compared: Workflow, name: str) -> None:
+    folder = compared.folder / "results/forces/recordings" / name
+    found = read_json(folder / "forces.json")
+    assert found["felt"]["contacts"] == len(PUSHES)
+    assert found["offset"]["bias"][3:] == [None] * 3
+    figures = found["errors"]["compensated"]["Fmap"]["contact"]
+    assert {*figures["mae"]} == {"Fx", "Fy", "Fz"}
+    for axis, error in figures["mae"].items():
+        assert error < 0.8 * figures["zero_mae"][axis]
+    table = pd.read_parquet(folder / "sensor.parquet")
+    assert table["compensated_Fx"].notna().mean() > 0.9
+    assert table[[f"compensated_n{axis}" for axis in "xyz"]].isna().all(axis=None)
+
+
+@pytest.mark.slow
+def test_the_report_says_that_moments_are_not_measured(compared: Workflow) -> None:
+    folder = compared.folder / "results/forces"
+    findings = read_csv(folder / "tables/quality.csv")
+    assert {*findings.loc[findings["finding"] == "no moments", "recording"]} == {"log", "apart"}
+    report = (folder / "report.html").read_text()
+    assert "moments are not measured" in report

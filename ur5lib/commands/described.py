@@ -1,0 +1,29 @@
+"""`ur5 describe`: the description of an arm from its URDF."""
+
+import re
+from pathlib import Path
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import PROJECT_FOLDER, robot_names, robot_yaml
+from ur5lib.robots.from_urdf import robot_from_urdf
+from ur5lib.tables import write_text
+
+
+def describe_urdf(file: Path, base: str | None, tip: str | None, name: str | None) -> list[str]:
+    """Write an arm's description to `robots/`; return in sentences what it says and assumes.
+
+    name: of the arm, that of the URDF where it is None; others: see `robot_from_urdf`. Raises
+    InputError where the name is taken, and as `robot_from_urdf`.
+    """
+    robot, remarks = robot_from_urdf(file, base, tip)
+    name = name or robot.name
+    if not re.fullmatch(r"[\w-][\w.-]*", name, re.ASCII):
+        raise InputError(f"{name!r} cannot name a file; letters, digits, `_`, `-` and dots can")
+    if name in robot_names():
+        raise InputError(f"an arm `{name}` is described already; give another name by --name")
+    head = "".join(f"# {line}\n" for line in [f"From {file.name}. SI units.", *remarks])
+    path = PROJECT_FOLDER / f"{name}.yaml"
+    path.parent.mkdir(exist_ok=True)
+    write_text(head + robot_yaml(robot.model_copy(update={"name": name})), path)
+    joints = ", ".join(robot.joints)
+    return [*remarks, f"{path} written: {len(robot.joints)} joints ({joints})"]

@@ -1,0 +1,62 @@
+"""`ur5 new`: a folder of a user's own, in which `snakemake` runs the workflow of the package."""
+
+from pathlib import Path
+from shlex import quote
+
+from ur5lib.errors import InputError
+from ur5lib.lab.places import WORKFLOW
+from ur5lib.strict import read_yaml
+from ur5lib.tables import write_bytes, write_text
+
+TEMPLATES = Path(__file__).parent / "templates"
+SCHEMA = "# yaml-language-server: $schema=workflow/study.schema.json\n"  # in a clone
+
+
+def new_lab(folder: Path) -> str:
+    """Make a folder with Snakefile, config.yaml, README.md, raw/ and profiles/; say what is next.
+
+    Files that are there already stay as they are. Raises InputError where the folder has a
+    Snakefile, or cannot be written.
+    """
+    if (folder / "Snakefile").exists():
+        raise InputError(f"{folder} has a Snakefile: run snakemake there, or name another folder")
+    try:
+        (folder / "raw").mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"{folder} cannot be written ({error.strerror}); check its name and the permissions"
+        ) from error
+    for name, text in _files().items():
+        if not (folder / name).exists():
+            write_text(text, folder / name)
+    enter = "" if folder.resolve() == Path.cwd() else f"cd {quote(str(folder))} && "
+    return f"{folder} is ready; next: {enter}snakemake"
+
+
+def next_command(study: Path) -> str:
+    """Return the command that builds a study from the working folder."""
+    make = "" if Path("Snakefile").exists() else "ur5 new . && "
+    chosen = "" if study == Path("config.yaml") else f" --configfile {quote(str(study))}"
+    return f"{make}snakemake{chosen}"
+
+
+def copy_study(name: str) -> Path:
+    """Copy a study of the package, and its printed numbers, to the same place here; return it."""
+    reference = read_yaml(WORKFLOW / name).get("reference")
+    for file in filter(None, [name, reference]):
+        if not Path(file).exists():
+            write_bytes((WORKFLOW / file).read_bytes(), file)
+    return Path(name)
+
+
+def _files() -> dict[str, str]:
+    """Return the content of each file of a new folder by its name."""
+    config = (WORKFLOW / "config.yaml").read_text(encoding="utf-8")
+    example = (TEMPLATES / "config.yaml").read_text(encoding="utf-8")
+    schema = SCHEMA.replace("workflow", f"{WORKFLOW}/workflow", 1)
+    profiles = WORKFLOW.glob("profiles/*/config.yaml")
+    copied = {path.name: path for path in (TEMPLATES / "Snakefile", TEMPLATES / "README.md")}
+    copied |= {str(path.relative_to(WORKFLOW)): path for path in profiles}
+    return {name: path.read_text(encoding="utf-8") for name, path in copied.items()} | {
+        "config.yaml": schema + example + config.removeprefix(SCHEMA)
+    }

@@ -1,0 +1,290 @@
+"""The description of any serial arm of revolute joints, from its URDF."""
+
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import redirect_stderr
+from io import StringIO
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+from pydantic import ValidationError
+from pytorch_kinematics.urdf_parser_py.urdf import URDF
+from scipy.spatial.transform import Rotation
+
+from ur5lib.errors import InputError
+from ur5lib.robots.description import INVALID, Pose, Robot
+from ur5lib.robots.inertia import link_tail, shift_inertia, tensor
+from ur5lib.strict import expect_file
+from ur5lib.timeseries.arrays import Array
+
+FEWEST, MOST = 2, 8  # joints
+TURNING = ("revolute", "continuous")
+GRAVITY = (0.0, 0.0, -9.81)  # m/s², in the axes of the base link
+RIGHT = 1e-11  # of a rotation's entry: 1.57079632679 is a right angle
+
+
+def robot_from_urdf(
+    path: Path, base: str | None = None, tip: str | None = None
+) -> tuple[Robot, list[str]]:
+    """Return the arm between two links of a URDF, and in sentences what had to be assumed.
+
+    base: link that stands still, the root by default; tip: link whose frame is the flange's, the
+    one that the last joint turns by default. Joint k turns about the z axis of frame k - 1. What
+    is fixed to a link belongs to it; what moves beside the chain is at its position zero.
+
+    Raises InputError where the file is no URDF, has no such chain of 2 to 8 revolute joints, or
+    lacks limits, masses or inertias.
+    """
+    tree = _read(path)
+    base = _known_link(tree, base or _root(tree, path), path)
+    tip = _known_link(tree, tip or _tip(tree, base, path), path)
+    joints = _chain(tree, base, tip, path)
+    bodies = [_body(tree, joint, joints) for joint in joints]
+    _expect_complete(tree, joints, bodies, path)
+    start, *frames = _joint_frames(tree, base, tip, joints, bodies)
+    tails = [_z_to(joint.axis).T @ frame for joint, frame in zip(joints, frames, strict=True)]
+    links = [_as_one(tree, *pair) for pair in zip(bodies, frames, strict=True)]
+    description = {
+        "name": re.sub(r"[^A-Za-z0-9_.-]+", "-", tree.name or path.stem).lstrip("."),
+        "gravity": (start[:3, :3].T @ GRAVITY + 0.0).tolist(),
+        "calibration": [_pose(tail) for tail in tails],
+        "joints": [joint.name for joint in joints],
+        "motors": {joint.name: _motor(joint) for joint in joints},
+        "endless_joints": [k for k, j in enumerate(joints, 1) if j.type == "continuous"] or None,
+        "masses": [mass for mass, _, _ in links],
+        "chosen_model": "maker",
+        "models": {
+            "maker": {
+                "description": f"as in {path.name}",
+                "centers_of_mass": [center.tolist() for _, center, _ in links],
+                "inertias": [
+                    inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]].tolist()
+                    for _, _, inertia in links
+                ],
+            }
+        },
+    }
+    try:
+        robot = Robot.model_validate(description)
+    except ValidationError as error:
+        raise InputError(f"the arm of {path} {INVALID}: {error}") from error
+    return robot, [*_remarks(tree, base, tip, joints, bodies, start)]
+
+
+def _read(path: Path) -> Any:
+    """Return links and joints of a URDF. Raises InputError where it is none."""
+    expect_file(path)
+    try:
+        root = ElementTree.fromstring(path.read_bytes())
+        _keep(root, "link", "joint")
+        for link in root.iter("link"):
+            _keep(link, "inertial")
+        with redirect_stderr(StringIO()):  # unknown tags of simulators
+            return URDF.from_xml_string(ElementTree.tostring(root))
+    except Exception as error:  # the parser raises whatever its elements do
+        hint = "; run xacro on it first" if path.suffix == ".xacro" else ""
+        raise InputError(f"{path} is no URDF ({error}){hint}") from error
+
+
+def _keep(element: ElementTree.Element, *tags: str) -> None:
+    """Remove all children but those of some tags."""
+    for child in [child for child in element if child.tag not in tags]:
+        element.remove(child)
+
+
+def _root(tree: Any, path: Path) -> str:
+    try:
+        return str(tree.get_root())
+    except AssertionError as error:
+        raise InputError(f"{path} has not one root: name the link that stands by --base") from error
+
+
+def _known_link(tree: Any, link: str, path: Path) -> str:
+    if link not in tree.link_map:
+        raise InputError(f"{path} has no link {link!r}; its links: {', '.join(tree.link_map)}")
+    return link
+
+
+def _path(tree: Any, base: str, tip: str) -> list[Any] | None:
+    """Return the joints from one link to another, None where the latter does not hang on it."""
+    joints, link = list[Any](), tip
+    while link != base:
+        if link not in tree.parent_map or len(joints) > len(tree.joint_map):
+            return None
+        name, link = tree.parent_map[link]
+        joints.insert(0, tree.joint_map[name])
+    return joints
+
+
+def _tip(tree: Any, base: str, path: Path) -> str:
+    """Return the link that the last revolute joint turns, of the only chain that is longest."""
+    turned = {j.child: _path(tree, base, j.child) for j in tree.joints if j.type in TURNING}
+    counts = {
+        link: sum(joint.type in TURNING for joint in joints)
+        for link, joints in turned.items()
+        if joints and not any(j.type == "prismatic" or j.mimic is not None for j in joints)
+    }
+    ends = [link for link, count in counts.items() if count == max(counts.values())]
+    if len(ends) != 1:
+        found = f"several chains are the longest; name the end of one by --tip: {', '.join(ends)}"
+        raise InputError(f"{path}: {found if ends else 'no revolute joint moves a link'}")
+    return ends[0]
+
+
+def _chain(tree: Any, base: str, tip: str, path: Path) -> list[Any]:
+    """Return the joints that move a tip."""
+    joints = _path(tree, base, tip)
+    if joints is None:
+        raise InputError(f"{path}: {tip} does not hang on {base}; name --base and --tip")
+    moving = [joint for joint in joints if joint.type != "fixed"]
+    for joint in moving:
+        if joint.type not in TURNING or joint.mimic is not None:
+            kind = "follows another" if joint.mimic is not None else f"is {joint.type}"
+            raise InputError(
+                f"{path}: {joint.name} {kind}; only chains of revolute joints are described"
+            )
+    if not FEWEST <= len(moving) <= MOST:
+        raise InputError(
+            f"{path}: {len(moving)} joints move {tip} against {base}; arms of {FEWEST} to {MOST} "
+            "revolute joints are described; name the arm's ends by --base and --tip"
+        )
+    return moving
+
+
+def _body(tree: Any, joint: Any, joints: list[Any]) -> dict[str, Array]:
+    """Return what a joint carries up to the next: links with their poses (4, 4) in its child."""
+    return dict(_hanging(tree, joint.child, np.eye(4), {other.name for other in joints}))
+
+
+def _hanging(tree: Any, link: str, place: Array, ends: set[str]) -> Iterator[tuple[str, Array]]:
+    yield link, place
+    for name, child in tree.child_map.get(link, []):
+        if name not in ends:
+            origin = _pose_matrix(tree.joint_map[name].origin)
+            yield from _hanging(tree, child, place @ origin, ends)
+
+
+def _joint_frames(
+    tree: Any, base: str, tip: str, joints: list[Any], bodies: list[dict[str, Array]]
+) -> list[Array]:
+    """Return frames 0 to n (4, 4) in the links that carry them, the base and the joints' children.
+
+    The z axis of frame k - 1 is the axis of joint k; frame n is the tip's.
+    """
+    standing = dict(_hanging(tree, base, np.eye(4), {joint.name for joint in joints}))
+    frames = []
+    for joint, before in zip(joints, [standing, *bodies], strict=False):
+        frames.append(before[joint.parent] @ _pose_matrix(joint.origin) @ _z_to(joint.axis))
+    return [*frames, bodies[-1][tip]]
+
+
+def _z_to(axis: Any) -> Array:
+    """Return the smallest rotation (4, 4) that turns z into an axis, x by default as in URDF."""
+    x, y, z = (1.0, 0.0, 0.0) if axis is None else axis
+    across = np.hypot(x, y)
+    around = np.array([-y, x, 0]) / across if across else np.array([1.0, 0, 0])
+    matrix = np.eye(4)
+    turn = Rotation.from_rotvec(np.arctan2(across, z) * around)
+    matrix[:3, :3] = _clean(turn.as_matrix())
+    return matrix
+
+
+def _pose_matrix(origin: Any) -> Array:
+    """Return the transform (4, 4) of an `origin`, unity where it is left out."""
+    matrix = np.eye(4)
+    if origin is not None:
+        pose = Pose(position=tuple(origin.xyz or (0, 0, 0)), rpy=tuple(origin.rpy or (0, 0, 0)))
+        matrix[:3, :3], matrix[:3, 3] = link_tail(pose)
+        matrix[:3, :3] = _clean(matrix[:3, :3])
+    return matrix
+
+
+def _clean(rotation: Array) -> Array:
+    """Return a rotation with exact right angles, which files give with few digits."""
+    whole = np.round(rotation)
+    return np.where(np.abs(rotation - whole) < RIGHT, whole, rotation) + 0.0
+
+
+def _pose(matrix: Array) -> dict[str, list[float]]:
+    """Return a transform (4, 4) as position, and roll, pitch and yaw."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # roll and yaw are one turn where the pitch is 90°
+        angles = Rotation.from_matrix(matrix[:3, :3]).as_euler("ZYX")[::-1]
+    return {"position": matrix[:3, 3].tolist(), "rpy": angles.tolist()}
+
+
+def _as_one(tree: Any, body: dict[str, Array], frame: Array) -> tuple[float, Array, Array]:
+    """Return mass, centre of mass (3,) and inertia tensor (3, 3) about it of links, in a frame."""
+    parts = [
+        (inertial.mass, np.linalg.inv(frame) @ place @ _pose_matrix(inertial.origin), inertial)
+        for link, place in body.items()
+        if (inertial := tree.link_map[link].inertial) is not None and inertial.mass
+    ]
+    mass = sum(part for part, _, _ in parts)
+    center = sum(part * place[:3, 3] for part, place, _ in parts) / mass
+    inertia = np.zeros((3, 3))
+    for part, place, inertial in parts:
+        own, R = inertial.inertia, place[:3, :3]
+        about = tensor([own.ixx, own.iyy, own.izz, own.ixy, own.ixz, own.iyz])
+        inertia += shift_inertia(R @ about @ R.T, part, place[:3, 3] - center)
+    return float(mass), center, inertia
+
+
+def _motor(joint: Any) -> dict[str, float]:
+    ends = [abs(joint.limit.lower or 0), abs(joint.limit.upper or 0)]
+    return {
+        "position_max": 2 * np.pi if joint.type == "continuous" else max(ends),
+        "velocity_max": joint.limit.velocity,
+        "torque_max": joint.limit.effort,
+        "torque_constant": 1.0,  # measured torques take the place of currents
+        "gear_ratio": 1.0,
+    }
+
+
+def _expect_complete(
+    tree: Any, joints: list[Any], bodies: list[dict[str, Array]], path: Path
+) -> None:
+    """Raise InputError that names every joint without limits and every link without inertia."""
+    missing = []
+    for joint, body in zip(joints, bodies, strict=True):
+        limit, inertials = joint.limit, [tree.link_map[link].inertial for link in body]
+        if limit is None or not limit.effort or not limit.velocity:
+            missing.append(f"`limit` of {joint.name} with effort and velocity")
+        elif joint.type == "revolute" and not (limit.lower or limit.upper):
+            missing.append(f"`lower` and `upper` in the limit of {joint.name}")
+        heavy = [own for own in inertials if own is not None and own.mass]
+        if not heavy or any(own.inertia is None for own in heavy):
+            missing.append(f"`inertial` of {joint.child} with mass and inertia")
+    if missing:
+        raise InputError(f"{path} lacks {'; '.join(missing)}: add them to the file")
+
+
+def _remarks(
+    tree: Any,
+    base: str,
+    tip: str,
+    joints: list[Any],
+    bodies: list[dict[str, Array]],
+    start: Array,
+) -> Iterator[str]:
+    """Yield what a user has to know about the frames, the limits and what was folded in."""
+    place = ", ".join(f"{value:.6g}" for value in start[:3, 3])
+    turned = "" if np.allclose(start[:3, :3], np.eye(3)) else ", turned to the axis of joint 1"
+    yield f"base frame at {place} m of {base}{turned}; forces act at the origin of {tip}"
+    held = [
+        tree.joint_map[name].name
+        for body in bodies
+        for link in body
+        for name, child in tree.child_map.get(link, [])
+        if child in body and tree.joint_map[name].type != "fixed"
+    ]
+    if held:
+        yield f"held at 0, as they are beside the chain: {', '.join(held)}"
+    for joint in joints:
+        low, high = joint.limit.lower or 0, joint.limit.upper or 0
+        if joint.type == "revolute" and not np.isclose(low, -high):
+            largest = _motor(joint)["position_max"]
+            yield f"{joint.name} turns from {low:g} to {high:g} rad; described: ±{largest:g}"
