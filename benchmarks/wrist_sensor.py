@@ -3,11 +3,9 @@
 A simulated UR5e hangs from a ceiling and carries a tool of 1.2 kg. Its wrist sensor is biased,
 drifts, is turned by 5° and reads 3 % too little. Two recordings are fitted to; each seed draws the
 motion, the noise and the contacts of one more, in which the tool is pushed. One table counts the
-intervals that hold the truth. It runs in a copy of the project, by `snakemake`.
+intervals that hold the truth. It runs in a folder of its own, by `snakemake`.
 """
 
-import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -19,11 +17,10 @@ import pandas as pd
 import yaml
 
 from benchmarks.harness.options import asked
+from ur5lib.lab.new import new_lab
 from ur5lib.pipeline.records.force_errors import Audit
 from ur5lib.tables import read_record
 
-PROJECT = Path(__file__).resolve().parent.parent
-NEEDED = ["Snakefile", "config.yaml", "profiles", "ur5lib", "workflow"]
 SEEDS, SECONDS = 20, 60.0
 TOOL = {
     "mass": 1.2,
@@ -102,15 +99,12 @@ def pushes(seed: int, seconds: float) -> list[dict[str, Any]]:
 
 def audited(folder: Path, study: dict[str, Any]) -> pd.DataFrame:
     """Return the audit's rows of the pushed recordings, each with its truth."""
-    for name in NEEDED:
-        copy = shutil.copytree if (PROJECT / name).is_dir() else shutil.copy
-        copy(PROJECT / name, folder / name)
+    new_lab(folder)
     (folder / "config.yaml").write_text(yaml.safe_dump(study))
     pushed = [one["name"] for one in study["recordings"] if one["role"] == "contact"]
     audits = [f"results/wrist/recordings/{name}/audit.json" for name in pushed]
     command = [sys.executable, "-m", "snakemake", "--quiet", "all", "--", *audits]
-    environment = os.environ | {"PYTHONPATH": str(folder)}
-    subprocess.run(command, cwd=folder, env=environment, check=True)
+    subprocess.run(command, cwd=folder, check=True)
     known = [read_record(Audit, folder / audit) for audit in audits]
     rows = pd.DataFrame([row for one in known for row in one.rows])
     rows = rows.fillna({"component": ""})
