@@ -43,7 +43,6 @@ from ur5lib.identification.currents import (
     band,
     expected_fit,
     fit_currents,
-    friction_current,
     parameters,
     predict,
 )
@@ -82,7 +81,8 @@ def main() -> None:
     judged_fits = (judged(arm, *own) for arm in arms for own in subsets(arm, draws[0]))
     finish("learning_curve", learning_table, chain.from_iterable(judged_fits))
     if given.page:
-        learning_figure(read_csv(RESULTS / "learning_curve.csv")).savefig(FIGURE)
+        figure = learning_figure(read_csv(RESULTS / "learning_curve.csv"))
+        figure.savefig(FIGURE, metadata={"Date": None})
     finish("days_left_out", days_table, chain.from_iterable(map(days_left_out, arms)))
 
 
@@ -170,14 +170,9 @@ def judged(
         for name, error in errors.items():
             slow, half = arm.smooth(error, own), np.full_like(error, np.nan)
             if name in found:
-                half = half_band(found[name], own, arm)
+                half = band(found[name], own, arm.smooth)
             about = {"arm": arm.name, "fitted": size, "fit": str(chosen), "recording": own.name}
             yield from joint_rows(about | {"model": name}, slow, half)
-
-
-def half_band(fit: CurrentFit, own: Record, arm: Known) -> Array:
-    """Return half of the band (N, 6) [A] of a fit."""
-    return band(fit, own, arm.smooth, arm.smooth(friction_current(fit, own), own))
 
 
 def joint_rows(about: dict[str, Any], slow: Array, half: Array) -> Iterator[dict[str, Any]]:
@@ -207,7 +202,7 @@ def days_left_out(arm: Known) -> Iterator[dict[str, Any]]:
         about = {"arm": arm.name, "day": arm.runs[own[0]].record.day}
         for record in records(arm, own):
             slow = arm.smooth(record.current - predict(others, record), record)
-            rows = joint_rows(about, slow, half_band(others, record, arm))
+            rows = joint_rows(about, slow, band(others, record, arm.smooth))
             for row, (value, half), (known, width) in zip(rows, *pairs, strict=True):
                 yield row | {"agrees": bool(abs(value - known) <= np.hypot(half, width))}
 

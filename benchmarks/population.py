@@ -27,7 +27,6 @@ from ur5lib.identification.currents import (
     band,
     expected_fit,
     fit_currents,
-    friction_current,
     parameters,
     predict,
 )
@@ -122,7 +121,7 @@ def rmse(residuals: Sequence[Array], records: Sequence[Record]) -> Array:
 
 def covered(fit: CurrentFit, record: Record) -> float:
     """Return the share of a recording's currents inside the band of a fit."""
-    half = band(fit, record, SMOOTH, SMOOTH(friction_current(fit, record), record))
+    half = band(fit, record, SMOOTH)
     slow = SMOOTH(record.current - predict(fit, record), record)
     return float(np.mean((np.abs(slow) <= half)[np.isfinite(slow)]))
 

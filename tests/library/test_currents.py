@@ -532,8 +532,7 @@ def test_least_squares_finds_constants(study: list[Record]) -> None:
 
 def test_a_band_covers_a_recording_left_out(study: list[Record], fitted: CurrentFit) -> None:
     other = with_noise(make_record(99), 99)
-    friction = smooth(friction_current(fitted, other), other)
-    half = band(fitted, other, smooth, friction)
+    half = band(fitted, other, smooth)
     scores = score(other, predict(fitted, other), smooth, half)
     assert (scores.coverage > 0.9).all()
     assert (scores.rmse_lowpassed < scores.rmse).all()
@@ -549,7 +548,7 @@ def test_a_band_covers_another_day(fitted: CurrentFit) -> None:
     fit, other = replace(fitted, joints=tuple(narrow)), make_record(99)
     friction = friction_current(fit, other)
     warm = replace(other, current=predict(fit, other) + 0.1 * friction)
-    half = band(fit, warm, smooth, smooth(friction, warm))
+    half = band(fit, warm, smooth)
     assert score(warm, predict(fit, warm), smooth, half).coverage.min() == 1.0
     within = np.full_like(friction, 0.01)
     assert score(warm, predict(fit, warm), smooth, within).coverage.max() < 0.5

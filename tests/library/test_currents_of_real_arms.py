@@ -33,8 +33,7 @@ WEIGHED = 2.805  # kg; what the authors of these logs state in estimate_drive_ga
 
 
 def scores(fit: CurrentFit, record: Record, smooth: Smooth) -> Scores:
-    friction = smooth(friction_current(fit, record), record)
-    return score(record, predict(fit, record), smooth, band(fit, record, smooth, friction))
+    return score(record, predict(fit, record), smooth, band(fit, record, smooth))
 
 
 def by_least_squares(fitted: Fitted, record: Record, smooth: Smooth) -> Array:

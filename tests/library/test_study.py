@@ -73,6 +73,9 @@ def test_the_error_of_a_pattern_is_stated_once_at_its_entry(
     raw["recordings"][1] |= {"role": "fit", "file": "2027-*/*.csv"}
     (error,) = complaints(raw)
     assert "2027-*/*.csv" in error
+    raw["recordings"][1] |= {"file": str(tmp_path / "2027-*" / "*.csv")}  # an absolute path
+    (error,) = complaints(raw)
+    assert "no file" in error
 
 
 def changed(raw: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:

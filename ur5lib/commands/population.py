@@ -93,13 +93,12 @@ def _values(friction: Friction, as_torque: bool) -> dict[int, dict[Trait, tuple[
     as_torque: whether currents were recorded as torques, whose unit shows no torque constant.
     """
     values: dict[int, dict[Trait, tuple[float, float]]] = {}
-    shown = KINDS.keys() - ({"torque_constant"} if as_torque else set())
-    for name, kind in KINDS.items():
-        rows = (row for row in friction.parameters if row.name == name in shown)
-        for row in rows:
+    shown = [name for name in KINDS if not (as_torque and name == "torque_constant")]
+    for name in shown:
+        for row in friction.parameters:
             followed = friction.fit.joints[row.joint - 1].contradicted is None
-            clear = not kind.logarithm or row.value > CLEAR * row.std_error
-            if row.determined and followed and clear:
+            clear = not KINDS[name].logarithm or row.value > CLEAR * row.std_error
+            if row.name == name and row.determined and followed and clear:
                 pair = float(f"{row.value:.4g}"), float(f"{row.std_error:.2g}")
                 values.setdefault(row.joint, {})[name] = pair
     return values

@@ -340,12 +340,12 @@ def load_loss(fit: CurrentFit, record: Record) -> Array:
     return loss
 
 
-def band(fit: CurrentFit, record: Record, smooth: Smooth, friction: Array) -> Array:
-    """Return half the 95 % band (N, 6) [A] of low-passed predictions on a day of its own.
+def band(fit: CurrentFit, record: Record, smooth: Smooth) -> Array:
+    """Return half the 95 % band (N, n) [A] of low-passed predictions on a day of its own.
 
-    Beside what recordings that were left out show, friction differs from day to day; friction:
-    low-passed `friction_current`.
+    Beside what recordings that were left out show, friction differs from day to day.
     """
+    friction = smooth(friction_current(fit, record), record)
     moving, at_rest = np.array([(joint.band_moving, joint.band_rest) for joint in fit.joints]).T
     within = np.where(smoothed_moving(record, smooth), moving, at_rest)
     between = np.hypot(BETWEEN_DAYS * friction, smooth(_coefficients_doubt(fit, record), record))

@@ -49,18 +49,17 @@ def predicted_currents(
     """
     predicted, constant = predict(fit, record), torque_constants(fit)
     external = smoothed_external_torque(record, predicted, constant, smooth, cutoff)
-    friction = smooth(friction_current(fit, record), record)
     return Currents(
         time=signals.time,
         segment=signals.segment,
         predicted_current=predicted,
-        current_band=band(fit, record, smooth, friction),
+        current_band=band(fit, record, smooth),
         external_torque=external,
         causal_torque=causal_external_torque(record, predicted, constant, cutoff),
         load_doubt=LEFT * np.abs(smooth(load_torque, record)),
         observed_torque=observed_torque(record, torques, predicted, load_torque, constant, cutoff),
         gear_torque=smooth(record.torque, record),
-        friction_torque=constant * friction,
+        friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),
     )
 

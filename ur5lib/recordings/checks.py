@@ -169,9 +169,8 @@ def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[
     if not whole.any():
         return {}
     found = {}
-    for joint in range(
-        joint_count(robot)
-    ):  # one after the other, for the memory of long recordings
+    # one joint after the other, for the memory of long recordings
+    for joint in range(joint_count(robot)):
         value, rate = (robot[f"{name}_{joint}"].to_numpy(float) for name in (below, above))
         slope = np.diff(value)[whole[1:]] / period
         mean = (rate[1:] + rate[:-1])[whole[1:]] / 2

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
+from glob import glob
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ NOT_OF_NAMES = re.compile(r"[^A-Za-z0-9_.-]+")
 
 def is_pattern(entry: Any) -> bool:
     """Return whether the file of a recording's entry is a pattern, as in 2026-*/*.csv."""
-    file, folder = (entry.get(key) for key in ("file", "folder")) if _is_entry(entry) else (0, 0)
+    if not isinstance(entry, dict) or "simulate" in entry:
+        return False
+    file, folder = entry.get("file"), entry.get("folder")
     if not isinstance(file, str) or not isinstance(folder, str) or not WILDCARD.search(file):
         return False
     return not Path(folder, file).exists()
@@ -25,13 +28,9 @@ def of_each_file(entry: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     in the path, as 2026-03-09, 2026_03_09 or 20260309, unless the entry has one.
     """
     folder = Path(entry["folder"])
-    for path in sorted(file for file in folder.glob(entry["file"]) if file.is_file()):
-        file = path.relative_to(folder)
+    found = (Path(file) for file in glob(entry["file"], root_dir=folder, recursive=True))
+    for file in sorted(file for file in found if (folder / file).is_file()):
         own = NOT_OF_NAMES.sub("-", str(file.with_suffix("")))
         day = DAY.search(str(file))
         date = {"date": "-".join(day.groups())} if day else {}
         yield date | {**entry, "file": str(file), "name": f"{entry.get('name')}_{own}"}
-
-
-def _is_entry(entry: Any) -> bool:
-    return isinstance(entry, dict) and "simulate" not in entry

@@ -62,7 +62,8 @@ class Channel:
             [self.name.format(key) for key in self._found(names)] if self.several else [self.name]
         )
         whole = [sum(1 for _ in takewhile(names.__contains__, _numbered(stem))) for stem in stems]
-        return -(max(whole, default=0) // math.prod(self.shape))  # of -1, rounded up
+        of_each_joint = abs(math.prod(self.shape))
+        return math.ceil(max(whole, default=0) / of_each_joint)
 
     def read(self, source: "Source") -> Any:
         """Return the samples (N, *shape), None where absent; by key where there are several."""
