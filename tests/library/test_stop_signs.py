@@ -15,9 +15,12 @@ import pytest
 import yaml
 from scipy.signal import butter, sosfiltfilt
 
+from benchmarks.harness.pushes import pushes
+from benchmarks.simulated_contacts import planned
 from tests.conftest import PROJECT, recordings, said
 from tests.entries import read_and_repair
 from tests.synthetic import write_recording
+from ur5lib.channels import columns
 from ur5lib.pipeline.carried import carried
 from ur5lib.pipeline.records.signals import Signals
 from ur5lib.recordings.block_means import BlockMeans
@@ -142,6 +145,18 @@ def test_real_recordings_are_right(study: str, name: str) -> None:
 @pytest.mark.parametrize(("name", "robot"), EACH_ARM)
 def test_simulated_recordings_are_right(made: Path, name: str, robot: str) -> None:
     assert simulated(made, name, robot, "floor").signs() == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", [0, 2])
+def test_recordings_of_an_arm_with_much_friction_are_right(tmp_path: Path, path: int) -> None:
+    plan = planned(6, pushes(6, each=1))["recordings"][path]
+    entry = parse_study({"study": "m", "title": "M", "recordings": [plan]}, "").recordings[0]
+    drawn = SimulatedRecording.model_validate(plan["simulate"])
+    simulate(load_robot(robot_path("ur5")), drawn, "thesis-csv", tmp_path, tmp_path / "truth")
+    taken = take(entry.model_copy(update={"folder": str(tmp_path)}))
+    assert taken.signs() == []
+    assert taken.signs(taken.table.drop(columns=columns("target_moment"))) == []
 
 
 @pytest.mark.parametrize("mounting", ["ceiling", "wall"])

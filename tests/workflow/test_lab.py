@@ -1,5 +1,6 @@
 """A folder of one's own: the package, installed without the clone, builds a study there."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -152,6 +153,18 @@ use rule * from ur5
 """
     )
     assert "write_report" in installed.snakemake(folder, "--cores", "1", "--dry-run")
+
+
+@pytest.mark.slow  # installs all that the package depends on
+def test_pipx_installs_the_package_with_what_it_needs(wheel: Path, tmp_path: Path) -> None:
+    lock = PROJECT / "requirements.lock"
+    pipx = [sys.executable, "-m", "pipx", "install", "--quiet", "--include-deps", wheel]
+    places = {"PIPX_HOME": str(tmp_path / "home"), "PIPX_BIN_DIR": str(tmp_path / "bin")}
+    subprocess.run(pipx, env=os.environ | places | {"PIP_CONSTRAINT": str(lock)}, check=True)
+    here = Installed(tmp_path, tmp_path)
+    lab = here.lab("mylab")
+    small_study(lab)
+    assert "report: results/made/report.html" in here.run("snakemake", folder=lab)
 
 
 @pytest.mark.slow  # two whole studies

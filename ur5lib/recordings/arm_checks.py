@@ -22,7 +22,7 @@ from ur5lib.timeseries.arrays import Array
 TOOL = 0.01  # m; in right recordings, the tool stays within 0.002 m of its place on the flange
 MODELLED = 0.15  # share of target_moment that the right arm may leave; it leaves 0.063 at most
 SURE = 40.0  # difference of log-likelihoods; in right recordings of four arms, at most 31
-SURE_JOINTS = 20.0  # the same of two exchanged joints
+SURE_JOINTS = 60.0  # the same of two exchanged joints; at most 46 where a few postures are held
 PRECISE = 0.02  # Nm; nothing is explained better
 EXPLAINED = 0.1  # share that another arm, a load or a unit may leave to be named as the cause
 LIGHT, HEAVY = 0.3, 40.0  # kg; loads that are named as the cause

@@ -28,7 +28,7 @@ from ur5lib.robots.statics import gravity_torque, load_torque
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
-SURE = 20.0  # difference of log-likelihoods; in right recordings of four arms, at most 9
+SURE = 20.0  # difference of log-likelihoods; in right recordings of real and drawn arms, at most 12
 SURE_PAIR = 60.0  # the same of two joints before all others; in right recordings, at most 5
 SURE_BY_HAND = 40.0  # likewise of a led arm, before shorter delays; in right ones, at most 1
 NOISE = 0.02  # A; nothing is explained better
@@ -63,8 +63,7 @@ def strange_currents(
     answers = innovation_likelihoods(robot, step, lags * count)
     motion, own = delay_scores(robot, arm, step, count, lags), np.einsum("ljj->l", answers)
     delays = np.asarray(lags * count * step)
-    for scores in (motion, own):
-        yield from delayed(delays, scores, driven)
+    yield from delayed(delays, motion + own, driven)
     exchanged = [*exchanged_currents(means, arm, answers[most])]
     yield from exchanged
     if driven:

@@ -82,11 +82,11 @@ def _contradictions(
     loaded = arm.carrying(declared)
     yield from foreign_currents(means, loaded)
     moves, driven = int(moving(means).sum()), is_driven(robot)
-    if fitted or moves:  # a push against an arm at rest looks like gravity
+    # a known torque has shown arm and joints; a push against an arm at rest looks like gravity
+    if means.torque is None and (fitted or moves):
         yield from exchanged_joints(means, loaded)
-        if means.torque is None:
-            others = (described(name).mounted(arm.gravity) for name in robot_names())
-            yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
+        others = (described(name).mounted(arm.gravity) for name in robot_names())
+        yield from foreign_arm(means, loaded, [other.carrying(declared) for other in others])
     # a torque sensor beyond the gear shows no friction, by which these know a current
     if moves >= (1 if driven else LED) and not arm.senses_torque():
         yield from strange_currents(robot, means, loaded, step, driven)

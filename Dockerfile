@@ -1,0 +1,13 @@
+# The workflow with all that it needs: docs/clusters.md, "Containers".
+FROM debian:bookworm-slim
+RUN apt-get update \
+    && apt-get install --yes --no-install-recommends python3-venv \
+    && rm -rf /var/lib/apt/lists/*
+COPY . /opt/source
+RUN python3 -m venv /opt/ur5lib \
+    && /opt/ur5lib/bin/pip install --no-cache-dir --requirement /opt/source/requirements.lock \
+    && /opt/ur5lib/bin/pip install --no-build-isolation --no-deps /opt/source \
+    && rm -rf /opt/source
+ENV PATH=/opt/ur5lib/bin:/usr/local/bin:/usr/bin:/bin
+WORKDIR /lab
+CMD ["snakemake"]
