@@ -664,12 +664,12 @@ def robot_cases(base: Base, folder: Path) -> Iterator[Case]:
 
 
 def sensor_cases(base: Base, folder: Path) -> Iterator[Case]:
-    """A recording with its force sensor's file damaged."""
+    """A recording with its force sensor's file damaged; one reader serves those of all formats."""
     if base.sensor is None or base.name == "rtde-blank":
         return
     mark, head = (b",", 0) if base.name == "rtde" else (base.mark, 0)
     of_sensor = replace(base, mark=mark, head=head)
-    made = {} if base.name.startswith("Movement") else TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD
+    made = TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD if base.name == "rtde" else {}
     for kind, damage in (made | FORCES).items():
         if kind == "stale data":
             continue  # a force sensor at rest says the same twice, and may

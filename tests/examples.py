@@ -4,7 +4,7 @@ import ast
 import functools
 import re
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import dedent
@@ -22,7 +22,7 @@ from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 
 MARKDOWN = MarkdownIt("commonmark").enable("table")
-COMMANDS = ("make", "snakemake", "ur5", "git", "python", "pip", "cp", "rm", "sbatch", "cd", ".")
+COMMANDS = ("make", "snakemake", "ur5", "python", "git", "pip", "cp", "rm", "sbatch", "cd", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
@@ -30,6 +30,7 @@ FIRST = {  # what the first line of a block begins with
     "way-points": re.compile(r"-?\d+\.\d+,"),
     "moves": re.compile(r"move[jl]\("),
     "listing": re.compile(r"[\w./-]+/?(?:,? [\w./-]+/\S*)? {2,}\S"),
+    "equation": re.compile(r".* [=∝] "),
 }
 ENTRY = {"name": "run", "robot": "ur5", "role": "fit", "folder": "raw/mine"}
 FORMATS: list[dict[str, Any]] = [
@@ -44,9 +45,7 @@ LAB: dict[str, dict[str, Any]] = {
     "imu": {"port": "/dev/ttyUSB0"},
 }
 SENSOR = {"file": "force.csv", "columns": ["time", "ft"]}
-CALIBRATION = "\n".join(
-    f"delta_{name} = [0, 0, 0, 0, 0, 0]" for name in ("theta", "d", "a", "alpha")
-)
+CALIBRATION = "".join(f"delta_{n} = [0, 0, 0, 0, 0, 0]\n" for n in ("theta", "d", "a", "alpha"))
 
 
 @dataclass(frozen=True)
@@ -77,12 +76,8 @@ def parts(text: str) -> Iterator[tuple[int, str, str]]:
     for token in MARKDOWN.parse(text):
         line = token.map[0] + 1 if token.map else 0
         if token.type in ("fence", "code_block"):
-            block = dedent(token.content)
-            yield line, block, kind_of(block)
-        for child in token.children or []:
-            span = child.content
-            if child.type != "code_inline":
-                continue
+            yield line, dedent(token.content), kind_of(dedent(token.content))
+        for span in (one.content for one in token.children or [] if one.type == "code_inline"):
             if INLINE.match(span):
                 yield line, span, "shell"
             elif re.match(r"[a-z_]+: ", span) and span.split(":")[0] in study_keys():
@@ -98,25 +93,11 @@ def study_keys() -> set[str]:
 
 
 def kind_of(block: str) -> str:
-    """What a block is: shell, equation, one of FIRST, or unknown."""
+    """What a block is: shell, one of FIRST, or unknown."""
     lines = [line for line in block.splitlines() if line.strip()]
     if all(line.split()[0].removeprefix(".venv/bin/") in COMMANDS for line in lines):
         return "shell"
-    kinds = [kind for kind, first in FIRST.items() if first.match(lines[0])]
-    equation = all(re.search(" [=∝] ", line) for line in lines)
-    return next(iter(kinds), "equation" if equation else "unknown")
-
-
-# Shell
-
-
-def shell_faults(text: str) -> list[str]:
-    """What is wrong with the commands of an example."""
-    return [
-        f"`{line}`: {fault}"
-        for line in text.splitlines()
-        if (words := words_of(line)) and (fault := command_fault(words))
-    ]
+    return next((kind for kind, first in FIRST.items() if first.match(lines[0])), "unknown")
 
 
 def words_of(line: str) -> list[str]:
@@ -126,90 +107,35 @@ def words_of(line: str) -> list[str]:
     return words[: words.index(">")] if ">" in words else words
 
 
-def command_fault(words: list[str]) -> str | None:
-    """Why a command cannot be run as it stands."""
-    check = SHELL[words[0].removeprefix(".venv/bin/")]
-    try:
-        return check(words[1:])
-    except (Exception, SystemExit) as error:  # each parser has its own
-        return str(getattr(error, "message", error))
-
-
-def check_make(words: list[str]) -> str | None:
-    makefile = (PROJECT / "Makefile").read_text()
-    targets = set(re.findall(r"^([a-z-]+):", makefile, re.MULTILINE))
-    variables = set(re.findall(r"^([A-Z]+) [?:]?=", makefile, re.MULTILINE))
-    given = {word.split("=")[0] for word in words if "=" in word}
-    wrong = ({word for word in words if "=" not in word} - targets) | (given - variables)
-    return f"the Makefile has no {', '.join(sorted(wrong))}" if wrong else None
-
-
-def check_snakemake(words: list[str]) -> str | None:
-    """Its options; a cluster's executor is a plugin that may not be installed here."""
-    words = ["local" if word == "slurm" else word for word in words]
-    parser = get_argument_parser()
-    parser.exit_on_error = False
-    known = parser.parse_args(words)
-    named = [str(path) for path in known.configfile or []] if known.configfile else []
-    wrong = [name for name in named if "/" in name and not (PROJECT / name).exists()]
-    return f"there is no {', '.join(wrong)}" if wrong else None
-
-
-def check_ur5(words: list[str]) -> str | None:
-    group = typer.main.get_command(app)
-    command = group.commands.get(words[0])  # type: ignore[attr-defined]
-    if command is None:
-        return f"there is no command {words[0]}"
-    if words[1:]:  # else the text names the command
-        command.make_context(words[0], list(words[1:]))
+def check_command(line: str) -> None:
+    """Assert that a command, and one inside it, is known with its options."""
+    words = words_of(line)
+    if "&&" in words or "--wrap" in words:  # of cd and sbatch
+        return check_command(words[-1] if "--wrap" in words else line.partition("&&")[2])
+    name, *words = words or [""]
+    match name.removeprefix(".venv/bin/"):
+        case "ur5" if words:
+            command = typer.main.get_command(app).commands[words[0]]  # type: ignore[attr-defined]
+            if words[1:]:  # else the text names the command
+                command.make_context(words[0], words[1:])
+        case "make":
+            makefile = (PROJECT / "Makefile").read_text()
+            for word in words:
+                known = rf"^{word.split('=')[0]} [?:]?=" if "=" in word else f"^{word}:"
+                assert re.search(known, makefile, re.MULTILINE), f"no {word} in the Makefile"
+        case "snakemake":  # a cluster's executor is a plugin that may not be installed here
+            parser = get_argument_parser()
+            known = parser.parse_args(["local" if word == "slurm" else word for word in words])
+            named = [str(path) for path in known.configfile or [] if "/" in str(path)]
+            assert all((PROJECT / path).exists() for path in named), named
+        case "python":
+            script = PROJECT / (words[1].replace(".", "/") + ".py")
+            text = script.read_text() + (PROJECT / "benchmarks/harness/options.py").read_text()
+            assert all(f'"{word}"' in text for word in words if word.startswith("--")), words
+        case "cp" | "rm":  # what no run makes is there
+            named = [word for word in words if not word.startswith(("-", "results/", ".venv"))]
+            assert all((PROJECT / word).exists() for word in named), named
     return None
-
-
-def check_python(words: list[str]) -> str | None:
-    if words[0] == "-m":
-        words = [words[1].replace(".", "/") + ".py", *words[2:]]
-    script = PROJECT / words[0]
-    if not script.is_file():
-        return f"there is no {words[0]}"
-    options = [word for word in words if word.startswith("--")]
-    text = script.read_text()
-    if "benchmarks.harness.options" in text:
-        text += (PROJECT / "benchmarks/harness/options.py").read_text()
-    missing = [option for option in options if f'"{option}"' not in text]
-    return f"{words[0]} knows no {', '.join(missing)}" if missing else None
-
-
-def check_files(words: list[str]) -> str | None:
-    """Of cp and rm: what is not made by a run is there."""
-    made = ("results/", ".venv", "raw/")
-    named = [word for word in words if not word.startswith(("-", *made))]
-    wrong = [word for word in named if not (PROJECT / word).exists()]
-    return f"there is no {', '.join(wrong)}" if wrong else None
-
-
-def check_sbatch(words: list[str]) -> str | None:
-    """The command that it is to run."""
-    return command_fault(shlex.split(words[words.index("--wrap") + 1]))
-
-
-def check_cd(words: list[str]) -> str | None:
-    """The command that follows."""
-    return command_fault(words[2:]) if words[1:2] == ["&&"] else None
-
-
-SHELL: dict[str, Callable[[list[str]], str | None]] = {
-    "make": check_make,
-    "snakemake": check_snakemake,
-    "ur5": check_ur5,
-    "python": check_python,
-    "cp": check_files,
-    "rm": check_files,
-    "sbatch": check_sbatch,
-    "cd": check_cd,
-    "git": lambda words: None if words[0] in {"clone", "describe", "status"} else "unknown",
-    "pip": lambda words: None if words[0] == "install" else "unknown",
-    ".": lambda words: None if words == [".venv/bin/activate"] else "no such environment",
-}
 
 
 # Studies
@@ -220,22 +146,18 @@ def yaml_faults(text: str, folder: Path) -> list[str]:
 
     folder: where the files that it names are made.
     """
-    part = yaml.safe_load(text)
-    found = [faults_of(study, folder) for study in completed(part)]
-    return min(found, key=len)
+    return min((faults_of(study, folder) for study in completed(yaml.safe_load(text))), key=len)
 
 
 def completed(part: Any) -> list[dict[str, Any]]:
     """All studies that a part may be of: its recordings, settings, an entry, a sensor, a device."""
     head = {"study": "mine", "title": "Mine"}
-    entries = [ENTRY | form for form in FORMATS]
     if isinstance(part, list):
         return [head | {"recordings": part}]
-    if "simulate" in part:
-        entries = [ENTRY | form for form in FORMATS[:1]]
+    entries = [ENTRY | form for form in FORMATS[: 1 if "simulate" in part else None]]
     parts: list[dict[str, Any]] = [{"recordings": entries[:1]} | part]
     parts += [{"recordings": [entry | part]} for entry in entries]
-    parts += [{"recordings": [entries[1] | {"force_sensor": SENSOR | part}]}]
+    parts += [{"recordings": [ENTRY | FORMATS[1] | {"force_sensor": SENSOR | part}]}]
     parts += [
         {"recordings": entries[:1], "devices": LAB | {name: LAB[name] | part}} for name in LAB
     ]
@@ -243,8 +165,17 @@ def completed(part: Any) -> list[dict[str, Any]]:
 
 
 def faults_of(study: dict[str, Any], folder: Path) -> list[str]:
+    """The lines of a study's error, none if it is valid; the files that it names are made."""
     for entry in study["recordings"]:
-        make_files(entry, folder)
+        own, pattern = folder / str(entry.get("folder", "")), str(entry.get("file", ""))
+        own.mkdir(parents=True, exist_ok=True)
+        if "*" in pattern:
+            found = own / pattern.replace("*", "1")
+            found.parent.mkdir(parents=True, exist_ok=True)
+            found.touch()
+        way_points = entry.get("simulate", {}).get("trajectory", {}).get("way_points")
+        if isinstance(way_points, str):
+            (folder / way_points).write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
     if isinstance(arm := study.get("robot"), dict) and "calibration" in arm:
         (folder / arm["calibration"]).write_text(CALIBRATION)
     try:
@@ -252,26 +183,3 @@ def faults_of(study: dict[str, Any], folder: Path) -> list[str]:
     except InputError as error:
         return str(error).splitlines()
     return []
-
-
-def make_files(entry: dict[str, Any], folder: Path) -> None:
-    """Make what an entry names: its folder, a file of its pattern, its file of way-points."""
-    (folder / str(entry.get("folder", ""))).mkdir(parents=True, exist_ok=True)
-    if "*" in (pattern := entry.get("file", "")):
-        found = folder / str(entry.get("folder", "")) / pattern.replace("*", "1")
-        found.parent.mkdir(parents=True, exist_ok=True)
-        found.touch()
-    way_points = entry.get("simulate", {}).get("trajectory", {}).get("way_points")
-    if isinstance(way_points, str):
-        (folder / way_points).write_text("movej([0, -1, 1, 0, 0, 0])\n" * 2)
-
-
-# Listings
-
-
-def listing_faults(text: str) -> list[str]:
-    """The files of a listing that do not exist; a line may name two, or go on with a text."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith(" ")]
-    named = [re.split(r" {2,}", line)[0] for line in lines]
-    paths = [path for names in named for path in names.split(", ")]
-    return [f"there is no {path}" for path in paths if not (PROJECT / path).exists()]

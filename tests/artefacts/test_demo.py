@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 
 from tests.artefacts.documents import (
     check_in_browser,
@@ -15,7 +14,6 @@ from tests.artefacts.documents import (
     check_structure,
     page_texts,
 )
-from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT, Workflow
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from tests.library.test_benchmarks import run_benchmark
@@ -189,11 +187,6 @@ def test_the_report_is_fit_to_be_read(results: Path, tmp_path: Path) -> None:
     check_results(results)
     check_in_browser(results / "report.html", tmp_path)
     check_pdf(results / "report.pdf", ["What was found", "Estimates against the truth"])
-
-
-def test_the_summary_tells_the_numbers_of_the_tables(demo: Workflow, results: Path) -> None:
-    study = yaml.safe_load((demo.folder / "config.yaml").read_text())
-    check_summary(results / "report.html", study)
 
 
 def test_the_notebook_runs(demo: Workflow, monkeypatch: pytest.MonkeyPatch) -> None:

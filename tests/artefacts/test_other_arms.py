@@ -35,7 +35,8 @@ def unfitted(thesis_data: Path, common_folder: Path) -> Path:
         del study["reference"]
         (folder / "config.yaml").write_text(yaml.safe_dump(study))
 
-    return build_once(common_folder / "unfitted", prepare).folder / "results" / "thesis"
+    workflow = build_once(common_folder / "unfitted", prepare, "--until", "compare_forces")
+    return workflow.folder / "results" / "thesis"
 
 
 def test_friction_is_that_of_other_arms(unfitted: Path) -> None:

@@ -18,7 +18,6 @@ from tests.artefacts.documents import (
     check_structure,
     page_texts,
 )
-from tests.artefacts.summary import check_summary
 from tests.conftest import PROJECT
 from ur5lib.pipeline.estimators import PUBLISHED
 from ur5lib.report.reference import published, read_reference
@@ -646,11 +645,6 @@ def test_the_report_is_well_formed_for_readers(thesis_results: Path, page: Page)
     check_structure(thesis_results / "report.html")
     check_results(thesis_results)
     assert ("html", {"lang": "en"}) in page.tags
-
-
-def test_the_summary_tells_the_numbers_of_the_tables(thesis_results: Path) -> None:
-    study = yaml.safe_load((PROJECT / "workflow/studies/thesis.yaml").read_text())
-    check_summary(thesis_results / "report.html", study)
 
 
 def test_the_report_reads_in_a_browser_and_prints(thesis_results: Path, tmp_path: Path) -> None:

@@ -41,17 +41,14 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     | {"commands", "comparing", "datasets", "dynamics", "exporting", "force", "importing", "lab"}
     | {"study"},
 }
-LIGHT_STEPS = [
-    "repair_frames",
-    "fit_residuals",
-    "estimate_forces",
-    "compare_forces",
-    "set_threshold",
-    "detect_contacts",
-    "ablate_forces",
-    "make_tables",
-    "draw_figures",
-    "time_steps",
+LIGHT = ("repair_frames", "set_threshold", "ablate_forces", "make_tables", "draw_figures")
+LOADED = [  # steps, loaded one after the other, and the packages that none has loaded by then
+    (
+        ("fit_residuals", "compare_forces", "estimate_forces", "detect_contacts"),
+        {"torch", "scipy.stats", "scipy.signal", "scipy.optimize"},
+    ),
+    ((*LIGHT, "time_steps"), {"torch", "scipy.stats", "scipy.signal"}),
+    (("compute_torques", "estimate_payload", "identify_model"), {"pytorch_kinematics"}),
 ]
 MODULES = sorted((PROJECT / "ur5lib").rglob("*.py"))
 SCRIPTS = sorted((PROJECT / "workflow" / "scripts").glob("*.py"))
@@ -70,22 +67,11 @@ def test_only_dynamics_imports_torch() -> None:
     assert {path.parent.name for path in users} == {"dynamics"}
 
 
-@pytest.mark.parametrize(
-    ("packages", "steps"),
-    [
-        (["torch", "scipy.stats", "scipy.signal"], LIGHT_STEPS),
-        (
-            ["scipy.optimize"],
-            ["fit_residuals", "compare_forces", "estimate_forces", "detect_contacts"],
-        ),
-        (["pytorch_kinematics"], ["compute_torques", "estimate_payload", "identify_model"]),
-    ],
-)
-def test_no_step_waits_for_a_package_in_vain(packages: list[str], steps: list[str]) -> None:
+def test_no_step_waits_for_a_package_in_vain() -> None:
     """Loading one of these takes longer than most steps work."""
-    paths = [f"workflow/scripts/{step}.py" for step in steps]
-    program = f"import runpy, sys; [runpy.run_path(path) for path in {paths}]"
-    program += f"; sys.exit(', '.join(sys.modules.keys() & {{*{packages}}}))"
+    program = f"import runpy, sys\nfor steps, packages in {LOADED}:"
+    program += "\n [runpy.run_path(f'workflow/scripts/{step}.py') for step in steps]"
+    program += "\n if found := sys.modules.keys() & packages: sys.exit(f'{steps}: {found}')"
     done = subprocess.run([sys.executable, "-c", program], cwd=PROJECT, capture_output=True)
     assert done.stderr.decode().strip() == ""
 

@@ -165,11 +165,11 @@ def finding(severity: str, name: str = "lost frames", count: int = 1, **more: An
 
 def test_the_worst_file_is_named() -> None:
     rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
-    told = said(judge_files(study(quality=[*rows, finding("note")])))
-    assert told == (
-        "usable: wave.csv lost 250 of 1,000 frames (interpolated). "
-        "2 warnings, 1 note; errors or warnings on 2 of 3 recordings."
-    )
+    verdict = judge_files(study(quality=[*rows, finding("warning", "jitter"), finding("note")]))
+    assert verdict.state == "usable"
+    assert "wave.csv lost 250 of 1,000 frames" in verdict.sentence
+    assert [number.value for number in verdict.numbers] == [0, 0, 3, 1]
+    assert [number.value for number in verdict.evidence.numbers] == [3, 1, 2, 3]
 
 
 @pytest.mark.parametrize(
@@ -194,6 +194,7 @@ def torques(errors: dict[str, float], recordings: tuple[str, ...] = ("seen",)) -
 
 def test_a_link_model_is_judged_on_unseen_recordings() -> None:
     rows = torques({"A": 0.2, "B": 0.1}) + torques({"A": 0.0, "B": 0.9}, ("fitted",))
+    rows += [row | {"motion": "closed_loop", "mae": 0.3} for row in rows]
     verdict = judge_links(study(torque_mae=rows))
     assert verdict.state == "good"
     assert percents(verdict.sentence) == [10]
@@ -204,12 +205,13 @@ def test_a_link_model_is_judged_on_unseen_recordings() -> None:
 
 def test_a_link_model_is_said_to_be_as_far_off_as_it_is() -> None:
     """The mean over recordings on the worst joint, and the largest error on any of them."""
-    rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",))
+    rows = torques({"A": 0.4}) + torques({"A": 0.6}, ("pushed",)) + torques({"A": 0.8}, ("other",))
     rows[7] |= {"mae": 3.0, "zero_mae": 20.0}  # the largest, though a small share
-    verdict = judge_links(study(torque_mae=rows))
-    assert (verdict.state, percents(verdict.sentence)) == ("usable", [50])
+    rows[12] |= {"mae": 0.95}
+    verdict = judge_links(study({"other": EVERY_JOINT}, torque_mae=rows))
+    assert (verdict.state, percents(verdict.sentence)) == ("usable", [65])
     mean, most = verdict.numbers
-    assert (mean.value, mean.low, mean.high) == (0.5, 0.4, 0.6)
+    assert (mean.value, mean.low, mean.high) == (pytest.approx(0.65), 0.4, 0.95)
     assert (most.value, most.place, most.baseline) == (3.0, "joint 2 on pushed", 20.0)
 
 
@@ -264,6 +266,7 @@ def test_currents_are_judged_beside_a_constant(
 def test_currents_name_the_largest_error_and_the_least_band_by_themselves() -> None:
     """No mean over recordings hides the one on which a band holds least."""
     rows = predicted(0.2) + predicted(0.2, recording="fitted")
+    rows += [row | {"model": "linear", "rmse_2hz": 3.0, "coverage95": 0.1} for row in rows]
     rows[8] |= {"coverage95": 0.86}
     rows[3] |= {"rmse_2hz": 2.0, "r2": 1 - 0.1**2}
     results = study(current_rmse=rows)
@@ -395,6 +398,25 @@ def test_the_controller_s_own_estimate_is_judged_by_its_name() -> None:
     assert "the force by the controller, from currents is off" in card.sentence
 
 
+def test_findings_count_contacts_false_alarms_and_the_smallest_push() -> None:
+    """Of the weakest class, of quiet validate recordings, along the worst axis."""
+    known = {"recording": "seen", "estimate": "Fmap", "alarms_per_min": 0.0}
+    least = dict(zip(("x", "y", "z"), (14.0, 28.0, 12.0), strict=True))
+    push = {f"smallest_force_95_{axis}": force for axis, force in least.items()}
+    counts = {"force_class_n": 5.0, "contacts": 4, "found": 3}
+    twice = {name: 2 * force for name, force in push.items()}
+    thrice = {name: 2.5 * force for name, force in push.items()}
+    rows = [
+        known | counts | push,
+        known | counts | twice | {"recording": "fitted", "alarms_per_min": 9.0},
+        known | counts | thrice | {"recording": "pushed", "force_class_n": 20.0, "found": 4},
+        known | {"alarms_per_min": 1.0},
+    ]
+    contacts = [{"recording": name, "estimate": "Fmap", "kind": "contact"} for name in ROLES]
+    found = [own.numbers for own in findings(study(detection=rows, contacts=contacts))]
+    assert [[own.value for own in numbers] for numbers in found] == [[1], [6, 8], [0.5], [56]]
+
+
 # Motion
 
 
@@ -405,6 +427,8 @@ def test_motion_is_judged_beside_an_imu_alone() -> None:
     verdict = judge_motion(study(acceleration_mae=rows))
     assert (verdict.state, percents(verdict.sentence)) == ("good", [25])
     assert (verdict.numbers[0].value, verdict.numbers[0].place) == (0.05, "rz")
+    rows[0] |= {"mae": 0.06, "zero_mae": 0.6}  # larger, in another unit
+    assert judge_motion(study(acceleration_mae=rows)).numbers[1].place == "rz on seen"
     nothing = [row | {"component": "x", "mae": 0.551, "zero_mae": 0.552}]
     assert percents(judge_motion(study(acceleration_mae=nothing)).sentence) == [100]
 

@@ -13,7 +13,6 @@ import yaml
 from pypdf import PdfReader
 
 from tests.artefacts.documents import check_pdf, check_results, check_structure
-from tests.artefacts.summary import check_summary
 from tests.conftest import Workflow, copy_project
 from ur5lib.report.compose import compose
 from ur5lib.report.document import contents
@@ -114,19 +113,13 @@ def test_one_recording_without_sensors_is_a_report(alone: Workflow) -> None:
     assert not re.search(
         r"\b(nan|None(?! is fitted))\b", re.sub(r"<pre.*?</pre>", "", text, flags=re.DOTALL)
     )
-
-
-def test_the_summary_of_one_recording_tells_the_numbers_of_the_tables(alone: Workflow) -> None:
-    report = alone.folder / "results" / "alone" / "report.html"
-    check_summary(report, yaml.safe_load(STUDY))
-    assert "thesis" not in re.sub(r"data:[^\"]*", "", sentences(report))
+    assert "thesis" not in re.sub(r"data:[^\"]*", "", text)
 
 
 def test_a_standstill_tells_no_models_apart_and_no_friction(standstill: Workflow) -> None:
     report = standstill.folder / "results" / "standstill" / "report.html"
     check_structure(report)
     check_results(report.parent)
-    check_summary(report, yaml.safe_load(STANDSTILL))
     text = sentences(report)
     assert "closest to the controller" not in text
     assert '<td class="left">did not move</td>' in text
@@ -137,7 +130,7 @@ def test_contacts_beside_a_sensor_are_shown_without_a_fit(pressed: Workflow) -> 
     """The sensor's numbers, and the force from known torque constants, inside its wide band."""
     folder = pressed.folder / "results" / "pressed"
     check_structure(folder / "report.html")
-    check_summary(folder / "report.html", yaml.safe_load(PRESSED))
+    check_results(folder)
     (sensed,) = read_csv(folder / "tables" / "sensed.csv").itertuples()
     assert sensed.contacts == 3
     assert sensed.largest_force_n == pytest.approx(90, rel=0.1)

@@ -1,4 +1,4 @@
-"""A sensor of three forces: imported, compared and reported without moments."""
+"""A sensor of three forces: imported and compared without moments."""
 
 from pathlib import Path
 from typing import Any
@@ -40,7 +40,7 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Workflow:
     study = {"study": "forces", "title": "Three forces"}
     moved = made["recordings"][0] | {"name": "moved"}
     config.write_text(yaml.safe_dump(study | {"recordings": [moved, imported, apart]}))
-    workflow.build()
+    workflow.build("--until", "make_tables")
     return workflow
 
 
@@ -74,9 +74,6 @@ def test_forces_are_compared_and_moments_are_not_invented(compared: Workflow, na
 
 
 @pytest.mark.slow
-def test_the_report_says_that_moments_are_not_measured(compared: Workflow) -> None:
-    folder = compared.folder / "results/forces"
-    findings = read_csv(folder / "tables/quality.csv")
+def test_the_findings_say_that_moments_are_not_measured(compared: Workflow) -> None:
+    findings = read_csv(compared.folder / "results/forces/tables/quality.csv")
     assert {*findings.loc[findings["finding"] == "no moments", "recording"]} == {"log", "apart"}
-    report = (folder / "report.html").read_text()
-    assert "moments are not measured" in report

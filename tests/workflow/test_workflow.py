@@ -341,13 +341,13 @@ def test_a_killed_run_goes_on_to_the_same_results(workflow: Workflow) -> None:
 def test_runs_killed_at_random_moments_go_on_to_the_same_results(workflow: Workflow) -> None:
     """Killed as a whole, or its first process alone, whose workers then end by themselves."""
     before, random = results(workflow), np.random.default_rng(0)
-    for _ in range(int(os.environ.get("KILLS", "15"))):
+    for _ in range(int(os.environ.get("KILLS", "4"))):
         lost = random.choice(["pushed", "still", "none"])
         shutil.rmtree(
             workflow.folder / "results" / "small" / "recordings" / lost, ignore_errors=True
         )
         run = started(workflow)
-        time.sleep(random.uniform(0.5, 15))
+        time.sleep(random.uniform(0.5, 10))
         kill = os.killpg if random.random() < 0.5 else os.kill
         kill(run.pid, signal.SIGKILL)
         run.wait()
