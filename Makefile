@@ -25,7 +25,7 @@ studies: .venv/ready ## build the default study and every other whose recordings
 
 test: lint ## run every check, as .ci/run does: style, types, all tests
 	OMP_NUM_THREADS=1 pytest -m "not real_time"  # two processes share the work already
-	OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 --reruns 2 --reruns-delay 5  # alone: they need a machine that keeps up
+	OMP_NUM_THREADS=1 pytest -m real_time --numprocesses 1 --reruns 2 --reruns-delay 5 $$(grep -lr mark.real_time tests)  # alone: they need a machine that keeps up
 
 test-fast: lint ## the same without the tests marked slow: many arms and designs, studies, devices in real time
 	OMP_NUM_THREADS=1 pytest -m "not slow"

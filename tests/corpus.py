@@ -669,8 +669,8 @@ def sensor_cases(base: Base, folder: Path) -> Iterator[Case]:
         return
     mark, head = (b",", 0) if base.name == "rtde" else (base.mark, 0)
     of_sensor = replace(base, mark=mark, head=head)
-    made = TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD if base.name == "rtde" else {}
-    for kind, damage in (made | FORCES).items():
+    made = {"rtde": TRUNCATED | ENCODED | TIMES | LINES | NO_HEAD, "made-up": TIMES | LINES}
+    for kind, damage in (made.get(base.name, {}) | FORCES).items():
         if kind == "stale data":
             continue  # a force sensor at rest says the same twice, and may
         place = folder / base.name / f"sensor {kind}"

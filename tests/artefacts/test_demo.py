@@ -15,11 +15,9 @@ from tests.artefacts.documents import (
     page_texts,
 )
 from tests.conftest import PROJECT, Workflow
-from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from tests.library.test_benchmarks import run_benchmark
 from ur5lib.commands.exported import exported
-from ur5lib.exporting.recordings import TABLES, write_recordings
-from ur5lib.finished import FinishedStudy
+from ur5lib.exporting.recordings import write_recordings
 from ur5lib.importing.files import import_files
 from ur5lib.tables import read_csv, read_json
 
@@ -220,22 +218,6 @@ def test_all_that_is_known_of_the_arm_is_exported(results: Path) -> None:
     assert len(known["torque_noise"]) == len(known["current_model"]) == 6
     quality = read_json(results / "recordings" / "excitation" / "quality.json")
     assert known["files"]["excitation"] == quality["read"]
-
-
-def test_recordings_are_exported_as_they_are(results: Path, tmp_path: Path) -> None:
-    """To each format: what its library reads back is what the study has."""
-    study, name = FinishedStudy(results), "way_points_pushed"
-    mat, csv, mcap = (
-        path
-        for to in ("mat", "csv", "mcap")
-        for path in write_recordings(results, [name], to, tmp_path)
-    )
-    parts = {part: [*study.frame(name, part)] for part in TABLES}
-    start = study.start(name)
-    assert start is not None
-    assert_as_in_study(from_mat(mat, parts), study, name)
-    assert_as_in_study(from_csv(csv), study, name)
-    assert_as_in_study(from_mcap(mcap)[0], study, name, start)
 
 
 @pytest.mark.parametrize(

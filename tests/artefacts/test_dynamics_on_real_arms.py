@@ -13,19 +13,6 @@ from ur5lib.pipeline.records.signals import Signals
 from ur5lib.study.model import Study
 from ur5lib.study.reading import parse_study
 
-TABLE_5_6 = "Movement_No5_Acc_slow_no_disturbance"
-
-
-def test_rotors_explain_what_model_c_leaves(real_ur5: RealStudy) -> None:
-    """Mean absolute error at the target motion below 0.05 Nm; without rotors up to 1.2 Nm."""
-    one = real_ur5.recording(TABLE_5_6)
-    received = ~one.signals.interpolated
-    moment = one.signals.target_moment
-    assert moment is not None
-    error = np.abs(moment - one.torques.target["C+rotors"])[received]
-    assert received.sum() > 3000
-    assert (np.nanmean(error, axis=0) < 0.05).all(), error
-
 
 @pytest.mark.parametrize("number", range(1, 6))
 def test_gravity_of_the_ur10e_at_rest(real_ur10e: RealStudy, number: int) -> None:

@@ -542,18 +542,6 @@ def test_tool_speed_is_the_jacobian_times_the_joint_speed(thesis_results: Path) 
     assert np.abs(speed - channel(robot, "actual_TCP_speed")).mean() < 2e-3
 
 
-def test_known_defects_are_found(thesis_results: Path) -> None:
-    quality = read_csv(thesis_results / "tables" / "quality.csv")
-    stale = quality.query("recording == @TABLE_6_1 and finding == 'stale copy'")
-    assert stale["device"].tolist() == ["imu"]
-    absent = quality.query("finding == 'no sensor'")
-    assert TABLE_5_6 in set(absent["recording"])
-    torn = quality.query("recording == @TABLE_5_6 and finding == 'torn last line'")
-    assert torn["detail"].str.contains("log_i_target.csv, line 3244").any()
-    devices = read_json(thesis_results / "recordings" / TABLE_5_6 / "quality.json")["devices"]
-    assert devices == ["robot", "imu"]
-
-
 def test_clocks_come_with_their_error(thesis_results: Path) -> None:
     clocks = read_csv(thesis_results / "tables" / "clocks.csv").set_index(["recording", "device"])
     force = clocks.loc[(TABLE_6_1, "force")]

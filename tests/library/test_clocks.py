@@ -352,7 +352,6 @@ REFERENCE = {  # offset [s], drift [ppm]: a fit to linear and angular accelerati
 }
 # Where the reference leaves more of the accelerometer's reading unexplained.
 BETTER = [name for name in REFERENCE if any(f"_No{number}_" in name for number in (4, 8, 9))]
-PUSHED = "Movement_No5_Acc_slow_w_disturbance"
 STILL = "Movement_No10_Standstill_WDist"
 
 
@@ -440,17 +439,6 @@ def test_the_accelerometer_bears_out_what_differs(thesis_data: Path, name: str) 
     reference = Clock(offset, 0.0, 1e-6 * drift, 0.0, "reference")
     ratio = found.accelerometer_error(reference) / found.accelerometer_error(found.clock)
     assert ratio > 1.3
-
-
-def test_the_drifts_are_those_of_one_imu(thesis_data: Path) -> None:
-    """Mutually consistent within their standard errors; also where the arm was pushed."""
-    clocks = [real(thesis_data / name).clock for name in (*REFERENCE, PUSHED)]
-    drift = np.array([clock.drift for clock in clocks])
-    std = np.array([clock.drift_std for clock in clocks])
-    common = np.average(drift, weights=std**-2)
-    assert np.abs((drift - common) / std).max() < 3
-    assert np.mean(((drift - common) / std) ** 2) < 2
-    assert common == pytest.approx(-3300e-6, abs=50e-6)
 
 
 def test_what_determines_a_clock_poorly_says_so(thesis_data: Path) -> None:

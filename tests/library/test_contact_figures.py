@@ -215,6 +215,7 @@ def test_figures_of_a_known_error() -> None:
         "coverage50": 1.0,
         "coverage80": 1.0,
         "coverage95": 1.0,
+        "interval_score95": 2 * 1.959964,  # the width of the band, which holds all
     }.items():
         assert figures[name][0] == pytest.approx(value), name
     narrow = figures_by_contact(reference + 0.5, 0.5 * std, reference, force, PERIOD)["all"]

@@ -178,13 +178,10 @@ def test_the_next_recording_complements_the_last() -> None:
 @pytest.mark.slow
 def test_each_question_is_answered_best_by_its_own_design() -> None:
     """Of payload and friction, which ask for the most different motions."""
-    own, other = (task("ur5e", question, 6.0) for question in ("payload", "friction"))
-    effort = Effort(1, 0, ((1e3, 40),))
-    for asked, besides in ((own, other), (other, own)):
-        values = [
-            asked.criterion(asked.information(design(one, 0, effort).path))[0]
-            for one in (asked, besides)
-        ]
+    tasks = [task("ur5e", question, 6.0) for question in ("payload", "friction")]
+    paths = [design(one, 0, Effort(1, 0, ((1e3, 40),))).path for one in tasks]
+    for asked, own, other in zip(tasks, paths, paths[::-1], strict=True):
+        values = [asked.criterion(asked.information(path))[0] for path in (own, other)]
         assert values[0] > values[1]
 
 

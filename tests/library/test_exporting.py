@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.io import loadmat
 
 from tests.exported import assert_as_in_study, from_csv, from_mat, from_mcap
 from ur5lib.errors import InputError
@@ -47,7 +48,9 @@ def exported(results: Path, to: str) -> Path:
 def test_mat_has_the_study_s_numbers(results: Path) -> None:
     study = FinishedStudy(results)
     parts = {part: [*study.frame("pushed", part)] for part in ("signals", "forces")}
-    tables = from_mat(exported(results, "mat"), parts)
+    path = exported(results, "mat")
+    assert loadmat(path)["start_epoch_s"].item() == START
+    tables = from_mat(path, parts)
     assert_as_in_study(tables, study, "pushed")
     assert tables["forces"].attrs["units"]["Fmap_nx"] == "Nm"
 

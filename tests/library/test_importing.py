@@ -511,10 +511,10 @@ def test_logs_without_names(ur10e_data: Path) -> None:
         import_files([ur10e_data / "ur-20_01_17-p1.csv"], [])
 
 
-@pytest.mark.parametrize("joint", [1, 2, 6])
-def test_runs_of_one_joint(ur10e_data: Path, joint: int) -> None:
+@pytest.mark.parametrize(("joint", "robot"), [(1, "ur10e"), (2, ""), (6, "")])
+def test_runs_of_one_joint(ur10e_data: Path, joint: int, robot: str) -> None:
     """What they do not prove is assumed: the order from base to wrist, the folder's arm."""
-    entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv")
+    entry, comments = entry_and_comments(ur10e_data / f"ur-20_01_22-joint_{joint}.csv", robot=robot)
     assert entry["robot"] == "ur10e"
     assert entry["columns"][:3] == ["time", "actual_q", "actual_qd"]
     whole = ["actual_current", "target_current", "target_moment"]

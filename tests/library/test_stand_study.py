@@ -12,7 +12,7 @@ pytestmark = pytest.mark.slow
 
 torch.set_num_threads(1)
 
-SEEDS = 5  # `benchmarks/stand_seeds.py` counts over 20
+SEEDS = 3  # `benchmarks/stand_seeds.py` counts over 20
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
 
 
@@ -31,7 +31,7 @@ def rows(studies: list[list[Taken]]) -> pd.DataFrame:
 
 @pytest.fixture(scope="module")
 def friction(studies: list[list[Taken]]) -> pd.DataFrame:
-    rows = [row for own in studies[:3] for row in map_rows(fitted_map(own), own[0].summary)]
+    rows = [row for own in studies for row in map_rows(fitted_map(own), own[0].summary)]
     return pd.DataFrame(rows)
 
 
