@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterable
 from dataclasses import asdict
 from html.parser import HTMLParser
 from pathlib import Path
@@ -235,6 +236,11 @@ def test_a_wrong_file_of_published_values_is_told(tmp_path: Path) -> None:
 # Contacts
 
 
+def stated(sentences: Iterable[str]) -> list[list[float]]:
+    """The numbers of each sentence."""
+    return [[number.value for number in getattr(one, "numbers", ())] for one in sentences]
+
+
 def searched(name: str, contacts: pd.DataFrame) -> Results:
     """One contact recording without a force sensor, and the contacts found on it."""
     tables = {
@@ -252,7 +258,9 @@ def contact_rows(name: str, alarms: list, links: list | None = None) -> pd.DataF
 
 def test_a_recording_without_contacts_is_told_too() -> None:
     results = searched("quiet", empty("contacts"))
-    assert [*counted(results)] == ["On quiet, which has no force sensor, F̂ᵐᵃᵖ finds no contact."]
+    (told,) = counted(results)
+    assert "quiet" in told
+    assert stated([told]) == [[]]
     assert [*largest_contacts(results)] == []
 
 
@@ -263,10 +271,8 @@ def test_contacts_without_a_sensor_are_told_with_their_force() -> None:
     ]
     rows = contact_rows("pushed", alarms)
     results = searched("pushed", rows)
-    assert [*counted(results), *largest_contacts(results)] == [
-        "On pushed, which has no force sensor, F̂ᵐᵃᵖ finds 2 contacts.",
-        "On pushed, the largest force is 3.0 ± 1.0, 0.0 ± 2.0, −4.0 ± 3.0 N in x, y, z, at 1.5 s.",
-    ]
+    assert stated(counted(results)) == [[2]]
+    assert stated(largest_contacts(results)) == [[3.0, 1, 0.0, 2, -4.0, 3, 1.5]]
     first, second = shown_table("forces.contacts", results, "pushed").rows
     assert [cell.text for cell in first][:3] == ["1.00\u00a0to\u00a02.00", "1.50", "3.0 ± 1.0"]
     assert second[2].text == "1.0 ± 1.0"
@@ -318,9 +324,8 @@ def test_a_load_taken_up_is_no_contact() -> None:
     load = alarm | {"kind": "load", "load_mass": 2.04, "load_mass_std": 0.05}
     rows = contact_rows("grasp", [alarm, load])
     results = searched("grasp", rows)
-    (told,) = counted(results)
-    assert told == "On grasp, which has no force sensor, F̂ᵐᵃᵖ finds 1 contact."
-    assert [*loads_taken_up(results)] == ["On grasp, the arm takes up a load of 2.04 ± 0.05 kg."]
+    assert stated(counted(results)) == [[1]]
+    assert stated(loads_taken_up(results)) == [[2.04]]
     header, rows = shown_table("forces.contacts", results, "grasp")
     assert header[-1] == "load [kg]"
     assert [row[-1].text for row in rows] == ["–", "2.04 ± 0.05"]
@@ -390,14 +395,11 @@ def test_the_headline_sets_contact_beside_free() -> None:
 
 def test_the_summary_never_averages_contact_and_free() -> None:
     force = force_results().tables["force_mae"]
-    assert [*in_contact(force)] == [
-        "On run, the mean absolute error of F̂ᵐᵃᵖ in contact (above 5 N at the sensor) is 4.0, 4.0, "
-        "4.0 N in x, y, z (95 % intervals 3.0 to 5.0, 3.0 to 5.0, 3.0 to 5.0 N); the mean force "
-        "there is 10.0, 10.0, 10.0 N. Its 95 % bands contain 90, 90, 90 % of the readings in "
-        "contact. Free of contact, the error of F̂ᵐᵃᵖ is 0.10, 0.10, 0.10 N."
+    assert stated(in_contact(force)) == [
+        [*[4.0] * 3, *[3.0, 5.0] * 3, *[10.0] * 3, *[90] * 3, *[0.1] * 3]
     ]
     (told,) = undetermined_moments(force)
-    assert told.startswith("The moments ny, nz are undetermined")
+    assert "ny, nz" in told
 
 
 def test_a_sensor_that_saw_no_contact_gives_no_headline() -> None:
@@ -504,9 +506,8 @@ def test_a_load_that_the_model_lacks_is_told_and_judges_nothing() -> None:
     results = Results({}, {"detection": detection, "payload": payloads()}, Path())
     assert [*pushes_found(results)["recording"]] == ["free"]
     (told,) = loads_found(results)
-    assert told.startswith(
-        "On heavy, the currents show an undeclared load of 2.75 ± 0.03 kg on the"
-    )
+    assert "heavy" in told
+    assert stated([told]) == [[2.75]]
 
 
 def test_parts_left_out_stand_beside_the_whole() -> None:
